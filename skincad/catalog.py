@@ -1,0 +1,163 @@
+"""What ships with skincad: templates and silicones; and TOML in, with `--set` overrides.
+
+A file is read as data only: no code, at most `LARGEST_FILE` bytes, no path inside it is followed.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, Literal
+
+from skincad.design import Design, Material
+from skincad.errors import InputError, did_you_mean
+from skincad.tables import Ranged, parse
+
+LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
+Kind = Literal["designs", "scenes", "circuits"]
+
+
+@dataclass(frozen=True)
+class Silicone:
+    """A casting silicone: MPa, kg/m3, minutes and hours at room temperature."""
+
+    name: str
+    young_modulus: Ranged
+    poisson_ratio: float
+    density: float
+    mix: tuple[float, float]
+    pot_life_min: float
+    cure_h: float
+    platinum_cure: bool
+    source: str
+
+
+def templates_folder() -> Traversable:
+    """Return the folder of templates: in the wheel beside this file, in a checkout above it."""
+    inside = files("skincad") / "templates"
+    return inside if inside.is_dir() else files("skincad").joinpath("..") / "templates"
+
+
+def template_names(kind: Kind = "designs") -> list[str]:
+    """Return the names of the templates of one kind, sorted."""
+    folder = templates_folder() / kind
+    if not folder.is_dir():
+        return []
+    return sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml"))
+
+
+def template_text(name: str, kind: Kind = "designs") -> str:
+    """Return a template's TOML text; raises InputError for an unknown name."""
+    known = template_names(kind)
+    if name not in known:
+        raise InputError(name, "no such template", remedy=did_you_mean(name, known))
+    return (templates_folder() / kind / f"{name}.toml").read_text("utf-8")
+
+
+def load(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Design:
+    """Return the design of a template's name or of a TOML file.
+
+    `overrides` are `table.key=value` with a TOML value, or `table=none` to drop an optional table.
+    Raises InputError with key, rule, value and remedy.
+    """
+    return parse(Design, overridden(read_table(source, "designs"), overrides))
+
+
+def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
+    """Return the parsed TOML of a template's name or of a file's path."""
+    name = str(source)
+    if name in template_names(kind):
+        return _parsed(template_text(name, kind), name)
+    path = Path(source)
+    if path.suffix != ".toml" and not path.is_file():
+        raise InputError(
+            name, f"neither a template nor a file among {kind}", remedy=did_you_mean(name, template_names(kind))
+        )
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+        if len(data) > LARGEST_FILE:
+            raise InputError(name, f"must be at most {LARGEST_FILE} bytes", path.stat().st_size)
+        return _parsed(data.decode("utf-8"), name)
+    except OSError as failure:
+        raise InputError(name, f"cannot be read ({failure.strerror})", remedy="check the path") from None
+    except UnicodeDecodeError:
+        raise InputError(name, "is not UTF-8 text", remedy="save it as TOML in UTF-8") from None
+
+
+def _parsed(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as failure:
+        raise InputError(name, f"is not TOML: {failure}", remedy="see `skincad new`") from None
+
+
+def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> dict[str, Any]:
+    """Return the tables with `key=value` texts applied in order; the input stays as it is."""
+    result = {k: dict(v) if isinstance(v, dict) else v for k, v in data.items()}
+    for text in overrides:
+        path, equals, value = text.partition("=")
+        keys = [k.strip() for k in path.split(".")]
+        if not equals or not all(keys):
+            raise InputError("--set", "must be table.key=value", text, "as in --set ridge.height=0.6")
+        table = result
+        for key in keys[:-1]:
+            inner = table.get(key, {})
+            if not isinstance(inner, dict):
+                raise InputError(f"--set {path}", f"{key} is a value, not a table", text)
+            table[key] = dict(inner)
+            table = table[key]
+        if value.strip() == "none":
+            table.pop(keys[-1], None)
+        else:
+            table[keys[-1]] = _toml_value(value.strip())
+    return result
+
+
+def _toml_value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+@cache
+def silicones() -> dict[str, Silicone]:
+    """Return the catalog of silicones by name."""
+    rows = tomllib.loads((templates_folder() / "silicones.toml").read_text("utf-8"))
+    return {
+        name: Silicone(
+            name=name,
+            **{**row, "young_modulus": Ranged(**row["young_modulus"]), "mix": tuple(row["mix"])},
+        )
+        for name, row in rows.items()
+    }
+
+
+def silicone(material: Material) -> Silicone:
+    """Return the silicone that a design's `[material]` means: the catalog's, with own values on top.
+
+    Raises InputError for a name that the catalog doesn't know, when modulus or density are not given.
+    """
+    found = silicones().get(material.name or "")
+    if found is None and material.name is not None:
+        raise InputError(
+            "material.name", "unknown silicone", material.name, did_you_mean(material.name, silicones())
+        )
+    if found is None:
+        found = Silicone("own", Ranged(value=1.0, low=1.0, high=1.0), 0.499, 1070.0, (1.0, 1.0), 0.0, 0.0, True, "")
+    return Silicone(
+        found.name,
+        material.young_modulus or found.young_modulus,
+        material.poisson_ratio,
+        material.density or found.density,
+        found.mix,
+        found.pot_life_min,
+        found.cure_h,
+        found.platinum_cure,
+        found.source,
+    )

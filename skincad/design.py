@@ -1,0 +1,255 @@
+"""What a person writes: the frozen design model, with unit, range and meaning of every field.
+
+The frame and each length are defined in README.md ("Geometry"): x across the ridges, y along them,
+z out of the skin, flat back at z = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from skincad.errors import InputError
+from skincad.tables import Ranged, Table, parse, quantity
+
+FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
+MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
+
+
+class Skin(Table):
+    """The body of the pad."""
+
+    curvature_radius: float = quantity(
+        "mm", "radius of the base circle, on which the ridges stand", ge=1.0, le=1e8
+    )
+    thickness: float = quantity(
+        "mm", "flat back to base circle in the middle, without the ridge", ge=0.2, le=100.0
+    )
+    width: float = quantity("mm", "across the back, what callipers read along x", ge=0.5, le=1000.0)
+    length: float = quantity("mm", "along the ridges (y)", ge=0.5, le=1000.0)
+
+
+class Ridge(Table):
+    """The ridges, all alike, each on its own normal of the base circle."""
+
+    count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
+    pitch: float = quantity("mm", "axis to axis along the base circle", gt=0.0, le=100.0)
+    height: float = quantity("mm", "base circle to the crown's summit", gt=0.0, le=50.0)
+    root_width: float = quantity("mm", "flank to flank on the base circle, before fillets", gt=0.0, le=100.0)
+    tip_width: float = quantity("mm", "chord of the crown, before fillets", gt=0.0, le=100.0)
+    crown: float = quantity("mm", "rise of the tip's arc in its middle above its edges", ge=0.0, le=10.0)
+    tip_fillet: float = quantity("mm", "radius between flank and crown", ge=0.0, le=20.0, default=0.0)
+    root_fillet: float = quantity("mm", "radius between flank and base circle", ge=0.0, le=20.0, default=0.0)
+
+
+class Slot(Table):
+    """A mirrored pair of straight slots for the film strips in every ridge."""
+
+    thickness: float = quantity("mm", "across the slot", ge=0.005, le=5.0)
+    depth: float = quantity("mm", "along the slot, in the section", ge=0.01, le=50.0)
+    offset: float = quantity("mm", "ridge axis to slot centre", gt=0.0, le=50.0)
+    elevation: float = quantity("mm", "slot centre above the base circle", ge=-50.0, le=50.0)
+    tilt: float = quantity("deg", "from the ridge axis, positive when tops lean inward", ge=-80.0, le=80.0)
+
+
+class Film(Table):
+    """The PVDF strip in the middle of each slot."""
+
+    thickness: float = quantity("mm", "of the strip", ge=0.004, le=5.0)
+    young_modulus: float = quantity("MPa", "of the film; 2000 to 4000 (FACTS)", gt=0.0, default=3000.0)
+    poisson_ratio: float = quantity("1", "of the film", ge=0.0, le=0.49, default=0.35)
+    d31: float = quantity("pC/N", "charge by stress along the draw axis", default=23.0)
+    d32: float = quantity("pC/N", "charge by stress across the draw axis, in the film's plane", default=3.0)
+    d33: float = quantity("pC/N", "charge by stress through the film", default=-33.0)
+
+
+class Material(Table):
+    """The silicone: a name of the catalog, own values, or a name with some values of one's own."""
+
+    name: str | None = Field(default=None, description="a silicone of the catalog", max_length=64)
+    young_modulus: Ranged | None = Field(
+        default=None,
+        description="small strain; a number, or {value, low, high}",
+        json_schema_extra={"unit": "MPa"},
+    )
+    poisson_ratio: float = quantity("1", "nearly incompressible", ge=0.0, le=0.4999999, default=0.499)
+    density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
+
+    @model_validator(mode="after")
+    def _has_stiffness(self) -> Self:
+        if self.name is None and self.young_modulus is None:
+            raise InputError("", "needs a name or a young_modulus", remedy='try name = "dragon-skin-30"')
+        return self
+
+
+class Mold(Table):
+    """The mold that casts the skin, ridges down."""
+
+    process: Literal["fdm", "sla", "cnc", "edm"] = Field(
+        description="how cavity and end plates are made: fdm, sla, cnc or edm"
+    )
+    wall: float = quantity("mm", "block beside the trough; room for screws and pins", ge=9.0, default=13.0)
+    floor: float = quantity("mm", "block below the deepest ridge", ge=9.0, le=200.0, default=9.0)
+    end_plate: float = quantity("mm", "thickness of an end plate along y", ge=1.0, le=50.0, default=4.0)
+    cover: float = quantity("mm", "thickness of the cover", ge=1.0, le=50.0, default=4.0)
+    clearance: float = quantity(
+        "mm", "gap a side between parts that slide into each other", ge=0.0, le=1.0, default=0.05
+    )
+    slit_clearance: float = quantity(
+        "mm", "gap a side between a shim and its slit in the end plates", ge=0.0, le=0.5, default=0.005
+    )
+    method: Literal["shim"] = Field(
+        default="shim",
+        description="how a slot is kept free: a shim drawn out along y after cure",
+    )
+    carrier: Literal["perforated", "plain"] = Field(
+        default="perforated",
+        description="rigid backing that stays on the skin: perforated for interlock, or plain to be primed",
+    )
+    carrier_thickness: float = quantity("mm", "of the carrier", ge=1.0, le=50.0, default=4.0)
+    gate: float = quantity("mm", "diameter of the pouring gate", gt=0.2, le=20.0, default=2.0)
+    vent: float = quantity("mm", "diameter of the vent", gt=0.2, le=10.0, default=1.0)
+
+
+class Plate(Table):
+    """What the skin is pressed on."""
+
+    shape: Literal["flat"] = Field(default="flat", description="shape of the rigid plate: flat")
+
+
+class Contact(Table):
+    """What the verdict is asked for."""
+
+    force: float = quantity("N", "normal force at which all ridges shall touch", gt=0.0, le=1e6, default=4.0)
+    film: Literal["bonded", "loose", "ignored"] | None = Field(
+        default=None,
+        description="bonded (strip and adhesive fill the slot), loose (slot is a void), "
+        "ignored (slot is filled with silicone); bonded if there is a film, loose if there is none",
+    )
+    plate: Plate = Plate()
+
+
+class Design(Table):
+    """Everything that a skin, its mold and its verdict follow from.
+
+    Lengths are mm, forces N, stresses MPa. Raises InputError on the first broken rule.
+    """
+
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
+            description="names the out folder and the files: letters, digits, - and _",
+        ),
+    ]
+    skin: Skin
+    ridge: Ridge
+    slot: Slot | None = None
+    film: Film | None = None
+    material: Material
+    mold: Mold = Mold(process="sla")
+    contact: Contact = Contact()
+
+    @model_validator(mode="after")
+    def _rules(self) -> Self:
+        _check_skin(self)
+        _check_ridge(self.ridge)
+        _check_film(self)
+        return self
+
+    @property
+    def film_state(self) -> Literal["bonded", "loose", "ignored"]:
+        """How the slots are filled in the mechanical model; `loose` when nothing is said."""
+        return self.contact.film or ("bonded" if self.film else "loose")
+
+    def lean(self, ridge: int) -> float:
+        """Return the angle in rad between ridge's axis and z; ridges count from 1 at the smallest x."""
+        offset = ridge - (self.ridge.count + 1) / 2
+        return offset * self.ridge.pitch / self.skin.curvature_radius
+
+    def with_(self, **tables: Any) -> Design:
+        """Return a copy with some keys of some tables changed, checked anew.
+
+        `design.with_(ridge={"height": 0.6}, slot=None)`; a dict changes the keys that it names, None
+        drops an optional table.
+        """
+        data = self.model_dump(exclude_none=True)
+        for table, change in tables.items():
+            if isinstance(change, dict):
+                data[table] = {**data.get(table, {}), **change}
+            elif change is None:
+                data.pop(table, None)
+            else:
+                data[table] = change
+        return parse(Design, data)
+
+
+def _check_skin(design: Design) -> None:
+    skin, ridge = design.skin, design.ridge
+    if skin.width >= 2 * skin.curvature_radius:
+        raise InputError(
+            "skin.width",
+            f"must be less than {2 * skin.curvature_radius:g} mm (twice skin.curvature_radius)",
+            skin.width,
+        )
+    side = math.asin(skin.width / (2 * skin.curvature_radius))
+    if math.degrees(2 * side) >= FAN_LIMIT_DEG:
+        widest = 2 * skin.curvature_radius * math.sin(math.radians(FAN_LIMIT_DEG / 2))
+        raise InputError(
+            "skin.width",
+            f"the fan from side to side must stay below {FAN_LIMIT_DEG:g} degrees, so below {widest:.4g} mm",
+            skin.width,
+            "make the skin narrower or curvature_radius larger",
+        )
+    sag = 2 * skin.curvature_radius * math.sin(side / 2) ** 2
+    if sag > 0.8 * skin.thickness:
+        raise InputError(
+            "skin.thickness",
+            f"must be above {sag / 0.8:.4g} mm, or too little is left at the sides (the base circle "
+            f"falls by {sag:.4g} mm)",
+            skin.thickness,
+        )
+    half_root = ridge.root_width / 2 + ridge.root_fillet
+    reach = abs(design.lean(1)) + half_root / skin.curvature_radius
+    if reach >= side:
+        most = max(0, int(2 * (side * skin.curvature_radius - half_root) / ridge.pitch) + 1)
+        raise InputError(
+            "ridge.count",
+            f"at most {most} ridges of this pitch and root fit on skin.width",
+            ridge.count,
+            "take fewer ridges, a smaller pitch or a wider skin",
+        )
+
+
+def _check_ridge(ridge: Ridge) -> None:
+    if ridge.root_width >= ridge.pitch:
+        raise InputError(
+            "ridge.root_width", f"must be less than {ridge.pitch:g} mm (ridge.pitch)", ridge.root_width
+        )
+    if ridge.tip_width > ridge.root_width:
+        raise InputError(
+            "ridge.tip_width",
+            f"must be at most {ridge.root_width:g} mm (ridge.root_width), or the ridge hooks in its mold",
+            ridge.tip_width,
+        )
+    limit = min(ridge.height, ridge.tip_width / 2)
+    if ridge.crown >= limit:
+        raise InputError(
+            "ridge.crown",
+            f"must be less than {limit:g} mm (the smaller of height and half tip_width)",
+            ridge.crown,
+        )
+
+
+def _check_film(design: Design) -> None:
+    slot, film = design.slot, design.film
+    if film is not None and slot is None:
+        raise InputError("film", "needs a slot to lie in", remedy="add [slot] or drop [film]")
+    if film is not None and slot is not None and film.thickness > slot.thickness:
+        raise InputError(
+            "film.thickness", f"must be at most {slot.thickness:g} mm (slot.thickness)", film.thickness
+        )
+    if design.contact.film == "bonded" and film is None:
+        raise InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")

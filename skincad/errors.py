@@ -1,0 +1,34 @@
+"""The one error type that bad input leaves by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class InputError(ValueError):
+    """What a person wrote cannot be used: key, rule, value and remedy, in one line.
+
+    The command line prints it on stderr and exits with status 2; nothing has been written then.
+    """
+
+    def __init__(self, key: str, rule: str, value: object = None, remedy: str = "") -> None:
+        self.key, self.rule, self.value, self.remedy = key, rule, value, remedy
+        text = f"{key}: {rule}"
+        if value is not None:
+            text += f", got {_short(value)}"
+        if remedy:
+            text += f"; {remedy}"
+        super().__init__(" ".join(text.split()))
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return the remedy for an unknown word: the nearest known one, or the list of all."""
+    names = sorted(known)
+    near = get_close_matches(word, names, n=1)
+    return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"
+
+
+def _short(value: object, limit: int = 80) -> str:
+    text = f"{value:.6g}" if isinstance(value, float) else repr(value)
+    return text if len(text) <= limit else text[: limit - 3] + "..."

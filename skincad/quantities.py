@@ -1,0 +1,48 @@
+"""A number with its error, and the unit system.
+
+Lengths are mm, forces N, stresses MPa, times s, masses tonne; `circuit/` alone uses SI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A value with the half-width of the interval that it is claimed to lie in.
+
+    `value` is None where there is no such number (ridges that cannot all touch have no smallest
+    force), `error` is None where nobody has estimated it yet.
+    """
+
+    value: float | None
+    error: float | None
+    unit: str
+
+    @property
+    def upper(self) -> float | None:
+        """The largest value that the error allows."""
+        return None if self.value is None else self.value + (self.error or 0.0)
+
+    @property
+    def lower(self) -> float | None:
+        """The smallest value that the error allows."""
+        return None if self.value is None else self.value - (self.error or 0.0)
+
+    def as_json(self) -> dict[str, float | None]:
+        """Return `{"value", "error"}`; the unit is the key's suffix."""
+        return {"value": self.value, "error": self.error}
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return "none"
+        if not self.error:
+            return f"{self.value:.4g} {self.unit}"
+        places = _places(self.error)
+        return f"{self.value:.{places}f} +- {self.error:.{places}f} {self.unit}"
+
+
+def _places(error: float) -> int:
+    """Decimals that show the first two digits of the error."""
+    return max(0, min(9, 1 - int(f"{error:e}".split("e")[1])))

@@ -1,0 +1,101 @@
+"""Tables that a person writes: strict frozen models, and their errors as one line.
+
+A model's broken rule leaves as InputError with the key's dotted name, never as a library's own error.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from skincad.errors import InputError, did_you_mean
+
+def quantity(unit: str, meaning: str, **limits: Any) -> Any:
+    """Describe a float field: its unit and meaning go into the schema and the commented TOML."""
+    return Field(description=meaning, json_schema_extra={"unit": unit}, allow_inf_nan=False, **limits)
+
+
+class Table(BaseModel):
+    """A TOML table: frozen, no unknown keys, no silent conversion of types."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Ranged(Table):
+    """A number, alone or as `{value, low, high}`: what was measured and how far it may be off."""
+
+    value: float
+    low: float
+    high: float
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain_number(cls, data: Any) -> Any:
+        if isinstance(data, int | float) and not isinstance(data, bool):
+            return {"value": data, "low": data, "high": data}
+        return data
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not 0 < self.low <= self.value <= self.high:
+            raise InputError("", "needs 0 < low <= value <= high", (self.low, self.value, self.high))
+        return self
+
+
+Model = TypeVar("Model", bound=Table)
+
+
+def parse(model: type[Model], data: dict[str, Any]) -> Model:
+    """Return the model of these values; raises InputError on the first key that breaks its rule."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as failure:
+        raise _first_error(model, failure.errors()) from None
+
+
+def table_of(model: type[BaseModel], key: str) -> type[Table] | None:
+    """Return the table model behind a key of `model`, or None where the key is a plain value."""
+    field = model.model_fields.get(key)
+    if field is None:
+        return None
+    kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
+    return next((k for k in kinds if isinstance(k, type) and issubclass(k, Table)), None)
+
+
+def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
+    """Return the unit of the field at this path, or "" where it has none."""
+    inner: type[BaseModel] | None = model
+    for key in path[:-1]:
+        inner = table_of(inner, key) if inner else None
+    field = inner.model_fields.get(path[-1]) if inner and path else None
+    extra = field.json_schema_extra if field else None
+    unit = extra.get("unit") if isinstance(extra, dict) else None
+    return str(unit) if unit and unit != "1" else ""
+
+
+def _first_error(model: type[BaseModel], errors: list[ErrorDetails]) -> InputError:
+    error = errors[0]
+    path = tuple(str(p) for p in error["loc"])
+    key, given = ".".join(path) or "design", error.get("input")
+    cause = error.get("ctx", {}).get("error")
+    if isinstance(cause, InputError):
+        name = ".".join(part for part in (*path, cause.key) if part)
+        return InputError(name or "design", cause.rule, cause.value, cause.remedy)
+    if error["type"] == "extra_forbidden":
+        return _unknown_key(model, path)
+    if error["type"] == "missing":
+        return InputError(key, "is missing", remedy=f"give {key} a value")
+    if isinstance(given, dict):
+        given = "a table"
+    rule = error["msg"].replace("Input should be", "must be").replace("valid ", "")
+    unit = unit_of(model, path)
+    return InputError(key, rule + (f" ({unit})" if unit else ""), given)
+
+
+def _unknown_key(model: type[BaseModel], path: tuple[str, ...]) -> InputError:
+    inner: type[BaseModel] = model
+    for key in path[:-1]:
+        inner = table_of(inner, key) or inner
+    return InputError(".".join(path), "unknown key", remedy=did_you_mean(path[-1], inner.model_fields))
