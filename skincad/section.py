@@ -310,7 +310,7 @@ def _half_ridge(design: Design) -> _HalfRidge:
     out = np.array([along[1], -along[0]])
     summit = np.array([0.0, ridge.height])
     r = ridge.root_fillet
-    u = _offset_hit(root + r * out, along, 1 / radius, r + r * r / (2 * radius))
+    u = concentric_hit(root + r * out, along, 1 / radius, r + r * r / (2 * radius))
     low, centre = root + u * along, root + r * out + u * along
     base = centre * radius / (radius + r) - [0.0, r * radius / (radius + r)]
     r, curvature = ridge.tip_fillet, 2 * ridge.crown / (ridge.tip_width**2 / 4 + ridge.crown**2)
@@ -318,7 +318,7 @@ def _half_ridge(design: Design) -> _HalfRidge:
         raise InputError(
             "ridge.tip_fillet", f"must be less than {1 / curvature:.4g} mm (the crown's radius)", r
         )
-    v = _offset_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
+    v = concentric_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
     high, inner = edge + v * along, edge - r * out + v * along - summit
     crown = (inner + [0.0, r]) / (1 - curvature * r) + summit
     if u > size + v:
@@ -341,10 +341,14 @@ def _half_ridge(design: Design) -> _HalfRidge:
     return _HalfRidge(*pairs)
 
 
-def _offset_hit(
+def concentric_hit(
     start: NDArray[np.float64], along: NDArray[np.float64], curvature: float, level: float
 ) -> float:
-    """Solve n + curvature (t^2 + n^2) / 2 = level for u on the line start + u along, near u = 0."""
+    """Solve n + curvature (t^2 + n^2) / 2 = level for u on the line start + u along, near u = 0.
+
+    With curvature 1/R and level h + h^2 / (2 R) that is the circle of radius R + h about (0, -R), written so
+    that a flat one loses no digits. Raises InputError when the line misses it.
+    """
     a = curvature / 2
     b = float(along[1] + curvature * (start @ along))
     c = float(start[1] + curvature * (start @ start) / 2 - level)

@@ -1,0 +1,72 @@
+"""Print meshes from plans by manifold3d: watertight by construction, arcs as chords within a tolerance."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import trimesh
+from manifold3d import Manifold, Mesh64, triangulate
+
+from skincad import section
+from skincad.solids.plan import Body, Bore, Part, Prism
+
+_Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
+
+
+def manifold(part: Part, tolerance: float) -> Manifold:
+    """Return the part as a manifold whose chords keep within `tolerance` mm of the true surfaces."""
+    cuts = [_body(cut, tolerance) for cut in part.cuts]
+    body = _body(part.body, tolerance)
+    return body - Manifold.compose(cuts) if cuts else body
+
+
+def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
+    """Return the part's mesh in the mold's frame, mm, with 64-bit corners."""
+    raw = manifold(part, tolerance).to_mesh64()
+    corners, faces = np.asarray(raw.vert_properties)[:, :3], np.asarray(raw.tri_verts)
+    return trimesh.Trimesh(corners, faces, process=False, validate=False)
+
+
+def laid(shape: trimesh.Trimesh, on_end: bool) -> trimesh.Trimesh:
+    """Return the mesh as it is printed: on the bed at z = 0, in the middle of x and y; on its y face where
+    `on_end`."""
+    placed = shape.copy()
+    if on_end:
+        placed.vertices = placed.vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+    low, high = placed.bounds
+    placed.vertices -= [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]
+    return placed
+
+
+def _body(body: Body, tolerance: float) -> Manifold:
+    return _prism(body, tolerance) if isinstance(body, Prism) else _bore(body, tolerance)
+
+
+def _prism(prism: Prism, tolerance: float) -> Manifold:
+    """Triangulate the ends and join them; corners keep their exact digits, so that a bore that ends on a
+    face really opens it (a library's polygon class that rounds to 1e-8 mm left a film of that thickness)."""
+    loops = [section.polygon(prism.outline, tolerance)]
+    loops += [section.polygon(hole, tolerance)[::-1] for hole in prism.holes]
+    caps = np.asarray(triangulate(loops), dtype=np.uint64)
+    corners = np.vstack(loops)
+    count = len(corners)
+    first = np.concatenate([[0], np.cumsum([len(points) for points in loops])])
+    here = np.arange(count, dtype=np.uint64)
+    onward = np.concatenate([np.roll(here[a:b], -1) for a, b in pairwise(first)])
+    top = np.uint64(count)
+    sides = [np.stack([here, onward, onward + top], 1), np.stack([here, onward + top, here + top], 1)]
+    faces = np.vstack([caps[:, ::-1], caps + top, *sides])
+    ends = [np.column_stack([corners, np.full(count, level)]) for level in (prism.low, prism.high)]
+    points = np.vstack(ends)
+    if prism.axis == "y":
+        points, faces = points[:, _Y_IS_THIRD], faces[:, ::-1]
+    return Manifold(Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(faces)))
+
+
+def _bore(bore: Bore, tolerance: float) -> Manifold:
+    end = bore.radius if bore.end_radius is None else bore.end_radius
+    count = math.ceil(math.pi / math.acos(1 - min(0.5, tolerance / max(bore.radius, end))))
+    upright = Manifold.cylinder(bore.length, bore.radius, end, max(12, count))
+    return (upright.rotate((-90.0, 0.0, 0.0)) if bore.axis == "y" else upright).translate(bore.start)

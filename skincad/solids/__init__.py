@@ -1,0 +1,1 @@
+"""Solids of skin, mold and inserts: plans as data, built by the CAD kernel in `occ.py`."""

@@ -1,0 +1,372 @@
+"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, cover, pins, bores.
+
+    z up                 cover            vent through cover and carrier at +y
+    ---------------------------------
+    | wall | ledge  carrier  | wall |     carrier lies on the ledge, flush with the cavity's top
+    |      |_     skin      _|      |     skin's back at z = 0
+    |        |_/\\/\\/\\/\\/\\_|        |     ridges' negative, open at both y ends
+    |______________floor____________|
+
+An end plate closes each y end. Where there are slots it is split across the slits, at their back ends: the
+comb below has a notch a slot, open towards the keeper above, so that a strip with tabs can be laid in and
+a slit of 0.05 mm never has to be cut closed. Bolts run through along y (inner lane of each wall) and along
+z (outer lane), so no two bores meet.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.section import (
+    Loop,
+    Point,
+    Section,
+    Segment,
+    SlotPlace,
+    concentric_hit,
+    flipped,
+
+    section,
+)
+from skincad.solids.inserts import PIN_RADIUS, pin, shims
+from skincad.solids.plan import Axis, Body, Bore, Part, Prism, box
+from skincad.solids.skin import cast_skin
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+BOLT_RADIUS = 1.7  # mm, source: ISO 273 clearance hole for M3, medium series
+BOLT_PITCH = 3.0  # mm, M3
+EDGE = 1.2  # mm, assumption: least material between two bores, or a bore and an edge
+LEDGE = 2.0  # mm, assumption: width of the seat on which the carrier seals the skin's back
+PIN_DEPTH = 6.0  # mm, assumption: three diameters of a pin hold it
+KEYING = 0.5  # mm, assumption: one pin stands aside, so that the cover fits one way round only
+HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
+GATE_SILL = 0.3  # mm, assumption: what the gate stays above the split, or above the base circle
+GREY, DARK, GLASS, GREEN = (0.75, 0.77, 0.80), (0.45, 0.50, 0.58), (0.70, 0.85, 0.95), (0.55, 0.75, 0.60)
+
+
+class Step(NamedTuple):
+    """One step of opening: these parts leave along an axis, over this signed travel in mm."""
+
+    parts: tuple[str, ...]
+    axis: Axis
+    travel: float
+
+
+@dataclass(frozen=True)
+class Mold:
+    """The closed mold with the skin in it, and the order in which it opens."""
+
+    parts: tuple[Part, ...]
+    opening: tuple[Step, ...]
+
+    def part(self, name: str) -> Part:
+        """Return the part of this name."""
+        return next(p for p in self.parts if p.name == name)
+
+
+class _Layout(NamedTuple):
+    """Positions that several parts share, mm."""
+
+    half: float  # block, along x
+    end: float  # cavity's y end
+    bottom: float
+    top: float
+    trough: float  # half width of the carrier's seat
+    inner: float  # x of the bolts along y
+    outer: float  # x of the bolts along z
+    along: float  # y of the bolts and pins along z
+    split: float  # height of the split at the bolts
+    comb_bolt: float
+    comb_pin: float
+    keeper_bolt: float
+
+
+def mold(design: Design) -> Mold:
+    """Return the closed mold's parts, the skin, shims and pins in it, and the opening sequence.
+
+    Raises InputError when a bore, the gate or a notch finds no room.
+    """
+    shape, place = section(design), _layout(design)
+    ends = [part for end in ("a", "b") for part in _end_plates(design, shape, place, end)]
+    lids = [_carrier(design, place), _cover(design, place)]
+    pins = _pins(design, place)
+    strips = shims(design)
+    parts = (cast_skin(design), _cavity(design, shape, place), *ends, *lids, *pins, *strips)
+    far = 2 * design.skin.length + 4 * design.mold.end_plate
+    high = 2 * (place.top - place.bottom)
+    names = [part.name for part in parts]
+    return Mold(
+        parts,
+        (
+            *([Step(tuple(p.name for p in strips), "y", far)] if strips else []),
+            Step(tuple(n for n in names if n.startswith("end-a")), "y", -far),
+            Step(tuple(n for n in names if n.startswith("end-b")), "y", far),
+            Step(("cover", *(n for n in names if n.startswith("pin-cover"))), "z", high),
+            Step(("skin", "carrier"), "z", high),
+        ),
+    )
+
+
+def mold_solids(design: Design) -> dict[str, cq.Workplane]:
+    """Return the exact solids of the parts that one makes or casts, by name, in the mold's frame, mm."""
+    from skincad.solids.occ import workplane
+
+    return {p.name: workplane(p) for p in mold(design).parts if p.made != "bought"}
+
+
+def _layout(design: Design) -> _Layout:
+    skin, choice, shape = design.skin, design.mold, section(design)
+    trough = skin.width / 2 + LEDGE + choice.clearance
+    inner = trough + EDGE + BOLT_RADIUS
+    outer = inner + EDGE + 2 * BOLT_RADIUS
+    need = outer + BOLT_RADIUS + EDGE - skin.width / 2
+    _at_least("mold.wall", choice.wall, need, "two rows of bolts beside the trough")
+    _at_least("skin.length", skin.length, 9.0, "bolts and pins of a mold")
+    top, bottom = choice.carrier_thickness, -shape.top - choice.floor
+    split = -_split_height(design, shape)[1]
+    bolt = bottom + EDGE + BOLT_RADIUS
+    pin_height = bolt + BOLT_RADIUS + EDGE + PIN_RADIUS
+    _at_least("mold.floor", split - bottom, pin_height + PIN_RADIUS + EDGE - bottom, "bolt and pin of a comb")
+    _at_least("mold.carrier_thickness", top - split, 2 * (BOLT_RADIUS + 0.8), "the bolts of the keeper")
+    return _Layout(
+        half=skin.width / 2 + choice.wall,
+        end=skin.length / 2,
+        bottom=bottom,
+        top=top,
+        trough=trough,
+        inner=inner,
+        outer=outer,
+        along=max(2.0, skin.length / 4),
+        split=split,
+        comb_bolt=bolt,
+        comb_pin=pin_height,
+        keeper_bolt=(split + top) / 2,
+    )
+
+
+def _at_least(key: str, given: float, need: float, what: str) -> None:
+    if given < need:
+        raise InputError(key, f"leaves {given:.4g} mm for {what}, which need {need:.4g} mm", remedy="enlarge it")
+
+
+def _mirrored(x: float) -> tuple[float, float]:
+    return (-x, x)
+
+
+def _cavity(design: Design, shape: Section, place: _Layout) -> Part:
+    """Block with the trough: the skin's outline as its negative, and the carrier's seat above it."""
+    top_edge = [s for s in shape.outline if s.kind != "back"]  # right foot of the back to its left foot
+    trough = [
+        Point(place.trough, place.top),
+        Point(place.trough, 0.0),
+        *(Point(s.start.x, -s.start.z) for s in top_edge[:1]),
+    ]
+    left = [Point(-p.x, p.z) for p in reversed(trough)]
+    corners = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
+    rim = [*corners, *(Point(-p.x, p.z) for p in reversed(corners))]
+    negative = [
+        Segment(Point(s.start.x, -s.start.z), Point(s.end.x, -s.end.z), -s.bulge, s.kind, s.ridge)
+        for s in top_edge
+    ]
+    outline = (*_path([*rim, *trough]), *negative, *_path([*left, rim[0]]))
+    half, depth = place.end, min(PIN_DEPTH, 0.4 * design.skin.length)
+    bores = [
+        Bore((x, -half, z), "y", 2 * half, BOLT_RADIUS)
+        for x in _mirrored(place.inner)
+        for z in (place.comb_bolt, place.keeper_bolt)
+    ]
+    holes = [
+        Bore((x, y, place.comb_pin), "y", depth, PIN_RADIUS)
+        for x in _mirrored(place.inner)
+        for y in (-half, half - depth)
+    ]
+    upright = [
+        Bore((x, y, place.bottom), "z", place.top - place.bottom, BOLT_RADIUS) for x, y in _cover_bolts(place)
+    ]
+    fits = PIN_RADIUS + design.mold.clearance
+    sockets = [
+        Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, fits) for x, y in _cover_pins(place)
+    ]
+    body = Prism(outline, "y", -half, half)
+    return Part("cavity", GREY, "made", body, (*bores, *holes, *upright, *sockets))
+
+
+def _path(points: list[Point]) -> list[Segment]:
+    return [Segment(a, b) for a, b in pairwise(points) if a != b]
+
+
+def _cover_bolts(place: _Layout) -> list[tuple[float, float]]:
+    return [(place.outer, place.along), (-place.outer, -place.along)]
+
+
+def _cover_pins(place: _Layout) -> list[tuple[float, float]]:
+    return [(place.outer, -place.along), (-place.outer, place.along - KEYING)]
+
+
+def _split_height(design: Design, shape: Section) -> tuple[float, float, float]:
+    """Split of the end plates in the design's frame: height over the base circle, z beside the arc, half
+    angle of the arc. A plain end plate is not split, its bolts sit as if it were at the base circle."""
+    radius, thickness = design.skin.curvature_radius, design.skin.thickness
+    corners = [p for s in shape.slots for p in _corners(s, design.mold.slit_clearance)]
+    if not corners:
+        return 0.0, thickness - 2 * radius * math.sin(design.lean(design.ridge.count) / 2) ** 2, 0.0
+    over = [_over_base(p, radius, thickness) for p in corners]
+    height = min(over)
+    angle = max(math.atan2(p.x, radius + p.z - thickness) for p in corners)
+    angle += design.slot.thickness / radius if design.slot else 0.0
+    level = thickness + height - 2 * (radius + height) * math.sin(angle / 2) ** 2
+    return height, level, angle
+
+
+def _corners(slot: SlotPlace, grown: float) -> list[Point]:
+    return [s.start for s in slot.loop(grown=grown)]
+
+
+def _over_base(point: Point, radius: float, thickness: float) -> float:
+    """Distance of a point from the base circle, outward, without forming the far centre."""
+    n = point.z - thickness
+    return (point.x**2 + n * n + 2 * radius * n) / (radius + math.hypot(point.x, radius + n))
+
+
+def _end_plates(design: Design, shape: Section, place: _Layout, end: str) -> list[Part]:
+    """Comb and keeper of one end, or a plain plate where there are no slots."""
+    thick = design.mold.end_plate
+    low, high = (-place.end - thick, -place.end) if end == "a" else (place.end, place.end + thick)
+    fits = PIN_RADIUS + design.mold.clearance
+
+    def bores(z: float, radius: float) -> list[Body]:
+        return [Bore((x, low, z), "y", thick, radius) for x in _mirrored(place.inner)]
+
+    lower = [*bores(place.comb_bolt, BOLT_RADIUS), *bores(place.comb_pin, fits)]
+    upper = bores(place.keeper_bolt, BOLT_RADIUS)
+    if end == "a":
+        upper.append(_gate(design, shape, low))
+    if not shape.slots:
+        body = box(place.half, (low, high), (place.bottom, place.top), "y")
+        return [Part(f"end-{end}", DARK, "made", body, (*lower, *upper), lies_on_end=True)]
+    toothed, smooth = _split_edges(design, shape, place.half)
+    comb = _closed(toothed, -place.bottom)
+    keeper = _closed([s.reversed() for s in reversed(smooth)], -place.top)
+    return [
+        Part(f"end-{end}-comb", DARK, "made", Prism(flipped(comb), "y", low, high), tuple(lower), True),
+        Part(f"end-{end}-keeper", GREEN, "made", Prism(flipped(keeper), "y", low, high), tuple(upper), True),
+    ]
+
+
+def _closed(edge: list[Segment], z: float) -> Loop:
+    """Close an edge by straight sides over the level z."""
+    start, end = edge[0].start, edge[-1].end
+    return (*edge, *_path([end, Point(end.x, z), Point(start.x, z), start]))
+
+
+def _split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segment], list[Segment]]:
+    """The split from -x to x in the design's frame: the comb's edge, with a notch up to every slot's outer
+    end, and the keeper's, which runs straight over the notches' mouths."""
+    radius, thickness = design.skin.curvature_radius, design.skin.thickness
+    height, level, angle = _split_height(design, shape)
+    reach = (radius + height) * math.sin(angle)
+
+    def arc(start: Point, end: Point) -> Segment:
+        turn = _angle(end, design) - _angle(start, design)
+        if turn <= 0:
+            gap = design.mold.slit_clearance
+            raise InputError("mold.slit_clearance", "neighbouring notches of the comb meet", gap, "reduce it")
+        return Segment(start, end, -math.tan(turn / 4))
+
+    here, last = Point(-reach, level), Point(reach, level)
+    comb = [Segment(Point(-half, level), here)]
+    keeper = list(comb)
+    for notch in sorted(_notch(design, slot, height) for slot in shape.slots):
+        between, mouth = arc(here, notch[0]), arc(notch[0], notch[-1])
+        comb += [between, *_path(notch)]
+        keeper += [between, mouth]
+        here = notch[-1]
+    rest = [arc(here, last), Segment(last, Point(half, level))]
+    return comb + rest, keeper + rest
+
+
+def _angle(point: Point, design: Design) -> float:
+    return math.atan2(point.x, design.skin.curvature_radius + point.z - design.skin.thickness)
+
+
+def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
+    """Corners of a comb's notch, from its mouth on the split circle round the slot's outer end."""
+    radius, gap = design.skin.curvature_radius, design.mold.slit_clearance
+    a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
+    along, mouth = np.array(slot.direction), []
+    for side in (-a, a):
+        foot = slot.at(side, -b)
+        start = np.array([foot.x, foot.z - design.skin.thickness])
+        u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
+        mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
+    return [mouth[0], slot.at(-a, b), slot.at(a, b), mouth[1]]
+
+
+def _gate(design: Design, shape: Section, low: float) -> Bore:
+    """The pouring gate: along y through the upper end plate of end a, as low as the skin's body allows."""
+    radius = design.mold.gate / 2
+    height = _split_height(design, shape)[0]
+    centre = -(design.skin.thickness + height) + GATE_SILL + radius
+    if centre + radius > -GATE_SILL:
+        most = design.skin.thickness + height - 2 * GATE_SILL
+        raise InputError("mold.gate", f"must be at most {most:.4g} mm (the skin's body)", design.mold.gate)
+    return Bore((0.0, low, centre), "y", design.mold.end_plate, radius)
+
+
+def _vent(design: Design, place: _Layout, low: float, thick: float) -> Bore:
+    radius = design.mold.vent / 2
+    return Bore((0.0, place.end - radius - EDGE, low), "z", thick, radius)
+
+
+def _carrier(design: Design, place: _Layout) -> Part:
+    """The rigid backing: holes widen away from the skin, so that the silicone in them holds like rivets."""
+    thick, gap = design.mold.carrier_thickness, design.mold.clearance
+    vent = _vent(design, place, 0.0, thick)
+    holes: list[Body] = [vent]
+    if design.mold.carrier == "perforated":
+        small, large, spacing = HOLD
+        for x in _grid(design.skin.width - 2 * (small + EDGE), spacing):
+            for y in _grid(design.skin.length - 2 * (large + EDGE), spacing):
+                if math.hypot(x - vent.start[0], y - vent.start[1]) > large + vent.radius + EDGE / 2:
+                    holes.append(Bore((x, y, 0.0), "z", thick, small, large))
+    half = place.end - gap
+    return Part("carrier", GLASS, "made", box(place.trough - gap, (-half, half), (0.0, thick)), tuple(holes))
+
+
+def _grid(room: float, spacing: float) -> list[float]:
+    count = max(0, math.floor(room / spacing)) + 1 if room >= 0 else 0
+    return [(i - (count - 1) / 2) * spacing for i in range(count)]
+
+
+def _cover(design: Design, place: _Layout) -> Part:
+    thick, end = design.mold.cover, place.end + design.mold.end_plate
+    bores: list[Body] = [Bore((x, y, place.top), "z", thick, BOLT_RADIUS) for x, y in _cover_bolts(place)]
+    bores += [Bore((x, y, place.top), "z", thick, PIN_RADIUS) for x, y in _cover_pins(place)]
+    bores.append(_vent(design, place, place.top, thick))
+    body = box(place.half, (-end, end), (place.top, place.top + thick))
+    return Part("cover", GLASS, "made", body, tuple(bores))
+
+
+def _pins(design: Design, place: _Layout) -> list[Part]:
+    """Pins pressed into the cavity's ends and into the cover; they slide in end plates and cavity."""
+    depth, thick = min(PIN_DEPTH, 0.4 * design.skin.length), design.mold.end_plate
+    pins = []
+    for side, x in (("left", -place.inner), ("right", place.inner)):
+        pins.append(pin(f"pin-a-{side}", (x, -place.end - thick, place.comb_pin), "y", depth + thick))
+        pins.append(pin(f"pin-b-{side}", (x, place.end - depth, place.comb_pin), "y", depth + thick))
+    length = design.mold.cover + PIN_DEPTH - design.mold.clearance
+    low = place.top + design.mold.cover - length
+    for side, (x, y) in zip(("right", "left"), _cover_pins(place), strict=True):
+        pins.append(pin(f"pin-cover-{side}", (x, y, low), "z", length))
+    return pins
+
+

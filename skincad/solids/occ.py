@@ -1,0 +1,161 @@
+"""Plans to exact solids: the one file that names the CAD kernel's classes.
+
+Faces are swept from wires directly; booleans are kept for bores. Every solid is checked twice, by BRepCheck
+and by its volume against the plan's formula, because the kernel can accept a wrong result silently.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import replace
+
+import numpy as np
+
+from skincad.errors import InputError
+from skincad.section import Loop, Segment
+from skincad.solids.plan import Axis, Body, Part, Prism
+
+try:
+    import cadquery as cq
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.BRepLib import BRepLib
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism
+    from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Pnt, gp_Vec
+    from OCP.TopAbs import TopAbs_SOLID
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
+    from OCP.TopTools import TopTools_ListOfShape
+except ImportError as failure:  # a bare Linux has no libGL and libX11
+    raise InputError(
+        "the CAD kernel",
+        f"cannot be loaded ({failure})",
+        remedy="on Debian or Ubuntu: apt-get install libgl1 libx11-6",
+    ) from failure
+
+_HALF = np.array([0.5])
+KERNEL_TOLERANCE = 1e-7  # mm, source: OCCT's Precision::Confusion; an arc that rises less is a line to it
+VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's formula
+
+
+class KernelError(RuntimeError):
+    """The CAD kernel's solid is not valid, or its volume is not the plan's."""
+
+
+def solid(part: Part) -> cq.Solid:
+    """Return the part's exact solid, mm. Raises KernelError unless it is one valid solid of its volume."""
+    part = replace(part, body=_flattened(part.body))
+    shape = _body(part.body)
+    if part.cuts:
+        shape = _cut(shape, [_body(cut) for cut in part.cuts])
+    result = cq.Solid(_only_solid(shape, part.name))
+    if not BRepCheck_Analyzer(result.wrapped).IsValid():
+        raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
+    error = abs(result.Volume() - part.volume)
+    if not error <= VOLUME_TOLERANCE * part.volume + _rounding(part.body):
+        raise KernelError(f"{part.name}: volume differs from its formula by {error / part.volume:.1e} of it")
+    return result
+
+
+def workplane(part: Part) -> cq.Workplane:
+    """Return the part's exact solid on a cadquery workplane, named by the part."""
+    return cq.Workplane("XY").newObject([solid(part)])
+
+
+def _flattened(body: Body) -> Body:
+    """Replace arcs that rise by less than the kernel's tolerance by lines: their ends would be its middle."""
+    if not isinstance(body, Prism):
+        return body
+    lines = tuple(replace(s, bulge=0.0) if _rise(s) < KERNEL_TOLERANCE else s for s in body.outline)
+    return replace(body, outline=lines)
+
+
+def _rise(segment: Segment) -> float:
+    return abs(segment.bulge) * segment.chord / 2
+
+
+def _rounding(body: Body) -> float:
+    """Volume, mm3, by which a prism may be off because a far centre is stored with 16 digits."""
+    if not isinstance(body, Prism):
+        return 0.0
+    arcs = [s.length * s.radius for s in body.outline if s.bulge]
+    return 4 * sys.float_info.epsilon * math.fsum(arcs) * (body.high - body.low)
+
+
+def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:
+    return gp_Pnt(x, level, y) if axis == "y" else gp_Pnt(x, y, level)
+
+
+def _body(body: Body) -> TopoDS_Shape:
+    if isinstance(body, Prism):
+        return _prism(body)
+    direction = gp_Dir(0, 1, 0) if body.axis == "y" else gp_Dir(0, 0, 1)
+    place = gp_Ax2(gp_Pnt(*body.start), direction)
+    if body.end_radius is None:
+        return BRepPrimAPI_MakeCylinder(place, body.radius, body.length).Shape()
+    return BRepPrimAPI_MakeCone(place, body.radius, body.end_radius, body.length).Shape()
+
+
+def _prism(prism: Prism) -> TopoDS_Shape:
+    """Sweep the face; a ccw loop in (x, z) looks along +y from behind, so solids are oriented at the end."""
+    face = BRepBuilderAPI_MakeFace(_wire(prism.outline, prism.axis, prism.low), True)
+    for hole in prism.holes:
+        face.Add(TopoDS.Wire_s(_wire(hole, prism.axis, prism.low).Reversed()))
+    size = prism.high - prism.low
+    sweep = gp_Vec(0, size, 0) if prism.axis == "y" else gp_Vec(0, 0, size)
+    return BRepPrimAPI_MakePrism(face.Face(), sweep).Shape()
+
+
+def _wire(outline: Loop, axis: Axis, level: float) -> TopoDS_Wire:
+    wire = BRepBuilderAPI_MakeWire()
+    for segment in outline:
+        wire.Add(_edge(segment, axis, level))
+    if not wire.IsDone():
+        raise KernelError(f"a wire of {len(outline)} edges is not built (error {wire.Error()})")
+    return wire.Wire()
+
+
+def _edge(segment: Segment, axis: Axis, level: float) -> object:
+    start = _point(segment.start.x, segment.start.z, axis, level)
+    end = _point(segment.end.x, segment.end.z, axis, level)
+    if segment.bulge == 0.0:
+        return BRepBuilderAPI_MakeEdge(start, end).Edge()
+    middle = segment.points(_HALF)[0]
+    towards = math.copysign(1.0, segment.bulge)  # from the arc's middle to its centre: left of the chord
+    x = -(segment.end.z - segment.start.z) / segment.chord * towards
+    y = (segment.end.x - segment.start.x) / segment.chord * towards
+    centre = _point(middle[0] + segment.radius * x, middle[1] + segment.radius * y, axis, level)
+    # A loop in (x, z) turns clockwise about +y. Angles count from behind the centre, so that no arc comes
+    # near the seam at 0, where the kernel rounds an angle to its tolerance.
+    up = gp_Dir(0, 0, towards) if axis == "z" else gp_Dir(0, -towards, 0)
+    behind = gp_Dir(x, 0, y) if axis == "y" else gp_Dir(x, y, 0)
+    circle = gp_Circ(gp_Ax2(centre, up, behind), segment.radius)
+    return BRepBuilderAPI_MakeEdge(circle, start, end).Edge()
+
+
+def _cut(shape: TopoDS_Shape, tools: list[TopoDS_Shape]) -> TopoDS_Shape:
+    objects, cutters = TopTools_ListOfShape(), TopTools_ListOfShape()
+    objects.Append(shape)
+    for tool in tools:
+        cutters.Append(tool)
+    operation = BRepAlgoAPI_Cut()
+    operation.SetArguments(objects)
+    operation.SetTools(cutters)
+    operation.Build()
+    if not operation.IsDone():
+        raise KernelError("a boolean cut is not done")
+    return operation.Shape()
+
+
+def _only_solid(shape: TopoDS_Shape, name: str) -> TopoDS_Solid:
+    found = TopExp_Explorer(shape, TopAbs_SOLID)
+    if not found.More():
+        raise KernelError(f"{name}: the kernel returned no solid")
+    first = TopoDS.Solid_s(found.Current())
+    found.Next()
+    if found.More():
+        raise KernelError(f"{name}: the kernel returned more than one solid")
+    BRepLib.OrientClosedSolid_s(first)
+    return first
