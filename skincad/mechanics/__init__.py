@@ -1,0 +1,1 @@
+"""Whether the ridges touch, and how hard: finite elements on the section and unilateral contact."""

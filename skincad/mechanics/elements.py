@@ -1,0 +1,177 @@
+"""Finite elements on the triangles: the one file that names ngsolve.
+
+Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
+order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric
+positive definite and does not lock for nu near 0.5. Lengths are in the pad's unit, stresses in E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+FINE = 16  # intervals an edge in the fine sampling of gaps
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Points of the contact boundary and how the contact unknowns move them.
+
+    `rows` is `(points, contact unknowns)`: upward displacement; `position` is `(points, 2)`, `ridge` and
+    `weight` (arc length that a point stands for) are `(points,)`, `edge` numbers the point's edge.
+    """
+
+    rows: sparse.csr_matrix
+    position: Array
+    ridge: NDArray[np.int64]
+    weight: Array
+    edge: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """A condensed stiffness and what the contact needs of it.
+
+    `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the
+    free unknowns, the contact ones (vertical, on the contact boundary) apart; `lift` `(n,)` is the
+    vertical rigid translation by 1. `nodes` are Gauss-Lobatto points, `fine` a dense even sampling.
+    """
+
+    matrix: sparse.csr_matrix
+    interior: NDArray[np.int64]
+    contact: NDArray[np.int64]
+    lift: Array
+    nodes: Sample
+    fine: Sample
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free unknowns after element condensation."""
+        return self.interior.size + self.contact.size
+
+
+def curved(triangles: Any, order: int) -> Any:
+    """Return the NGSolve mesh of netgen's triangles, its arcs followed to `order`."""
+    mesh = ng.Mesh(triangles)
+    mesh.Curve(max(3, order))
+    return mesh
+
+
+def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Assembled:
+    """Return the condensed small-strain stiffness in plane strain.
+
+    `materials` maps a domain to (Young's modulus, Poisson's ratio), the ratio from 0 to below 0.5. The
+    split is 2 G dev(e):dev(e) plus a pressure q with q = K div u, which holds at nu = 0 as well (the
+    usual Lame form divides by zero there). Bathe, Finite Element Procedures, 1996, sec. 4.4.3.
+    """
+    space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    both = space * ng.L2(mesh, order=order - 1)
+    (u, q), (v, r) = both.TnT()
+    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    bulk = mesh.MaterialCF({name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()})
+    strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    form = ng.BilinearForm(both, symmetric=True, condense=True)
+    form += (
+        2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
+        + q * ng.div(v) + r * ng.div(u) - q * r / bulk
+    ) * ng.dx
+    form.Assemble()
+    values, columns, starts = form.mat.CSR()
+    matrix = sparse.csr_matrix(
+        (np.array(values), np.array(columns), np.array(starts)), shape=(both.ndof, both.ndof)
+    )
+    free = np.fromiter(both.FreeDofs(True), dtype=bool, count=both.ndof)
+    edges = list(_contact_edges(mesh, space))
+    contact = np.unique(np.concatenate([e.unknowns for e in edges]))
+    inside = free.copy()
+    inside[contact] = False
+    even = np.linspace(0.0, 1.0, FINE + 1)
+    return Assembled(
+        matrix,
+        np.flatnonzero(inside),
+        contact,
+        _lift(mesh, space, both.ndof),
+        _merged(_sample(edges, contact, *lobatto(order))),
+        _sample(edges, contact, even, np.full(FINE + 1, 1 / FINE)),
+    )
+
+
+def lobatto(order: int) -> tuple[Array, Array]:
+    """Return the order + 1 Gauss-Lobatto points of (0, 1) and their weights.
+
+    Exact for polynomials of degree 2 order - 1. Abramowitz and Stegun 25.4.32.
+    """
+    series = np.zeros(order + 1)
+    series[order] = 1.0
+    inner = legendre.legroots(legendre.legder(series)) if order > 1 else np.empty(0)
+    points = np.concatenate([[-1.0], np.sort(inner), [1.0]])
+    weights = 2 / (order * (order + 1) * legendre.legval(points, series) ** 2)
+    return (points + 1) / 2, weights / 2
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """A boundary edge that may touch: its shape functions and map, and its vertical unknowns."""
+
+    ridge: int
+    shape: Any
+    map: Any
+    unknowns: NDArray[np.int64]
+
+
+def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
+    vertical, first = space.components[1], space.Range(1).start
+    for element in mesh.Elements(ng.BND):
+        if element.mat.startswith("contact"):
+            unknowns = np.array(vertical.GetDofNrs(element), dtype=np.int64) + first
+            ridge = int(element.mat.removeprefix("contact"))
+            yield _Edge(ridge, vertical.GetFE(element), mesh.GetTrafo(element), unknowns)
+
+
+def _sample(edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: Array) -> Sample:
+    """Sample every edge at the parameters `at` in (0, 1)."""
+    rows, columns, values, positions, sizes = [], [], [], [], []
+    for i, edge in enumerate(edges):
+        local = np.searchsorted(contact, edge.unknowns)
+        for j, t in enumerate(at):
+            point = edge.map(float(t), 0.0)
+            positions.append(point.point)
+            sizes.append(point.measure * weights[j])
+            values.append(np.asarray(edge.shape.CalcShape(float(t), 0.0, 0.0)).ravel())
+            rows.append(np.full(local.size, i * at.size + j))
+            columns.append(local)
+    shape = (len(edges) * at.size, contact.size)
+    index = (np.concatenate(rows), np.concatenate(columns))
+    return Sample(
+        sparse.csr_matrix((np.concatenate(values), index), shape=shape),
+        np.array(positions),
+        np.repeat([e.ridge for e in edges], at.size),
+        np.array(sizes),
+        np.repeat(np.arange(len(edges)), at.size),
+    )
+
+
+def _merged(sample: Sample) -> Sample:
+    """Return the sample with the vertices that two edges share taken once, their weights added."""
+    _, first, group = np.unique(
+        np.round(sample.position, 9), axis=0, return_index=True, return_inverse=True
+    )
+    weight = np.bincount(group.ravel(), weights=sample.weight)
+    return Sample(
+        sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first]
+    )
+
+
+def _lift(mesh: Any, space: Any, size: int) -> Array:
+    """The translation by 1 along z: in a hierarchical basis 1 at each vertex, 0 in higher functions."""
+    lift = np.zeros(size)
+    lift[space.Range(1).start + np.arange(mesh.nv)] = 1.0
+    return lift

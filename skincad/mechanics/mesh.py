@@ -1,0 +1,147 @@
+"""Triangles of a section: netgen on exact lines and arcs, in a unit of its own.
+
+All lengths are divided by the pad's own unit first, so that a pad of twice the size gets the same mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from netgen.geom2d import SplineGeometry
+
+from skincad.errors import InputError
+from skincad.mechanics.problem import Pad
+from skincad.section import CONTACT_KINDS, Loop, Point, Segment
+
+SKIN, FILM = 1, 2  # domain numbers, 0 is outside
+WIDEST_ARC = math.pi / 3  # rad, of one spline; beyond, netgen's curving loses accuracy
+SHORTEST = 1e-7  # in units; shorter segments are closed up, they would only breed needles
+GRADING = 0.3  # netgen's default, growth of neighbouring triangles
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Largest edges, in mm: on contact segments, the ridges' sides, elsewhere, the back's corners."""
+
+    contact: float
+    ridge: float
+    bulk: float
+    corner: float
+
+
+def unit_of(pad: Pad) -> float:
+    """Return the pad's own unit of length, mm: the mean length of a ridge's contact segments."""
+    total = math.fsum(s.length for s in pad.section.outline if s.kind in CONTACT_KINDS)
+    return total / len(pad.ridges)
+
+
+def default_sizes(pad: Pad, fineness: float = 1.0) -> Sizes:
+    """Return edge sizes for this pad; twice the fineness halves them all.
+
+    The clamped back's corners are singular: unless they are graded to about 1/2000 of the height, the
+    difference between two orders says nothing of the error (FACTS.md).
+    """
+    unit = unit_of(pad)
+    flank = max((s.length for s in pad.section.outline if s.kind == "flank"), default=unit)
+    height = max(p.start.z for p in pad.section.outline) - min(p.start.z for p in pad.section.outline)
+    return Sizes(
+        contact=0.1 * unit / fineness,
+        ridge=max(0.2 * unit, flank / 8) / fineness,
+        bulk=height / 9 / fineness,
+        corner=height / 2250 / fineness,
+    )
+
+
+def triangles(pad: Pad, sizes: Sizes) -> Any:
+    """Return the netgen mesh of the pad, in the pad's own unit.
+
+    Boundaries are named `back`, `contact<ridge>`, `free` and `strip`, domains `skin` and `film`.
+    Raises InputError when netgen finds no mesh.
+    """
+    unit = unit_of(pad)
+    geometry = SplineGeometry()
+    geometry.SetMaterial(SKIN, "skin")
+    geometry.SetMaterial(FILM, "film")
+    _add(geometry, pad.section.outline, (SKIN, 0), sizes, unit)
+    for strip in pad.strips:
+        _add(geometry, strip, (FILM, SKIN), sizes, unit)
+    for void in pad.voids:
+        _add(geometry, void, (0, SKIN), sizes, unit)
+    try:
+        return geometry.GenerateMesh(maxh=sizes.bulk / unit, grading=GRADING)
+    except Exception as failure:  # netgen raises its own untyped exceptions
+        raise InputError("section", f"netgen finds no mesh ({failure})", remedy="make thin parts thicker") from None
+
+
+def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit: float) -> None:
+    """Add a closed loop with the (left, right) domains."""
+    segments = list(_pieces(loop, SHORTEST * unit))
+    if len(segments) < 2:
+        raise InputError("section", "a loop has no area", remedy="leave it out")
+    corners = [_corner(a, b) for a, b in pairwise([segments[-1], *segments])]
+    ids = [
+        geometry.AppendPoint(
+            s.start.x / unit, s.start.z / unit, **({"maxh": sizes.corner / unit} if corner else {})
+        )
+        for s, corner in zip(segments, corners, strict=True)
+    ]
+    shortest = min(s.length for s in segments)
+    for s, first, last in zip(segments, ids, [*ids[1:], ids[0]], strict=True):
+        curve: list[Any] = ["line", first, last]
+        if s.bulge != 0.0:
+            x, z = _control(s)
+            curve = ["spline3", first, geometry.AppendPoint(x / unit, z / unit), last]
+        left, right = domains
+        size = _size(s, sizes, shortest) / unit
+        geometry.Append(curve, leftdomain=left, rightdomain=right, maxh=size, bc=_name(s, domains))
+
+
+def _pieces(loop: Loop, shortest: float) -> Iterator[Segment]:
+    """Yield the loop's segments, none shorter than `shortest`, no arc wider than WIDEST_ARC."""
+    kept = [s for s in loop if s.length > shortest]
+    for i, s in enumerate(kept):
+        end = kept[(i + 1) % len(kept)].start
+        count = max(1, math.ceil(abs(s.sweep) / WIDEST_ARC))
+        points = [s.start, *(s.point(j / count) for j in range(1, count)), end]
+        bulge = math.tan(s.sweep / count / 4) if s.bulge else 0.0
+        for a, b in pairwise(points):
+            yield Segment(a, b, bulge, s.kind, s.ridge)
+
+
+def _control(arc: Segment) -> Point:
+    """Control point of the arc as a rational quadratic spline: where its end tangents meet."""
+    aside = 2 * arc.bulge / (1 - arc.bulge**2) / 2
+    return Point(
+        (arc.start.x + arc.end.x) / 2 + aside * (arc.end.z - arc.start.z),
+        (arc.start.z + arc.end.z) / 2 - aside * (arc.end.x - arc.start.x),
+    )
+
+
+def _corner(before: Segment, after: Segment) -> bool:
+    return (before.kind == "back") != (after.kind == "back")
+
+
+def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:
+    """Largest edge on a segment, mm.
+
+    A slot or strip is straight: its long sides take edges twice its thickness, its ends one edge.
+    """
+    if segment.kind == "slot":
+        return max(2 * shortest, segment.length / 8)
+    if segment.kind in CONTACT_KINDS:
+        return min(sizes.contact, segment.length / 2)
+    if segment.kind in ("flank", "root_fillet"):
+        return sizes.ridge
+    return sizes.bulk
+
+
+def _name(segment: Segment, domains: tuple[int, int]) -> str:
+    if domains[0] == FILM:
+        return "strip"
+    if segment.kind == "back":
+        return "back"
+    return f"contact{segment.ridge}" if segment.kind in CONTACT_KINDS and domains[0] == SKIN else "free"

@@ -1,0 +1,100 @@
+"""What a tier solves and what it answers: the pad and the verdict's numbers, free of any library."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from skincad.catalog import silicone
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.quantities import Estimate
+from skincad.section import CONTACT_KINDS, Loop, Section, Segment, section
+
+
+class ContactError(ArithmeticError):
+    """A contact or finite element solution that does not hold; words say what and the remedy."""
+
+
+@dataclass(frozen=True)
+class Pad:
+    """An elastic section of `length` mm along y, clamped at its `back` segments.
+
+    Segments of CONTACT_KINDS may touch the plate. `strips` are loops filled with the film's material
+    (moduli in MPa), `voids` are holes.
+    """
+
+    section: Section
+    length: float
+    young_modulus: float
+    poisson_ratio: float
+    strips: tuple[Loop, ...] = ()
+    voids: tuple[Loop, ...] = ()
+    film_modulus: float = 0.0
+    film_ratio: float = 0.0
+
+    @property
+    def ridges(self) -> tuple[int, ...]:
+        """Numbers of the ridges that can touch, ascending."""
+        found = {s.ridge for s in self.section.outline if s.kind in CONTACT_KINDS}
+        return tuple(sorted(r for r in found if r is not None))
+
+    @property
+    def top(self) -> float:
+        """Largest z of the contact segments, mm, exact."""
+        return max(_top(s) for s in self.section.outline if s.kind in CONTACT_KINDS)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a tier found at `force` N: estimates with their error, work and residual.
+
+    `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form.
+    """
+
+    touching: int
+    all_touch_force: Estimate
+    approach: Estimate
+    ridge_force: tuple[Estimate, ...]
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+    warnings: tuple[str, ...] = ()
+
+
+def pad_of(design: Design) -> Pad:
+    """Return the pad of a design, its slots filled as `film_state` says."""
+    shape, stuff, film = section(design), silicone(design.material), design.film
+    state = design.film_state
+    if state == "bonded" and film is not None:
+        strips = tuple(slot.loop(film.thickness) for slot in shape.slots)
+        moduli = film.young_modulus, film.poisson_ratio
+    else:
+        strips, moduli = (), (0.0, 0.0)
+    voids = tuple(slot.loop() for slot in shape.slots) if state == "loose" else ()
+    return Pad(
+        shape, design.skin.length, stuff.young_modulus.value, stuff.poisson_ratio, strips, voids, *moduli
+    )
+
+
+def check_pad(pad: Pad) -> None:
+    """Raise InputError for a pad that no tier can solve."""
+    if not 0 <= pad.poisson_ratio <= 0.4999999:
+        raise InputError("material.poisson_ratio", "must be from 0 to 0.4999999", pad.poisson_ratio)
+    if not (pad.young_modulus > 0 and math.isfinite(pad.young_modulus)):
+        raise InputError("material.young_modulus", "must be above 0 MPa", pad.young_modulus)
+    if not pad.ridges:
+        raise InputError("section", "has no crown that could touch", remedy="give one a ridge number")
+    if not any(s.kind == "back" for s in pad.section.outline):
+        raise InputError("section", "has no back to clamp", remedy="mark a segment as 'back'")
+
+
+def _top(segment: Segment) -> float:
+    """Largest z of a segment that runs with its material on the left: where it heads to -x."""
+    ends = max(segment.start.z, segment.end.z)
+    if segment.bulge == 0.0:
+        return ends
+    heading = math.atan2(segment.end.z - segment.start.z, segment.end.x - segment.start.x)
+    turn = math.remainder(math.pi - (heading - segment.sweep / 2), 2 * math.pi)
+    fraction = turn / segment.sweep
+    return max(ends, segment.point(fraction).z) if 0 < fraction < 1 else ends

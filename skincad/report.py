@@ -1,0 +1,109 @@
+"""The picture of a design: the skin, one ridge of its section, and the mold taken apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from skincad.design import Design
+from skincad.render import shaded, view
+from skincad.section import polygon, section
+from skincad.solids.mold import Mold
+
+SKIN, STRIP = "#eebfa6", "#b5482a"
+_PIXELS = (820, 900)
+
+
+def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh], path: Path) -> None:
+    """Write a PNG of skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
+    figure = Figure(figsize=(13.2, 7.4), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
+    _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
+    _draw_ridge(figure.add_subplot(grid[1, 0]), design)
+    _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
+    figure.suptitle(design.name)
+    figure.savefig(path, metadata={"Software": "skincad"})
+
+
+def _show(axes: Axes, title: str) -> None:
+    axes.set_title(title, fontsize=10)
+    axes.set_axis_off()
+
+
+def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
+    upright = skin.copy()
+    upright.vertices = upright.vertices * [1.0, -1.0, -1.0]
+    seen = view([upright], 32.0, 28.0, (900, 430))
+    axes.imshow(shaded([upright], [(0.93, 0.72, 0.62)], seen))
+    size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
+    _show(axes, f"skin: {design.ridge.count} ridges, {size}")
+
+
+def _draw_ridge(axes: Axes, design: Design) -> None:
+    """The middle ridges' section with its film strips, mm."""
+    shape, ridge = section(design), design.ridge
+    axes.fill(*polygon(shape.outline, 1e-4).T, facecolor=SKIN, edgecolor="#333", linewidth=0.8)
+    for slot in shape.slots:
+        axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor="#333", linewidth=0.5)
+        if design.film:
+            axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
+    reach = min(1.7 * ridge.pitch, 0.5 * design.skin.width)
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(design.skin.thickness - 0.9 * reach + ridge.height, shape.top + 0.12 * reach)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, mm")
+    axes.set_ylabel("z, mm")
+    axes.set_title("section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""), fontsize=10)
+
+
+def _draw_mold(axes: Axes, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> None:
+    placed, colours, labels = [], [], []
+    for part in closed.parts:
+        if part.name not in meshes:
+            continue
+        moved = meshes[part.name].copy()
+        moved.vertices = moved.vertices + _apart(part.name, closed)
+        placed.append(moved)
+        colours.append(part.colour)
+        if part.made != "bought":
+            labels.append((part.name, moved))
+    seen = view(placed, 38.0, 30.0, _PIXELS)
+    axes.imshow(shaded(placed, colours, seen))
+    for name, shape in labels:
+        low, high = shape.bounds
+        corner = np.array([high[0], (low[1] + high[1]) / 2, (low[2] + high[2]) / 2])
+        x, y = seen.pixel(corner)
+        axes.annotate(name, (x, y), xytext=(x + 14, y), fontsize=8, color="#222", va="center")
+    _show(axes, "mold, taken apart (ridges down while it is poured)")
+
+
+def _apart(name: str, closed: Mold) -> np.ndarray:
+    """Where a part is drawn, relative to the closed mold, mm."""
+    block = closed.part("cavity").body
+    high = _height(closed)
+    side = 1.1 * (getattr(block, "high", 0.0) - getattr(block, "low", 0.0))
+    if name == "cover" or name.startswith("pin-cover"):
+        return np.array([0.0, 0.0, 2.3 * high])
+    if name == "carrier":
+        return np.array([0.0, 0.0, 1.7 * high])
+    if name == "skin":
+        return np.array([0.0, 0.0, 1.0 * high])
+    if name.startswith(("end-a", "pin-a")):
+        return np.array([0.0, -side * (1.0 if name.startswith("end") else 0.5), 0.0])
+    if name.startswith(("end-b", "pin-b")):
+        return np.array([0.0, side * (1.0 if name.startswith("end") else 0.5), 0.0])
+    if name.startswith("shim"):
+        return np.array([0.0, 2.4 * side, 0.0])
+    return np.zeros(3)
+
+
+def _height(closed: Mold) -> float:
+    outline = getattr(closed.part("cavity").body, "outline", ())
+    levels = [s.start.z for s in outline]
+    return max(levels) - min(levels)
