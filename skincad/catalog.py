@@ -19,6 +19,7 @@ from skincad.tables import Ranged, parse
 
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
 Kind = Literal["designs", "scenes", "circuits"]
+KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,9 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
     path = Path(source)
     if path.suffix != ".toml" and not path.is_file():
         raise InputError(
-            name, f"neither a template nor a file among {kind}", remedy=did_you_mean(name, template_names(kind))
+            name,
+            f"no such template among {kind}, and no TOML file",
+            remedy=did_you_mean(name, template_names(kind)),
         )
     try:
         with path.open("rb") as file:
@@ -149,7 +152,9 @@ def silicone(material: Material) -> Silicone:
             "material.name", "unknown silicone", material.name, did_you_mean(material.name, silicones())
         )
     if found is None:
-        found = Silicone("own", Ranged(value=1.0, low=1.0, high=1.0), 0.499, 1070.0, (1.0, 1.0), 0.0, 0.0, True, "")
+        found = Silicone(
+            "own", Ranged(value=1.0, low=1.0, high=1.0), 0.499, 1070.0, (1.0, 1.0), 0.0, 0.0, True, ""
+        )
     return Silicone(
         found.name,
         material.young_modulus or found.young_modulus,

@@ -1,4 +1,4 @@
-"""The one error type that bad input leaves by."""
+"""The two error types that leave the package: bad input, and a result that is not accepted."""
 
 from __future__ import annotations
 
@@ -20,6 +20,10 @@ class InputError(ValueError):
         if remedy:
             text += f"; {remedy}"
         super().__init__(" ".join(text.split()))
+
+
+class RefusedError(RuntimeError):
+    """A computation did not meet its own check, so there is no result; the command line exits with 1."""
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

@@ -16,8 +16,9 @@ import numpy as np
 import trimesh
 from ezdxf import units as dxf_units
 
+from skincad.curves import Loop, rectangle
 from skincad.design import Design
-from skincad.section import Loop, rectangle, section
+from skincad.section import section
 from skincad.stepfile import make_deterministic
 
 if TYPE_CHECKING:
@@ -41,16 +42,13 @@ def write_assembly(assembly: cq.Assembly, path: Path) -> None:
     make_deterministic(path, assembly.name)
 
 
-def assembly(design: Design, closed: Mold | None = None) -> cq.Assembly:
+def assembly(closed: Mold, solids: dict[str, cq.Workplane], name: str) -> cq.Assembly:
     """Return the closed mold with the skin, shims and pins in it, named and coloured, mm."""
     import cadquery as cq
 
-    from skincad.solids.mold import mold
-    from skincad.solids.occ import workplane
-
-    whole = cq.Assembly(name=design.name)
-    for part in (closed or mold(design)).parts:
-        whole.add(workplane(part), name=part.name, color=cq.Color(*part.colour))
+    whole = cq.Assembly(name=name)
+    for part in closed.parts:
+        whole.add(solids[part.name], name=part.name, color=cq.Color(*part.colour))
     return whole
 
 
@@ -73,7 +71,7 @@ def write_3mf(meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float
         shape.SetName(name)
         shape.SetUUID(_uuid(name, "object"))
         low, high = mesh.bounds
-        corners = np.asarray(mesh.vertices) + [0.0, along - low[1], 0.0]
+        corners = np.asarray(mesh.vertices) + np.array([0.0, along - low[1], 0.0])
         along += high[1] - low[1] + 5.0
         shape.SetGeometry(
             [lib3mf.Position((float(x), float(y), float(z))) for x, y, z in corners],

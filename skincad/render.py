@@ -65,7 +65,8 @@ def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: View) -> 
     paint = np.array(colours)[owner] * brightness[:, None]
     image = np.where((hit >= 0)[..., None], paint[hit], 1.0)
     image[_edges(hit, owner, normals)] *= 0.35
-    return image.reshape(seen.size[1], _OVERSAMPLE, seen.size[0], _OVERSAMPLE, 3).mean(axis=(1, 3))
+    blocks = image.reshape(seen.size[1], _OVERSAMPLE, seen.size[0], _OVERSAMPLE, 3)
+    return np.asarray(blocks.mean(axis=(1, 3)))
 
 
 def _edges(

@@ -10,13 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from skincad.curves import polygon
 from skincad.design import Design
 from skincad.render import shaded, view
-from skincad.section import polygon, section
+from skincad.section import section
 from skincad.solids.mold import Mold
+from skincad.solids.plan import Prism
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
-_PIXELS = (820, 900)
+_PIXELS = (640, 760)
 
 
 def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh], path: Path) -> None:
@@ -39,7 +41,7 @@ def _show(axes: Axes, title: str) -> None:
 def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     upright = skin.copy()
     upright.vertices = upright.vertices * [1.0, -1.0, -1.0]
-    seen = view([upright], 32.0, 28.0, (900, 430))
+    seen = view([upright], 32.0, 28.0, (720, 350))
     axes.imshow(shaded([upright], [(0.93, 0.72, 0.62)], seen))
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
     _show(axes, f"skin: {design.ridge.count} ridges, {size}")
@@ -59,7 +61,9 @@ def _draw_ridge(axes: Axes, design: Design) -> None:
     axes.set_aspect("equal")
     axes.set_xlabel("x, mm")
     axes.set_ylabel("z, mm")
-    axes.set_title("section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""), fontsize=10)
+    axes.set_title(
+        "section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""), fontsize=10
+    )
 
 
 def _draw_mold(axes: Axes, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> None:
@@ -75,35 +79,42 @@ def _draw_mold(axes: Axes, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> 
             labels.append((part.name, moved))
     seen = view(placed, 38.0, 30.0, _PIXELS)
     axes.imshow(shaded(placed, colours, seen))
-    for name, shape in labels:
-        low, high = shape.bounds
-        corner = np.array([high[0], (low[1] + high[1]) / 2, (low[2] + high[2]) / 2])
-        x, y = seen.pixel(corner)
-        axes.annotate(name, (x, y), xytext=(x + 14, y), fontsize=8, color="#222", va="center")
-    _show(axes, "mold, taken apart (ridges down while it is poured)")
+    anchors = [(seen.pixel(_right_edge(shape)), name) for name, shape in labels]
+    free = 0.0
+    for (x, y), name in sorted(anchors, key=lambda anchor: anchor[0][1]):
+        free = max(free, y)
+        line = {"arrowstyle": "-", "color": "#666", "linewidth": 0.6}
+        axes.annotate(name, (x, y), (_PIXELS[0] + 10, free), fontsize=8, va="center", arrowprops=line)
+        free += 0.028 * _PIXELS[1]
+    _show(axes, "mold, taken apart (it is poured with the ridges down)")
+
+
+def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
+    """A point on the part's right upper edge, seen from in front."""
+    low, high = shape.bounds
+    return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
 
 
 def _apart(name: str, closed: Mold) -> np.ndarray:
     """Where a part is drawn, relative to the closed mold, mm."""
     block = closed.part("cavity").body
     high = _height(closed)
-    side = 1.1 * (getattr(block, "high", 0.0) - getattr(block, "low", 0.0))
+    side = 1.1 * (block.high - block.low) if isinstance(block, Prism) else 0.0
     if name == "cover" or name.startswith("pin-cover"):
         return np.array([0.0, 0.0, 2.3 * high])
     if name == "carrier":
         return np.array([0.0, 0.0, 1.7 * high])
     if name == "skin":
         return np.array([0.0, 0.0, 1.0 * high])
-    if name.startswith(("end-a", "pin-a")):
-        return np.array([0.0, -side * (1.0 if name.startswith("end") else 0.5), 0.0])
-    if name.startswith(("end-b", "pin-b")):
-        return np.array([0.0, side * (1.0 if name.startswith("end") else 0.5), 0.0])
+    if name.startswith(("end-", "pin-a", "pin-b")):
+        out = side * (1.0 if name.startswith("end") else 0.5) * (-1 if name[4] == "a" else 1)
+        return np.array([0.0, out, 0.25 * high if name.endswith("keeper") else 0.0])
     if name.startswith("shim"):
         return np.array([0.0, 2.4 * side, 0.0])
     return np.zeros(3)
 
 
 def _height(closed: Mold) -> float:
-    outline = getattr(closed.part("cavity").body, "outline", ())
-    levels = [s.start.z for s in outline]
+    block = closed.part("cavity").body
+    levels = [s.start.z for s in block.outline] if isinstance(block, Prism) else [0.0]
     return max(levels) - min(levels)

@@ -1,14 +1,13 @@
-"""The exact cross-section: closed loops of straight lines and circular arcs, in the plane (x, z), mm.
+"""The skin's exact cross-section: one closed outline of lines and arcs, and the slots in it.
 
-A segment is two end points and a bulge, the tangent of a quarter of its sweep (as in DXF): a line is an
-arc of bulge 0, and an arc of 1e8 mm radius loses no digits, because no centre is ever formed.
+In the plane (x, z), mm: flat back at z = 0, ridges up, the material on the left of every segment.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Literal, NamedTuple
 
@@ -16,175 +15,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from skincad.curves import Kind, Loop, Point, Segment, area, loop, moments, polygon
 from skincad.design import MOLDABLE_WALL, Design
 from skincad.errors import InputError
 
-Kind = Literal["back", "side", "base", "root_fillet", "flank", "tip_fillet", "crown", "slot", "other"]
 CONTACT_KINDS: tuple[Kind, ...] = ("tip_fillet", "crown")
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
-_GAUSS = np.polynomial.legendre.leggauss(16)  # exact to rounding for sweeps below a half turn
-
-
-class Point(NamedTuple):
-    """A point of the section, mm."""
-
-    x: float
-    z: float
-
-
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """A line or arc from `start` to `end`, the material on its left.
-
-    `bulge` is tan(sweep / 4), positive when it turns counterclockwise; `ridge` counts from 1.
-    """
-
-    start: Point
-    end: Point
-    bulge: float = 0.0
-    kind: Kind = "other"
-    ridge: int | None = None
-
-    @property
-    def sweep(self) -> float:
-        """Angle turned through from start to end, rad, positive counterclockwise."""
-        return 4 * math.atan(self.bulge)
-
-    @property
-    def chord(self) -> float:
-        """Distance from start to end, mm."""
-        return math.hypot(self.end.x - self.start.x, self.end.z - self.start.z)
-
-    @property
-    def radius(self) -> float:
-        """Radius of the arc, mm; infinite for a line."""
-        if self.bulge == 0.0:
-            return math.inf
-        return self.chord * (1 + self.bulge**2) / (4 * abs(self.bulge))
-
-    @property
-    def length(self) -> float:
-        """Arc length, mm."""
-        half = self.sweep / 2
-        return self.chord if half == 0.0 else self.chord * half / math.sin(half)
-
-    def points(self, fractions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the points at these fractions of the length, `(n, 2)` mm."""
-        start, end = np.array(self.start), np.array(self.end)
-        middle, half = (start + end) / 2, (end - start) / 2
-        right = np.array([half[1], -half[0]])
-        u = np.asarray(fractions, dtype=float)
-        if self.bulge == 0.0:
-            along, aside = 2 * u - 1, np.zeros_like(u)
-        else:
-            turn = (u - 0.5) * self.sweep
-            size = math.sin(self.sweep / 2)
-            along, aside = np.sin(turn) / size, self.bulge - 2 * np.sin(turn / 2) ** 2 / size
-        points: NDArray[np.float64] = middle + np.outer(along, half) + np.outer(aside, right)
-        return points
-
-    def point(self, fraction: float) -> Point:
-        """Return the point at this fraction of the length."""
-        x, z = self.points(np.array([fraction]))[0]
-        return Point(float(x), float(z))
-
-    def reversed(self) -> Segment:
-        """Return the same curve run the other way."""
-        return replace(self, start=self.end, end=self.start, bulge=-self.bulge)
-
-    def pieces(self, tolerance: float) -> int:
-        """Return how many chords keep within `tolerance` mm of the curve."""
-        if self.bulge == 0.0:
-            return 1
-        widest = 4 * math.asin(min(1.0, math.sqrt(tolerance / (2 * self.radius))))
-        return max(1, math.ceil(abs(self.sweep) / widest))
-
-
-Loop = tuple[Segment, ...]
-
-
-def loop(points: list[Point], kind: Kind = "other", ridge: int | None = None) -> Loop:
-    """Return the closed polygon through these points as a loop of lines."""
-    return tuple(
-        Segment(a, b, kind=kind, ridge=ridge) for a, b in zip(points, [*points[1:], points[0]], strict=True)
-    )
-
-
-def rectangle(x_min: float, x_max: float, z_min: float, z_max: float) -> Loop:
-    """Return an axis-parallel rectangle, counterclockwise."""
-    return loop([Point(x_min, z_min), Point(x_max, z_min), Point(x_max, z_max), Point(x_min, z_max)])
-
-
-def shifted(outline: Loop, dx: float, dz: float) -> Loop:
-    """Return the loop moved by (dx, dz) mm."""
-    return tuple(
-        replace(s, start=Point(s.start.x + dx, s.start.z + dz), end=Point(s.end.x + dx, s.end.z + dz))
-        for s in outline
-    )
-
-
-def flipped(outline: Loop) -> Loop:
-    """Return the loop turned upside down (z to -z), still with the material on its left."""
-    return tuple(
-        replace(s, start=Point(s.end.x, -s.end.z), end=Point(s.start.x, -s.start.z))
-        for s in reversed(outline)
-    )
-
-
-def moments(outline: Loop) -> tuple[float, float, float]:
-    """Return (area mm2, first moments of area about z and x, mm3) by Green's theorem.
-
-    Exact to rounding: the chord polygon plus every arc's circular segment, in the chord's own frame.
-    """
-    origin = outline[0].start
-    total = np.zeros(3)
-    for segment in outline:
-        a = np.array([segment.start.x - origin.x, segment.start.z - origin.z])
-        b = np.array([segment.end.x - origin.x, segment.end.z - origin.z])
-        area = (a[0] * b[1] - a[1] * b[0]) / 2
-        total += [area, *(area * (a + b) / 3)]
-        if segment.bulge:
-            total += _circular_segment((a + b) / 2, (b - a) / 2, segment)
-    area, mx, mz = total
-    return float(area), float(mx + area * origin.x), float(mz + area * origin.z)
-
-
-def _circular_segment(middle: NDArray[np.float64], half: NDArray[np.float64], arc: Segment) -> list[float]:
-    """Area and moments between an arc and its chord, by Gauss integration over the angle."""
-    nodes, weights = _GAUSS
-    turn, size = nodes * arc.sweep / 2, math.sin(arc.sweep / 2)
-    aside = arc.bulge - 2 * np.sin(turn / 2) ** 2 / size  # height over the chord, in half chords
-    weight = weights * np.cos(turn) / size * arc.sweep / 2 * aside
-    area, first = float(weight.sum()), float((weight * aside).sum()) / 2
-    square = float(half @ half)
-    right = np.array([half[1], -half[0]])
-    return [area * square, *(square * (area * middle + first * right))]
-
-
-def area(outline: Loop) -> float:
-    """Return the enclosed area, mm2, positive for a counterclockwise loop."""
-    return moments(outline)[0]
-
-
-def length(outline: Loop) -> float:
-    """Return the perimeter, mm."""
-    return math.fsum(s.length for s in outline)
-
-
-def polygon(outline: Loop, tolerance: float) -> NDArray[np.float64]:
-    """Return the loop's corners with arcs as chords within `tolerance` mm, `(n, 2)` mm, not closed."""
-    rows = [s.points(np.arange(n) / n) for s in outline for n in [s.pieces(tolerance)]]
-    return np.vstack(rows)
-
-
-def offset(outline: Loop, distance: float, tolerance: float) -> list[NDArray[np.float64]]:
-    """Return the outline moved outward by `distance` mm (inward if negative) as polygons within
-    `tolerance` mm; round at the corners, so opening and closing with it are those of a round tool."""
-    grown = shapely.Polygon(polygon(outline, tolerance / 2)).buffer(
-        distance, quad_segs=max(4, math.ceil(math.pi / 4 / math.sqrt(tolerance / max(abs(distance), tolerance))))
-    )
-    parts = getattr(grown, "geoms", [grown])
-    return [np.asarray(p.exterior.coords)[:-1] for p in parts if not p.is_empty]
 
 
 @dataclass(frozen=True)
@@ -320,7 +156,7 @@ def _half_ridge(design: Design) -> _HalfRidge:
         )
     v = concentric_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
     high, inner = edge + v * along, edge - r * out + v * along - summit
-    crown = (inner + [0.0, r]) / (1 - curvature * r) + summit
+    crown = (inner + np.array([0.0, r])) / (1 - curvature * r) + summit
     if u > size + v:
         raise InputError(
             "ridge.root_fillet",
@@ -329,7 +165,9 @@ def _half_ridge(design: Design) -> _HalfRidge:
             "take smaller fillets or a higher ridge",
         )
     if crown[0] < 0:
-        raise InputError("ridge.tip_fillet", "the two tip fillets overlap on the axis", r, "take a smaller one")
+        raise InputError(
+            "ridge.tip_fillet", "the two tip fillets overlap on the axis", r, "take a smaller one"
+        )
     if base[0] > ridge.pitch / 2:
         raise InputError(
             "ridge.root_fillet",
@@ -428,7 +266,9 @@ def _guard(result: Section, design: Design) -> None:
     body = shapely.Polygon(polygon(result.outline, GUARD_TOLERANCE))
     if not body.is_valid:
         raise InputError(
-            "ridge", f"the outline crosses itself ({shapely.is_valid_reason(body)})", remedy="move ridges apart"
+            "ridge",
+            f"the outline crosses itself ({shapely.is_valid_reason(body)})",
+            remedy="move ridges apart",
         )
     if not result.slots:
         return

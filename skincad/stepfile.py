@@ -6,6 +6,7 @@ order of memory addresses; all three are made constant here, in the text.
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 from datetime import UTC, datetime
@@ -26,9 +27,12 @@ def make_deterministic(path: Path, name: str) -> None:
     """Rewrite a STEP file in place: header time by SOURCE_DATE_EPOCH (1970 without it), products without a
     name called `name`, occurrences counted from 1, colours in the order of the solids that carry them.
 
-    Raises InputError when SOURCE_DATE_EPOCH is no whole number of seconds.
+    Raises InputError when SOURCE_DATE_EPOCH is no whole number of seconds, OSError when the kernel, which
+    does not say so, could not write the whole file.
     """
     text = path.read_text("latin-1")
+    if not text.rstrip().endswith("END-ISO-10303-21;"):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
     moment = source_date()
     text = _TIME.sub(lambda m: m[1] + moment + m[2], text, count=1)
     text = _NAMELESS.sub(f"'{name}'", text)
@@ -71,7 +75,7 @@ def _styles_in_order(text: str) -> str:
 
 
 def _solids(number: int, entities: dict[int, str]) -> list[int]:
-    """Entities before the styles that a style reaches: the solid and its context, whose numbers are stable."""
+    """Entities before the styles that a style refers to; their numbers are stable."""
     references = [int(r) for r in _REFERENCE.findall(entities[number])]
     return [r for r in references if r not in entities]
 

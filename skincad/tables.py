@@ -12,6 +12,7 @@ from pydantic_core import ErrorDetails
 
 from skincad.errors import InputError, did_you_mean
 
+
 def quantity(unit: str, meaning: str, **limits: Any) -> Any:
     """Describe a float field: its unit and meaning go into the schema and the commented TOML."""
     return Field(description=meaning, json_schema_extra={"unit": unit}, allow_inf_nan=False, **limits)

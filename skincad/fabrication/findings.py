@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from skincad.curves import polygon
 from skincad.design import Design
-from skincad.section import GUARD_TOLERANCE, polygon, section
+from skincad.section import GUARD_TOLERANCE, section
 
 UNDERCUT_SHARE = 0.1  # assumption: an overhang of a tenth of the root bends out of soft silicone untorn
 

@@ -9,9 +9,9 @@ import pymeshlab
 import trimesh
 from manifold3d import Manifold
 
+from skincad.fabrication.findings import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
-from skincad.fabrication.findings import Finding
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Part, swept
 

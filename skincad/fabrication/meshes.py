@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 from manifold3d import Manifold, Mesh64, triangulate
 
-from skincad import section
+from skincad import curves
 from skincad.solids.plan import Body, Bore, Part, Prism
 
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
@@ -47,8 +47,8 @@ def _body(body: Body, tolerance: float) -> Manifold:
 def _prism(prism: Prism, tolerance: float) -> Manifold:
     """Triangulate the ends and join them; corners keep their exact digits, so that a bore that ends on a
     face really opens it (a library's polygon class that rounds to 1e-8 mm left a film of that thickness)."""
-    loops = [section.polygon(prism.outline, tolerance)]
-    loops += [section.polygon(hole, tolerance)[::-1] for hole in prism.holes]
+    loops = [curves.polygon(prism.outline, tolerance)]
+    loops += [curves.polygon(hole, tolerance)[::-1] for hole in prism.holes]
     caps = np.asarray(triangulate(loops), dtype=np.uint64)
     corners = np.vstack(loops)
     count = len(corners)

@@ -68,7 +68,7 @@ def condense(matrix: sparse.csr_matrix, interior: Index, contact: Index) -> Cond
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
     k = contact.size
-    schur = (factor.L[-k:, -k:] @ factor.U[-k:, -k:]).toarray()
+    schur = factor.L[-k:, -k:].toarray() @ factor.U[-k:, -k:].toarray()
     try:
         root = linalg.cho_factor((schur + schur.T) / 2)
     except linalg.LinAlgError:

@@ -81,7 +81,9 @@ def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
     form = ng.BilinearForm(both, symmetric=True, condense=True)
     form += (
         2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
-        + q * ng.div(v) + r * ng.div(u) - q * r / bulk
+        + q * ng.div(v)
+        + r * ng.div(u)
+        - q * r / bulk
     ) * ng.dx
     form.Assemble()
     values, columns, starts = form.mat.CSR()
@@ -138,18 +140,18 @@ def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
 
 def _sample(edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: Array) -> Sample:
     """Sample every edge at the parameters `at` in (0, 1)."""
-    rows, columns, values, positions, sizes = [], [], [], [], []
-    for i, edge in enumerate(edges):
+    columns, values, positions, sizes = [], [], [], []
+    for edge in edges:
         local = np.searchsorted(contact, edge.unknowns)
         for j, t in enumerate(at):
             point = edge.map(float(t), 0.0)
             positions.append(point.point)
             sizes.append(point.measure * weights[j])
             values.append(np.asarray(edge.shape.CalcShape(float(t), 0.0, 0.0)).ravel())
-            rows.append(np.full(local.size, i * at.size + j))
             columns.append(local)
-    shape = (len(edges) * at.size, contact.size)
-    index = (np.concatenate(rows), np.concatenate(columns))
+    rows = np.repeat(np.arange(len(columns)), [c.size for c in columns])
+    shape = (len(columns), contact.size)
+    index = (rows, np.concatenate(columns))
     return Sample(
         sparse.csr_matrix((np.concatenate(values), index), shape=shape),
         np.array(positions),
@@ -160,10 +162,16 @@ def _sample(edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: 
 
 
 def _merged(sample: Sample) -> Sample:
-    """Return the sample with the vertices that two edges share taken once, their weights added."""
-    _, first, group = np.unique(
-        np.round(sample.position, 9), axis=0, return_index=True, return_inverse=True
-    )
+    """Return the sample with the vertices that two edges share taken once, their weights added.
+
+    At a vertex the hierarchical basis has one function, of value 1; inside an edge a point is its own.
+    """
+    count = sample.weight.size
+    largest = np.asarray(sample.rows.argmax(axis=1)).ravel()
+    is_vertex = np.diff(sample.edge, prepend=-1, append=-1)
+    is_vertex = (is_vertex[:-1] != 0) | (is_vertex[1:] != 0)
+    key = np.where(is_vertex, largest, sample.rows.shape[1] + np.arange(count))
+    _, first, group = np.unique(key, return_index=True, return_inverse=True)
     weight = np.bincount(group.ravel(), weights=sample.weight)
     return Sample(
         sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first]

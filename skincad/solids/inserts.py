@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from skincad.curves import flipped
 from skincad.design import Design
-from skincad.section import flipped, section
+from skincad.section import section
 from skincad.solids.plan import Bore, Part, Prism, Vector
 
 STEEL = (0.62, 0.65, 0.70)

@@ -1,10 +1,10 @@
-"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, cover, pins, bores.
+r"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, cover, pins, bores.
 
     z up                 cover            vent through cover and carrier at +y
     ---------------------------------
     | wall | ledge  carrier  | wall |     carrier lies on the ledge, flush with the cavity's top
     |      |_     skin      _|      |     skin's back at z = 0
-    |        |_/\\/\\/\\/\\/\\_|        |     ridges' negative, open at both y ends
+    |        |_/\/\/\/\/\_|        |     ridges' negative, open at both y ends
     |______________floor____________|
 
 An end plate closes each y end. Where there are slots it is split across the slits, at their back ends: the
@@ -22,19 +22,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from skincad.curves import Loop, Point, Segment, flipped
 from skincad.design import Design
 from skincad.errors import InputError
-from skincad.section import (
-    Loop,
-    Point,
-    Section,
-    Segment,
-    SlotPlace,
-    concentric_hit,
-    flipped,
-
-    section,
-)
+from skincad.section import Section, SlotPlace, concentric_hit, section
 from skincad.solids.inserts import PIN_RADIUS, pin, shims
 from skincad.solids.plan import Axis, Body, Bore, Part, Prism, box
 from skincad.solids.skin import cast_skin
@@ -155,7 +146,9 @@ def _layout(design: Design) -> _Layout:
 
 def _at_least(key: str, given: float, need: float, what: str) -> None:
     if given < need:
-        raise InputError(key, f"leaves {given:.4g} mm for {what}, which need {need:.4g} mm", remedy="enlarge it")
+        raise InputError(
+            key, f"leaves {given:.4g} mm for {what}, which need {need:.4g} mm", remedy="enlarge it"
+        )
 
 
 def _mirrored(x: float) -> tuple[float, float]:
@@ -193,9 +186,7 @@ def _cavity(design: Design, shape: Section, place: _Layout) -> Part:
         Bore((x, y, place.bottom), "z", place.top - place.bottom, BOLT_RADIUS) for x, y in _cover_bolts(place)
     ]
     fits = PIN_RADIUS + design.mold.clearance
-    sockets = [
-        Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, fits) for x, y in _cover_pins(place)
-    ]
+    sockets = [Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, fits) for x, y in _cover_pins(place)]
     body = Prism(outline, "y", -half, half)
     return Part("cavity", GREY, "made", body, (*bores, *holes, *upright, *sockets))
 
@@ -271,7 +262,7 @@ def _closed(edge: list[Segment], z: float) -> Loop:
 def _split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segment], list[Segment]]:
     """The split from -x to x in the design's frame: the comb's edge, with a notch up to every slot's outer
     end, and the keeper's, which runs straight over the notches' mouths."""
-    radius, thickness = design.skin.curvature_radius, design.skin.thickness
+    radius = design.skin.curvature_radius
     height, level, angle = _split_height(design, shape)
     reach = (radius + height) * math.sin(angle)
 
@@ -368,5 +359,3 @@ def _pins(design: Design, place: _Layout) -> list[Part]:
     for side, (x, y) in zip(("right", "left"), _cover_pins(place), strict=True):
         pins.append(pin(f"pin-cover-{side}", (x, y, low), "z", length))
     return pins
-
-

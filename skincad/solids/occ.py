@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from skincad.errors import InputError
-from skincad.section import Loop, Segment
+from skincad.curves import Loop, Segment
+from skincad.errors import InputError, RefusedError
 from skincad.solids.plan import Axis, Body, Part, Prism
 
 try:
@@ -40,7 +40,7 @@ KERNEL_TOLERANCE = 1e-7  # mm, source: OCCT's Precision::Confusion; an arc that 
 VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's formula
 
 
-class KernelError(RuntimeError):
+class KernelError(RefusedError):
     """The CAD kernel's solid is not valid, or its volume is not the plan's."""
 
 

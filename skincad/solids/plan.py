@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from skincad import section
-from skincad.section import Loop
+from skincad import curves
+from skincad.curves import Loop, Point
 
 Axis = Literal["y", "z"]
 Vector = tuple[float, float, float]
@@ -35,7 +35,7 @@ class Prism:
     @property
     def volume(self) -> float:
         """Area of the outline less its holes, times the length, mm3."""
-        net = section.area(self.outline) - math.fsum(section.area(h) for h in self.holes)
+        net = curves.area(self.outline) - math.fsum(curves.area(h) for h in self.holes)
         return net * (self.high - self.low)
 
 
@@ -79,8 +79,8 @@ class Part:
 def box(x: float, y: tuple[float, float], z: tuple[float, float], axis: Axis = "z") -> Prism:
     """Return a block from -x to x with these y and z ranges, mm."""
     if axis == "z":
-        return Prism(section.rectangle(-x, x, *y), "z", *z)
-    return Prism(section.rectangle(-x, x, *z), "y", *y)
+        return Prism(curves.rectangle(-x, x, *y), "z", *z)
+    return Prism(curves.rectangle(-x, x, *z), "y", *y)
 
 
 def swept(part: Part, axis: Axis, travel: float, tolerance: float) -> Part:
@@ -110,11 +110,11 @@ def _stretched(body: Body, travel: float) -> Body:
 
 def _shadow(outline: Loop, travel: float, tolerance: float) -> Loop:
     """Outline of everything that a loop's chord polygon covers while it rises by `travel` mm."""
-    points = section.polygon(outline, tolerance)
+    points = curves.polygon(outline, tolerance)
     quads = [
         shapely.Polygon([a, b, (b[0], b[1] + travel), (a[0], a[1] + travel)])
         for a, b in zip(points, np.roll(points, -1, axis=0), strict=True)
         if a[0] != b[0]
     ]
     covered = shapely.orient_polygons(shapely.union_all([shapely.Polygon(points), *quads]))
-    return section.loop([section.Point(x, z) for x, z in covered.exterior.coords[:-1]])
+    return curves.loop([Point(x, z) for x, z in covered.exterior.coords[:-1]])

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from skincad.curves import flipped
 from skincad.design import Design
-from skincad.section import flipped, section
+from skincad.section import section
 from skincad.solids.plan import Part, Prism
 
 if TYPE_CHECKING:

@@ -1,0 +1,182 @@
+"""The command line: thin commands over the package's functions."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import skincad
+from skincad.errors import InputError, RefusedError
+
+if TYPE_CHECKING:
+    from skincad.stopwatch import Progress
+
+app = typer.Typer(
+    name="skincad",
+    help="Artificial robot skin with ridges: its solids and mold, files to make them, and what it will feel.",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+# typer carries a parser of its own; its public BadParameter leads to the base of its errors
+_USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[2]
+
+DesignArgument = Annotated[str, typer.Argument(metavar="DESIGN", help="A template's name or a TOML file.")]
+SetOption = Annotated[
+    list[str],
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Override a key, as in ridge.height=0.6; slot=none drops a table."
+    ),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+
+
+def main() -> None:
+    """Run the command line; exit 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
+    try:
+        status = typer.main.get_command(app).main(prog_name="skincad", standalone_mode=False)
+    except InputError as failure:
+        _leave(str(failure), 2)
+    except _USAGE_ERROR as failure:
+        text = failure.format_message() if hasattr(failure, "format_message") else str(failure)
+        _leave(f"{text} (see skincad --help)", 2)
+    except RefusedError as failure:
+        _leave(str(failure), 1)
+    except (KeyboardInterrupt, typer.Abort):
+        _leave("interrupted", 130)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _leave(message: str, status: int) -> None:
+    print(f"skincad: {' '.join(message.split())}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"skincad {skincad.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Artificial robot skin with ridges: its solids and mold, files to make them, and what it will feel."""
+
+
+@app.command()
+def templates(as_json: JsonOption = False) -> None:
+    """List the designs that ship with skincad."""
+    from skincad.catalog import KINDS, template_names, template_text
+
+    kinds = {kind: template_names(kind) for kind in KINDS}
+    if as_json:
+        print(json.dumps(kinds))
+        return
+    for kind, names in kinds.items():
+        for name in names:
+            first = template_text(name, kind).splitlines()[0].lstrip("# ")
+            print(f"{kind[:-1]:8} {name:22} {first}")
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The TOML file to write.")],
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help="Start from this design.")
+    ] = "yamada-2002",
+) -> None:
+    """Write a design to edit, every key explained, and its JSON schema.
+
+    An editor that knows the schema completes and checks the file.
+    """
+    from skincad.newfile import write_new
+
+    for path in write_new(file, template):
+        print(path)
+
+
+@app.command()
+def make(
+    design: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Out folder; default out/<name>.")
+    ] = None,
+    formats: Annotated[
+        list[str],
+        typer.Option("--format", metavar="KIND", help="Only these files: step stl 3mf dxf svg png md."),
+    ] = [],  # noqa: B006
+    strict: Annotated[bool, typer.Option("--strict", help="Warnings fail too.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Make skin and mold, check both, and write all files.
+
+    STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the out folder, whole or not at all.
+    """
+    from skincad.job import FORMATS, STAGES
+    from skincad.job import make as run
+    from skincad.wording import make_lines
+
+    loaded = skincad.load(design, settings)
+    with _progress(len(STAGES)) as progress:
+        result = run(loaded, out, formats=tuple(formats) or FORMATS, strict=strict, progress=progress)
+    _print(result.as_json(), as_json, make_lines(result))
+    raise typer.Exit(0 if result.passed else 1)
+
+
+@app.command()
+def check(
+    design: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    force: Annotated[
+        float | None, typer.Option("--force", metavar="N", help="Normal force; default the design's.")
+    ] = None,
+    tol: Annotated[
+        float | None, typer.Option("--tol", metavar="REL", help="Relative discretisation error to meet.")
+    ] = None,
+    tier: Annotated[str, typer.Option("--tier", help="winkler, linear or auto.")] = "auto",
+    as_json: JsonOption = False,
+) -> None:
+    """Say from which force on all ridges touch a plate.
+
+    Also the approach and the force of each ridge, each with its error.
+    """
+    from skincad.mechanics.check import check as run
+    from skincad.wording import check_lines
+
+    loaded = skincad.load(design, settings)
+    with _progress(4) as progress:
+        result = run(loaded, force=force, tol=tol, tier=tier, progress=progress)
+    _print(result.as_json(), as_json, check_lines(result))
+    raise typer.Exit(0 if result.passed else 1)
+
+
+def _print(data: dict[str, Any], as_json: bool, lines: list[str]) -> None:
+    print(json.dumps(data, allow_nan=False) if as_json else "\n".join(lines))
+
+
+@contextmanager
+def _progress(stages: int) -> Iterator[Progress | None]:
+    """Show a bar on stderr while the block runs, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = TextColumn("{task.description:14}"), BarColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=stages + 1)
+        yield lambda name: bar.update(task, description=name, advance=1)

@@ -1,0 +1,252 @@
+"""The main job: from a design to skin, mold, files, findings and verdict, in one folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from skincad.design import Design
+from skincad.errors import InputError, did_you_mean
+from skincad.outfolder import MANIFEST, replaced
+from skincad.stopwatch import Progress, Stopwatch
+
+if TYPE_CHECKING:
+    from skincad.fabrication.findings import Finding
+    from skincad.mechanics.check import ContactCheck
+    from skincad.solids.mold import Mold
+    from skincad.solids.plan import Part
+
+FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md")
+STAGES = ("contact check", "solids", "meshes", "measuring", "interference", "files", "picture")
+INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that are tested for interference
+
+
+@dataclass(frozen=True)
+class PartReport:
+    """A part as built: exact solid and print mesh; mm, mm2, mm3."""
+
+    name: str
+    volume: float
+    area: float
+    faces: int
+    valid: bool
+    watertight: bool
+    self_intersections: int
+    deviation: float
+    asked_deviation: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the part under the contract's keys."""
+        return {
+            "name": self.name,
+            "volume_mm3": self.volume,
+            "area_mm2": self.area,
+            "faces": self.faces,
+            "valid": self.valid,
+            "watertight": self.watertight,
+            "self_intersections": self.self_intersections,
+            "deviation_mm": self.deviation,
+            "asked_deviation_mm": self.asked_deviation,
+        }
+
+
+@dataclass(frozen=True)
+class MakeResult:
+    """What `make` did: files, parts as measured, findings and the contact verdict."""
+
+    name: str
+    folder: Path
+    passed: bool
+    files: tuple[tuple[str, int], ...]  # name in the folder, bytes
+    parts: tuple[PartReport, ...]
+    findings: tuple[Finding, ...]
+    check: ContactCheck
+    seconds: dict[str, float]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result under the contract's keys."""
+        return {
+            "name": self.name,
+            "passed": self.passed,
+            "files": [{"path": str(self.folder / name), "bytes": size} for name, size in self.files],
+            "parts": [part.as_json() for part in self.parts],
+            "findings": [finding.as_json() for finding in self.findings],
+            "check": self.check.as_json(),
+            "seconds": self.seconds,
+        }
+
+
+def make(
+    design: Design,
+    folder: Path | str | None = None,
+    *,
+    formats: tuple[str, ...] = FORMATS,
+    strict: bool = False,
+    progress: Progress | None = None,
+) -> MakeResult:
+    """Build, check and write a design into `folder` (default out/<name>), whole or not at all.
+
+    `passed` is false when the contact verdict fails, a part is not valid, watertight or free, or (with
+    `strict`) any finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
+    """
+    unknown = [f for f in formats if f not in FORMATS]
+    if unknown:
+        raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))
+    target = Path("out") / design.name if folder is None else Path(folder)
+    _import_everything()
+    watch = Stopwatch(progress)
+    job = _build(design, watch)
+    with replaced(target, frozenset(_names(FORMATS, job) | {MANIFEST})) as staging:
+        _write(job, formats, staging, watch)
+        result = _result(job, target, staging, strict, watch)
+        manifest = {"files": [name for name, _ in result.files], "findings": len(result.findings)}
+        (staging / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
+    return result
+
+
+def _import_everything() -> None:
+    """Import before the clock starts: `seconds` is the work, not the libraries' loading."""
+    import ngsolve  # noqa: F401
+    import pymeshlab  # noqa: F401
+
+    import skincad.report
+    import skincad.solids.occ  # noqa: F401
+
+
+@dataclass(frozen=True)
+class _Job:
+    design: Design
+    closed: Mold
+    solids: dict[str, Any]
+    meshes: dict[str, Any]
+    reports: tuple[PartReport, ...]
+    findings: tuple[Finding, ...]
+    check: ContactCheck
+
+
+def _build(design: Design, watch: Stopwatch) -> _Job:
+    from skincad.fabrication.findings import design_findings, process_of
+    from skincad.fabrication.measures import interference
+    from skincad.fabrication.meshes import mesh
+    from skincad.mechanics.check import check
+    from skincad.solids.mold import mold
+    from skincad.solids.occ import workplane
+
+    closed = mold(design)
+    made = [part for part in closed.parts if part.made != "bought"]
+    chord = process_of(design).chord
+    with watch.stage("contact check"):
+        verdict = check(design)
+    with watch.stage("solids"):
+        solids = {part.name: workplane(part) for part in closed.parts}
+    with watch.stage("meshes"):
+        meshes = {part.name: mesh(part, chord) for part in closed.parts}
+    with watch.stage("measuring"):
+        reports = [_report(part, solids[part.name].val(), meshes[part.name], chord) for part in made]
+    with watch.stage("interference"):
+        gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
+        findings = [*design_findings(design), *interference(closed, min(chord, INTERFERENCE_SHARE * gap))]
+    return _Job(design, closed, solids, meshes, tuple(reports), tuple(findings), verdict)
+
+
+def _report(part: Part, solid: Any, mesh: Any, chord: float) -> PartReport:
+    from skincad.fabrication.measures import measure
+
+    seen = measure(part, mesh, chord)
+    return PartReport(
+        name=part.name,
+        volume=solid.Volume(),
+        area=solid.Area(),
+        faces=len(solid.Faces()),
+        valid=solid.isValid(),
+        watertight=seen.watertight,
+        self_intersections=seen.self_intersections,
+        deviation=seen.deviation,
+        asked_deviation=chord,
+    )
+
+
+def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
+    """File name to writer, by format."""
+    from skincad import export
+    from skincad.fabrication.meshes import laid
+    from skincad.fabrication.sheet import casting_sheet
+    from skincad.report import write_picture
+    from skincad.wording import verdict
+
+    design, closed = job.design, job.closed
+    printed = {p.name: p for p in closed.parts if p.made == "made"}
+    flat = {name: laid(job.meshes[name], part.lies_on_end) for name, part in printed.items()}
+    coloured = {name: (flat[name], part.colour) for name, part in printed.items()}
+    upright = job.meshes["skin"].copy()
+    upright.vertices = upright.vertices * [1.0, -1.0, -1.0]
+    skin = closed.part("skin")
+    stl = {"skin": upright, **flat}
+    sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check))
+    strips = {"strips.dxf": lambda p: export.write_strips_dxf(design, p)} if design.film else {}
+    return {
+        "step": {
+            **{f"{n}.step": _step_writer(job, n) for n in ("skin", *printed)},
+            "assembly.step": lambda p: export.write_assembly(
+                export.assembly(closed, job.solids, design.name), p
+            ),
+        },
+        "stl": {f"{name}.stl": _stl_writer(shape) for name, shape in stl.items()},
+        "3mf": {
+            "mold.3mf": lambda p: export.write_3mf(coloured, p),
+            "skin.3mf": lambda p: export.write_3mf({"skin": (upright, skin.colour)}, p),
+        },
+        "dxf": {"section.dxf": lambda p: export.write_section_dxf(design, p), **strips},
+        "svg": {"section.svg": lambda p: export.write_section_svg(design, p)},
+        "md": {"casting-sheet.md": lambda p: _write_text(sheet, p)},
+        "png": {"picture.png": lambda p: write_picture(design, closed, job.meshes, p)},
+    }
+
+
+def _step_writer(job: _Job, name: str) -> Callable[[Path], None]:
+    from skincad.export import write_step
+    from skincad.solids.skin import skin_solid
+
+    solid = skin_solid(job.design) if name == "skin" else job.solids[name]
+    return lambda path: write_step(solid, path)
+
+
+def _stl_writer(mesh: Any) -> Callable[[Path], None]:
+    from skincad.export import write_stl
+
+    return lambda path: write_stl(mesh, path)
+
+
+def _write_text(text: str, path: Path) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def _names(formats: tuple[str, ...], job: _Job) -> set[str]:
+    return {name for kind, files in _writers(job).items() if kind in formats for name in files}
+
+
+def _write(job: _Job, formats: tuple[str, ...], staging: Path, watch: Stopwatch) -> None:
+    for kind, files in _writers(job).items():
+        if kind in formats:
+            with watch.stage("picture" if kind == "png" else "files"):
+                for name, write in files.items():
+                    write(staging / name)
+
+
+def _result(job: _Job, target: Path, staging: Path, strict: bool, watch: Stopwatch) -> MakeResult:
+    sound = all(p.valid and p.watertight and not p.self_intersections for p in job.reports)
+    bad = {"error", "warning"} if strict else {"error"}
+    clean = not any(finding.severity in bad for finding in job.findings)
+    return MakeResult(
+        name=job.design.name,
+        folder=target,
+        passed=bool(job.check.passed and sound and clean),
+        files=tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir())),
+        parts=job.reports,
+        findings=job.findings,
+        check=job.check,
+        seconds=watch.seconds(),
+    )

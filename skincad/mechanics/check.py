@@ -1,0 +1,149 @@
+"""Do all ridges touch? The one question of this room, and its answer with error and price."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from time import perf_counter
+from typing import Any
+
+from skincad.catalog import silicone
+from skincad.design import Design
+from skincad.errors import InputError, did_you_mean
+from skincad.mechanics.problem import Answer
+from skincad.quantities import Estimate
+
+TIERS = {
+    "winkler": "skincad.mechanics.winkler:answer",
+    "linear": "skincad.mechanics.linear:answer",
+}
+PLANNED_TIERS = ("corrected", "finite-strain", "solid", "solid-finite-strain")
+SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which the linear tier is meant
+
+# Sizes of what the tier leaves out: FACTS.md, measured on the reference section (12 mm long, 4 mm thick)
+LEFT_OUT = (
+    "free ends are left out: at 12 mm length F9 is about 23 % lower, the approach 28 % larger",
+    "finite strain is left out: F9 about 10 % higher, outer shares 25 to 45 % smaller",
+    "crests are taken as exact: both outer crests 0.025 mm low make F9 32 % higher",
+)
+
+
+@dataclass(frozen=True)
+class ContactCheck:
+    """The verdict at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
+
+    Errors are those of discretisation (of the model, for winkler); what the tier leaves out is in
+    `warnings`. `residual` is the largest relative violation of contact and equilibrium.
+    """
+
+    name: str
+    passed: bool
+    force: float
+    ridges: int
+    touching: int
+    all_touch_force: Estimate
+    approach: Estimate
+    ridge_force: tuple[Estimate, ...]
+    tier: str
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+    warnings: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the `check` object of `--json`; the unit is the key's suffix."""
+        return {
+            "name": self.name,
+            "passed": self.passed,
+            "force_N": self.force,
+            "ridges": self.ridges,
+            "touching": self.touching,
+            "all_touch_force_N": self.all_touch_force.as_json(),
+            "approach_mm": self.approach.as_json(),
+            "ridge_force_N": [f.as_json() for f in self.ridge_force],
+            "tier": self.tier,
+            "unknowns": self.unknowns,
+            "residual": self.residual,
+            "yield": None,
+            "seconds": dict(self.seconds),
+            "warnings": list(self.warnings),
+        }
+
+
+def check(
+    design: Design,
+    *,
+    force: float | None = None,
+    tol: float | None = None,
+    tier: str = "auto",
+    progress: Callable[[str], None] | None = None,
+) -> ContactCheck:
+    """Return whether all ridges touch a rigid flat plate at `force` N (the design's own if None).
+
+    `tol` is the asked relative error of discretisation. Passed means: all touch, and F9 with its error
+    still lies at or below the force. Raises InputError for a force, tolerance or tier out of range.
+    """
+    asked = design.contact.force if force is None else force
+    if not (asked > 0 and math.isfinite(asked)):
+        raise InputError("--force", "must be above 0 N", asked)
+    if tol is not None and not 0 < tol < 1:
+        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.005")
+    name = _tier(tier)
+    module, _, function = TIERS[name].partition(":")
+    solve: Callable[..., Answer] = getattr(import_module(module), function)
+    started = perf_counter()
+    found = solve(design, asked, tol, progress or _silent)
+    total = perf_counter() - started
+    return _verdict(design, asked, name, found, total)
+
+
+def _tier(tier: str) -> str:
+    if tier == "auto":
+        return "linear"
+    if tier in PLANNED_TIERS:
+        raise InputError("--tier", "is not available in this version", tier, "use linear or winkler")
+    if tier not in TIERS:
+        raise InputError("--tier", "unknown tier", tier, did_you_mean(tier, [*TIERS, *PLANNED_TIERS, "auto"]))
+    return tier
+
+
+def _verdict(design: Design, force: float, tier: str, found: Answer, total: float) -> ContactCheck:
+    ridges, upper = design.ridge.count, found.all_touch_force.upper
+    warnings = list(found.warnings)
+    if upper is None:
+        warnings.append("no force makes all ridges touch: some stay clear of the plate however hard it is pressed")
+    if tier == "linear":
+        warnings += [*LEFT_OUT, *_strain_warning(design, found)]
+    return ContactCheck(
+        design.name,
+        found.touching == ridges and upper is not None and upper <= force,
+        force,
+        ridges,
+        found.touching,
+        found.all_touch_force,
+        found.approach,
+        found.ridge_force,
+        tier,
+        found.unknowns,
+        found.residual,
+        {"total": total, **found.seconds},
+        tuple(warnings),
+    )
+
+
+def _strain_warning(design: Design, found: Answer) -> list[str]:
+    """Nominal strain of the most loaded ridge: its force over E' times its mean width and length."""
+    stuff, ridge = silicone(design.material), design.ridge
+    plane = stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
+    width = (ridge.root_width + ridge.tip_width) / 2
+    largest = max(f.value or 0.0 for f in found.ridge_force)
+    strain = largest / (plane * width * design.skin.length)
+    if strain <= SMALL_STRAIN:
+        return []
+    return [f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"]
+
+
+def _silent(text: str) -> None:
+    """Take progress and say nothing."""

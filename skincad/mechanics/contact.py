@@ -1,0 +1,154 @@
+"""Unilateral, frictionless contact with a rigid flat plate under a given force, solved exactly.
+
+Unknown are the nodal forces f >= 0 and the approach d with, for a flexibility C and initial gaps g,
+w = g - d + C f >= 0, f w = 0 and sum f = F: the optimality of a strictly convex quadratic program,
+so the solution is unique. Dense numpy: a pad has a few hundred contact points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, optimize
+
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+SWEEPS = 60  # primal-dual sweeps; five to ten is usual, beyond this it cycles
+ROUNDING = 1e-12  # relative; what counts as zero when the active set is updated
+COMPLEMENTARITY = 1e-10  # relative; a larger residual is never accepted
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Nodal forces `(m,)`, approach and gaps `(m,)` at a force; `active` `(m,)` marks touching points."""
+
+    force: Array
+    approach: float
+    gap: Array
+    active: Mask
+    residual: float
+
+
+def press(flexibility: Array, gap: Array, force: float, start: Mask | None = None) -> Contact:
+    """Return the contact state at a total force by a primal-dual active set.
+
+    `flexibility` `(m, m)` symmetric positive definite, `gap` `(m,)` at approach 0. Hintermueller, Ito and
+    Kunisch, SIAM J. Optim. 13 (2002) 865. When the sweeps cycle, a primal active set finishes, which
+    ends by itself because its objective falls. Raises ContactError rather than return a state whose
+    complementarity is worse than 1e-10 of scale.
+    """
+    if not (force > 0 and np.isfinite(force)):
+        raise ContactError(f"the contact force must be above 0, got {force:g}")
+    active = start.copy() if start is not None and start.any() else gap <= gap.min() + _first_approach(
+        flexibility, gap, force
+    )
+    for _ in range(SWEEPS):
+        nodal, approach = _equilibrium(flexibility, gap, force, active)
+        open_gap = gap - approach + flexibility @ nodal
+        small_force, small_gap = ROUNDING * force, ROUNDING * _length(gap, approach)
+        wanted = (active & (nodal >= -small_force)) | (~active & (open_gap < -small_gap))
+        if np.array_equal(wanted, active):
+            return _accepted(flexibility, gap, force, nodal, approach, active)
+        if not wanted.any():
+            wanted[np.argmax(nodal)] = True
+        active = wanted
+    return _descend(flexibility, gap, force)
+
+
+def _first_approach(flexibility: Array, gap: Array, force: float) -> float:
+    """A stiff guess of the approach: few points to start from, so that the sweeps mostly add."""
+    return min(float(np.ptp(gap)), 0.5 * force * float(np.mean(flexibility)))
+
+
+def _length(gap: Array, approach: float) -> float:
+    return float(abs(approach) + np.ptp(gap)) or 1.0
+
+
+def _equilibrium(flexibility: Array, gap: Array, force: float, active: Mask) -> tuple[Array, float]:
+    """Forces and approach that close exactly the active points under the total force."""
+    inside = np.flatnonzero(active)
+    try:
+        root = linalg.cho_factor(flexibility[np.ix_(inside, inside)], check_finite=False)
+    except linalg.LinAlgError:
+        raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
+    first = gap[inside].min()  # counted from here, so that a tiny force loses no digits
+    sides = np.column_stack([gap[inside] - first, np.ones(inside.size)])
+    by_gap, by_one = linalg.cho_solve(root, sides, check_finite=False).T
+    beyond = (force + by_gap.sum()) / by_one.sum()
+    nodal = np.zeros_like(gap)
+    nodal[inside] = beyond * by_one - by_gap
+    return nodal, float(first + beyond)
+
+
+def _descend(flexibility: Array, gap: Array, force: float) -> Contact:
+    """Primal active set: stay feasible, add the most closed point, step back to the first zero force.
+
+    Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 16.3.
+    """
+    nodal = np.zeros_like(gap)
+    active = np.zeros(gap.size, dtype=bool)
+    first = int(np.argmin(gap + force * np.diag(flexibility)))
+    nodal[first], active[first] = force, True
+    for _ in range(20 * gap.size + 100):
+        target, approach = _equilibrium(flexibility, gap, force, active)
+        if (target[active] >= 0).all():
+            nodal = target
+            open_gap = np.where(active, 0.0, gap - approach + flexibility @ nodal)
+            worst = int(np.argmin(open_gap))
+            if open_gap[worst] >= -ROUNDING * _length(gap, approach):
+                return _accepted(flexibility, gap, force, nodal, approach, active)
+            active[worst] = True
+            continue
+        step = target - nodal
+        falling = active & (target < 0)
+        ratio = np.where(falling, nodal / np.where(falling, -step, 1.0), np.inf)
+        blocked = int(np.argmin(ratio))
+        nodal = np.maximum(nodal + min(1.0, float(ratio[blocked])) * step, 0.0)
+        nodal[blocked], active[blocked] = 0.0, False
+    raise ContactError("the contact does not settle; take a coarser contact mesh")
+
+
+def _accepted(
+    flexibility: Array, gap: Array, force: float, nodal: Array, approach: float, active: Mask
+) -> Contact:
+    """Measure penetration, tension, gap times force and balance, each against its scale."""
+    open_gap = gap - approach + flexibility @ nodal
+    length, largest = _length(gap, approach), float(nodal.max())
+    residual = max(
+        float(-open_gap.min()) / length,
+        float(-nodal.min()) / largest,
+        float(np.abs(open_gap * nodal).max()) / (length * largest),
+        abs(float(nodal.sum()) / force - 1),
+        0.0,
+    )
+    if not residual <= COMPLEMENTARITY:
+        raise ContactError(
+            f"the contact is satisfied to {residual:.1e} only, {COMPLEMENTARITY:g} is asked; "
+            "take a smaller poisson_ratio or a coarser mesh"
+        )
+    return Contact(nodal, approach, open_gap, active, residual)
+
+
+def press_by_least_squares(flexibility: Array, gap: Array, force: float) -> Contact:
+    """Return the same state by another way, for comparison: non-negative least squares.
+
+    With C = R^T R the forces minimise |R f + R^-T (g - d)|; the approach d that gives the force is found
+    by bisection, the force being monotone in it. Lawson and Hanson, Solving Least Squares Problems, ch. 23.
+    """
+    root = linalg.cholesky(flexibility)
+
+    def forces(approach: float) -> Array:
+        side = linalg.solve_triangular(root, approach - gap, trans="T")
+        return np.asarray(optimize.nnls(root, side)[0])
+
+    low, high = float(gap.min()), float(gap.min() + force * np.diag(flexibility).max())
+    while forces(high).sum() < force:
+        high = low + 2 * (high - low)
+    approach = optimize.brentq(lambda d: forces(d).sum() - force, low, high, xtol=1e-15, rtol=1e-14)
+    nodal = forces(approach)
+    return Contact(nodal, approach, gap - approach + flexibility @ nodal, nodal > 0, 0.0)

@@ -1,0 +1,212 @@
+"""The linear tier: small strain, plane strain, exact contact, and the error of each number.
+
+A level is one mesh and one order. A rung is two successive orders on one mesh: the higher gives the
+values, the difference the error. Rungs are climbed until the asked tolerance is met.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.mechanics import elements
+from skincad.mechanics.condense import Condensed, condense
+from skincad.mechanics.contact import Contact, press
+from skincad.mechanics.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.problem import Answer, ContactError, Pad, check_pad, pad_of
+from skincad.mechanics.threshold import Ridges, all_touch_force
+from skincad.quantities import Estimate
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (FACTS.md)
+MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
+FLOOR = 0.01  # of the force; an F9 below is as good as nothing, its error is judged against this
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+
+
+@dataclass(frozen=True)
+class Rung:
+    """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it mostly reaches."""
+
+    fineness: float
+    order: int
+    usual: float
+
+
+RUNGS = (Rung(0.5, 3, 6e-3), Rung(1.0, 3, 2e-3), Rung(1.0, 4, 7e-4), Rung(2.0, 4, 3e-4), Rung(2.0, 5, 0.0))
+
+
+@dataclass(frozen=True)
+class Level:
+    """One mesh and order: what the verdict asks, in mm and N, and the state behind it.
+
+    `ridge_force` is `(ridges,)`; `x`, `pressure` `(m,)` are the contact points in mm and MPa.
+    """
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    touching: int
+    x: Array
+    pressure: Array
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+
+
+def answer(design: Design, force: float, tol: float | None, progress: Progress) -> Answer:
+    """Return the linear tier's verdict on a design at `force` N, to a relative tolerance."""
+    return solve(pad_of(design), force, tol, progress)
+
+
+def solve(
+    pad: Pad, force: float, tol: float | None = None, progress: Progress = lambda text: None
+) -> Answer:
+    """Return touching ridges, F9, approach and shares of a pad at `force` N, each with its error.
+
+    The errors are those of discretisation alone: strains are taken as small and the pad as long. When
+    no rung meets `tol` (relative; shares against the mean share), the finest says so in a warning.
+    """
+    check_pad(pad)
+    wanted = DEFAULT_TOLERANCE if tol is None else tol
+    ladder = RUNGS[_first_rung(wanted) :]
+    seconds: dict[str, float] = {}
+    meshes: dict[float, object] = {}
+    levels: dict[tuple[float, int], Level] = {}
+    before: Level | None = None
+    for rung in ladder:
+        if rung.fineness not in meshes:
+            started = perf_counter()
+            meshes[rung.fineness] = triangles(pad, default_sizes(pad, rung.fineness))
+            _add(seconds, {"mesh": perf_counter() - started})
+        for order in (rung.order - 1, rung.order):
+            if (rung.fineness, order) not in levels:
+                progress(f"linear tier: fineness {rung.fineness:g}, order {order}")
+                found = level(pad, meshes[rung.fineness], order, force)
+                levels[rung.fineness, order] = found
+                _add(seconds, found.seconds)
+        best = levels[rung.fineness, rung.order]
+        coarser = [levels[rung.fineness, rung.order - 1], *([before] if before else [])]
+        result = _estimated(best, coarser, seconds)
+        before = best
+        if _relative_error(result, force) <= wanted:
+            return result
+    reached = _relative_error(result, force)
+    return replace(
+        result, warnings=(f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met",)
+    )
+
+
+def _first_rung(wanted: float) -> int:
+    """Where to start: the rung that mostly meets the tolerance, or from the third on the one before it.
+
+    At sharp corners high orders on one mesh agree with each other better than with the truth; the rung
+    before then bounds the error.
+    """
+    usual = next(i for i, rung in enumerate(RUNGS) if rung.usual <= wanted)
+    return usual if usual < 2 else usual - 1
+
+
+def level(pad: Pad, mesh: object, order: int, force: float) -> Level:
+    """Solve one order on netgen's mesh at `force` N."""
+    unit, modulus = unit_of(pad), pad.young_modulus
+    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
+    clock = [perf_counter()]
+    materials = {"skin": (1.0, pad.poisson_ratio)}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / modulus, pad.film_ratio)
+    system = elements.assemble(elements.curved(mesh, order), order, materials)
+    _check_size(system.contact.size)
+    clock.append(perf_counter())
+    small = condense(system.matrix, system.interior, system.contact)
+    clock.append(perf_counter())
+    ridges = Ridges.of(system, small.flexibility, pad.top / unit)
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    threshold = all_touch_force(ridges, force / scale)
+    residual = max(state.residual, _balance(system, small, state, force / scale))
+    clock.append(perf_counter())
+    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    return Level(
+        None if threshold is None else threshold * scale,
+        state.approach * unit,
+        shares,
+        int(np.count_nonzero(shares > 0)),
+        system.nodes.position[:, 0] * unit,
+        state.force / system.nodes.weight * modulus,
+        system.unknowns,
+        residual,
+        dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+    )
+
+
+def _check_size(contact: int) -> None:
+    if contact > MOST_CONTACT_UNKNOWNS:
+        raise InputError(
+            "ridge.count",
+            f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
+            contact,
+            "take fewer ridges or --tier winkler",
+        )
+
+
+def _balance(system: elements.Assembled, small: Condensed, state: Contact, force: float) -> float:
+    """Relative difference between the plate's force and what the clamped back carries."""
+    load = np.zeros(system.lift.size)
+    load[system.contact] = -(system.nodes.rows.T @ state.force)
+    held = system.lift.copy()
+    held[system.interior] = held[system.contact] = 0.0
+    carried = float(held @ (system.matrix @ small.solve(load)))
+    balance = abs(carried / force - 1)
+    if not balance <= BALANCE:
+        raise ContactError(
+            f"the clamped back carries {carried / force:.6f} of the force; take a smaller poisson_ratio"
+        )
+    return balance
+
+
+def _estimated(best: Level, coarser: list[Level], seconds: dict[str, float]) -> Answer:
+    """Values of the best level, errors from its largest difference to the coarser ones.
+
+    All ridges share the largest error among them: a single difference may vanish by chance.
+    """
+    share = max(float(np.abs(best.ridge_force - c.ridge_force).max()) for c in coarser)
+    approach = max(abs(best.approach - c.approach) for c in coarser)
+    others = [c.all_touch_force for c in coarser]
+    threshold = Estimate(best.all_touch_force, None, "N")
+    if best.all_touch_force is not None:
+        known = [abs(best.all_touch_force - f) for f in others if f is not None]
+        threshold = Estimate(best.all_touch_force, max(known, default=None), "N")
+    return Answer(
+        best.touching,
+        threshold,
+        Estimate(best.approach, approach, "mm"),
+        tuple(Estimate(float(f), share, "N") for f in best.ridge_force),
+        best.unknowns,
+        best.residual,
+        dict(seconds),
+    )
+
+
+def _relative_error(found: Answer, force: float) -> float:
+    """Largest relative error: of F9, of the approach, of a share against the mean share."""
+    shares = found.ridge_force
+    errors = [(shares[0].error or 0.0) * len(shares) / force]
+    errors.append((found.approach.error or 0.0) / abs(found.approach.value or math.inf))
+    if found.all_touch_force.value is not None:
+        scale = max(found.all_touch_force.value, FLOOR * force)
+        errors.append((found.all_touch_force.error or 0.0) / scale)
+    return max(errors)
+
+
+def _add(total: dict[str, float], more: dict[str, float]) -> None:
+    for stage, spent in more.items():
+        total[stage] = total.get(stage, 0.0) + spent

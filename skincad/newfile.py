@@ -1,0 +1,115 @@
+"""`skincad new`: a design file to edit, every key with its meaning, unit and range, and its JSON schema."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from skincad.catalog import load, template_text
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.tables import table_of
+
+_LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
+
+
+def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
+    """Write a commented design after a template, and its schema beside it; return both paths.
+
+    Raises InputError for an unknown template, a file that is there already or cannot be written.
+    """
+    schema = path.with_suffix(".schema.json")
+    for target in (path, schema):
+        if target.exists():
+            raise InputError(str(target), "is there already", remedy="name another file, or remove it first")
+    if path.suffix != ".toml":
+        raise InputError(str(path), "must end in .toml")
+    text = commented_toml(template, path.stem, schema.name)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for target, content in ((schema, design_schema()), (path, text)):
+            staging = target.with_name(f".{target.name}.new")
+            staging.write_text(content, encoding="utf-8")
+            staging.replace(target)
+    except OSError as failure:
+        raise InputError(str(path), f"cannot be written ({failure.strerror})") from None
+    load(path)
+    return [path, schema]
+
+
+def design_schema() -> str:
+    """Return the JSON schema of a design, for an editor that completes and checks TOML."""
+    schema = Design.model_json_schema()
+    ranged = schema["$defs"]["Ranged"]
+    schema["$defs"]["Ranged"] = {"anyOf": [{"type": "number"}, ranged]}
+    return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
+
+
+def commented_toml(template: str, name: str, schema: str) -> str:
+    """Return a template's TOML with each key's meaning above it; keys left at their default are comments."""
+    document = tomlkit.parse(template_text(template))
+    lines = [f"#:schema ./{schema}", ""]
+    lines += [line for line in template_text(template).splitlines() if line.startswith("#")]
+    lines += ["", *_key_lines(Design, "name", _safe(name))]
+    for table in Design.model_fields:
+        model = table_of(Design, table)
+        if model is None:
+            continue
+        given: Any = document.get(table)
+        optional = not Design.model_fields[table].is_required()
+        absent = "# " if given is None else ""
+        note = "  # optional" if optional else ""
+        lines += ["", f"{absent}[{table}]{note}"]
+        lines += _table_lines(model, given or {})
+    return "\n".join(lines) + "\n"
+
+
+def _safe(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64].lstrip("-_") or "skin"
+
+
+def _table_lines(model: type[BaseModel], given: Any) -> list[str]:
+    lines = []
+    for key, field in model.model_fields.items():
+        if table_of(model, key) is not None and key not in given and key != "young_modulus":
+            continue
+        if key in given:
+            item = given.item(key)
+            provenance = item.trivia.comment.lstrip("# ") if item.trivia.comment else ""
+            value = item.as_string()
+            lines += [*_meaning(field, provenance), f"{key} = {value}"]
+        else:
+            shown = _default(field)
+            lines += [*_meaning(field, ""), f"# {key} = {shown}"]
+    return lines
+
+
+def _key_lines(model: type[BaseModel], key: str, value: str) -> list[str]:
+    return [*_meaning(model.model_fields[key], ""), f"{key} = {tomlkit.item(value).as_string()}"]
+
+
+def _default(field: FieldInfo) -> str:
+    if field.default is None or field.is_required():
+        return "..."
+    return str(tomlkit.item(field.default).as_string())
+
+
+def _meaning(field: FieldInfo, provenance: str) -> list[str]:
+    """Comment lines: meaning, unit and range; then where this template's value is from."""
+    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    unit = str(extra.get("unit", ""))
+    limits = " ".join(
+        f"{word} {getattr(rule, attribute):.8g}"
+        for rule in field.metadata
+        for word, attribute in [_LIMITS.get(type(rule).__name__, ("", ""))]
+        if word
+    )
+    stated = ", ".join(part for part in (unit if unit != "1" else "", limits) if part)
+    first = f"# {field.description or ''}" + (f" [{stated}]" if stated else "")
+    return [first, *([f"#   {provenance}"] if provenance else [])]

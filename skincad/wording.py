@@ -1,0 +1,54 @@
+"""Results in words: the verdict in one sentence, and what the commands print for a person."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from skincad.job import MakeResult
+    from skincad.mechanics.check import ContactCheck
+
+
+def verdict(check: ContactCheck) -> str:
+    """Return the contact verdict in one sentence, with its error."""
+    all_touch = check.all_touch_force
+    count = f"all {check.ridges} ridges touch" if check.ridges > 1 else "the ridge touches"
+    if all_touch.value is None:
+        return f"FAILS: {check.touching} of {check.ridges} ridges touch at {check.force:g} N; never all of them."
+    if check.passed:
+        return f"Passes: {count} a plate at {check.force:g} N; they do from {all_touch} on."
+    if check.touching == check.ridges:
+        return f"FAILS narrowly: {count} at {check.force:g} N, but only from {all_touch} on, error included."
+    return (
+        f"FAILS: {check.touching} of {check.ridges} ridges touch a plate at {check.force:g} N; all do from "
+        f"{all_touch} on."
+    )
+
+
+def check_lines(check: ContactCheck) -> list[str]:
+    """Return what `check` prints."""
+    shares = "  ".join(f"{share.value:.3f}" for share in check.ridge_force)
+    error = max((share.error or 0.0) for share in check.ridge_force)
+    return [
+        verdict(check),
+        f"  approach       {check.approach}",
+        f"  ridge forces   {shares} (+- {error:.1g}) N",
+        f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s",
+        *(f"  note           {warning}" for warning in check.warnings),
+    ]
+
+
+def make_lines(result: MakeResult) -> list[str]:
+    """Return what `make` prints."""
+    rows = [
+        f"  {p.name:14} {p.volume:10.2f} mm3  {p.faces:4d} faces  mesh within {1000 * p.deviation:.2f} um"
+        for p in result.parts
+    ]
+    return [
+        *check_lines(result.check),
+        "Parts, each one valid solid and one watertight mesh:",
+        *rows,
+        *(str(finding) for finding in result.findings),
+        f"{len(result.files)} files in {result.folder}, {result.seconds['total']:.1f} s",
+        f"{result.name}: {'passed' if result.passed else 'FAILED'}",
+    ]
