@@ -141,7 +141,7 @@ class Design(Table):
         str,
         Field(
             pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
-            description="names the out folder and the files: letters, digits, - and _",
+            description="letters, digits, - and _, up to 64; it names the out folder",
         ),
     ]
     skin: Skin

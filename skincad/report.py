@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import trimesh
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from skincad.curves import polygon
 from skincad.design import Design
@@ -30,7 +32,10 @@ def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimes
     _draw_ridge(figure.add_subplot(grid[1, 0]), design)
     _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
     figure.suptitle(design.name)
-    figure.savefig(path, metadata={"Software": "skincad"})
+    drawn = BytesIO()
+    figure.savefig(drawn, metadata={"Software": "skincad"})
+    colours = Image.open(drawn).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    colours.save(path, optimize=True)
 
 
 def _show(axes: Axes, title: str) -> None:

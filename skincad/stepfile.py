@@ -1,7 +1,8 @@
 """STEP files with the same bytes for the same solids.
 
-The CAD kernel writes the clock's time, a counter that runs on through the process, and the colours in the
-order of memory addresses; all three are made constant here, in the text.
+The CAD kernel writes the clock's time, a counter that runs on through the process, colours in the order of
+memory addresses, and its version as of whichever copy of itself was loaded first (the FE library brings one
+too); all are made constant here, in the text.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 from skincad.errors import InputError
 
 _TIME = re.compile(r"(FILE_NAME\('[^']*',')[^']*(')")
+_VERSION = re.compile(r"'(Open CASCADE(?: STEP processor)?) \d+\.\d+'")
 _NAMELESS = re.compile(r"'Open CASCADE STEP translator [\d. ]+'")
 _OCCURRENCE = re.compile(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+('[^;]*;)")
 _WRAP = re.compile(r"\n *")
@@ -35,6 +37,7 @@ def make_deterministic(path: Path, name: str) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
     moment = source_date()
     text = _TIME.sub(lambda m: m[1] + moment + m[2], text, count=1)
+    text = _VERSION.sub(r"'\1'", text)
     text = _NAMELESS.sub(f"'{name}'", text)
     count = iter(range(1, text.count("NEXT_ASSEMBLY_USAGE_OCCURRENCE") + 1))
     text = _OCCURRENCE.sub(lambda m: f"{m[1]}{next(count)}{_WRAP.sub('', m[2])}", text)

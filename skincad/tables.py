@@ -90,7 +90,10 @@ def _first_error(model: type[BaseModel], errors: list[ErrorDetails]) -> InputErr
         return InputError(key, "is missing", remedy=f"give {key} a value")
     if isinstance(given, dict):
         given = "a table"
-    rule = error["msg"].replace("Input should be", "must be").replace("valid ", "")
+    if error["type"] == "string_pattern_mismatch":
+        return InputError(key, f"must be {model.model_fields[path[-1]].description}", given)
+    rule = error["msg"].replace("Input should be", "must be").replace("a valid integer", "an integer")
+    rule = rule.replace("valid ", "")
     unit = unit_of(model, path)
     return InputError(key, rule + (f" ({unit})" if unit else ""), given)
 

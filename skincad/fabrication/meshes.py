@@ -25,7 +25,7 @@ def manifold(part: Part, tolerance: float) -> Manifold:
 def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
     """Return the part's mesh in the mold's frame, mm, with 64-bit corners."""
     raw = manifold(part, tolerance).to_mesh64()
-    corners, faces = np.asarray(raw.vert_properties)[:, :3], np.asarray(raw.tri_verts)
+    corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)
     return trimesh.Trimesh(corners, faces, process=False, validate=False)
 
 

@@ -94,8 +94,15 @@ def check(
     module, _, function = TIERS[name].partition(":")
     solve: Callable[..., Answer] = getattr(import_module(module), function)
     started = perf_counter()
-    found = solve(design, asked, tol, progress or _silent)
+    found = solve(design, asked, tol, progress)
     total = perf_counter() - started
+    if (found.approach.value or 0.0) >= design.skin.thickness + design.ridge.height:
+        raise InputError(
+            "contact.force" if force is None else "--force",
+            f"presses the skin through its whole thickness in the {name} tier",
+            asked,
+            "take a smaller force",
+        )
     return _verdict(design, asked, name, found, total)
 
 
@@ -113,7 +120,7 @@ def _verdict(design: Design, force: float, tier: str, found: Answer, total: floa
     ridges, upper = design.ridge.count, found.all_touch_force.upper
     warnings = list(found.warnings)
     if upper is None:
-        warnings.append("no force makes all ridges touch: some stay clear of the plate however hard it is pressed")
+        warnings.append("no force makes all ridges touch: some stay clear however hard it is pressed")
     if tier == "linear":
         warnings += [*LEFT_OUT, *_strain_warning(design, found)]
     return ContactCheck(
@@ -143,7 +150,3 @@ def _strain_warning(design: Design, found: Answer) -> list[str]:
     if strain <= SMALL_STRAIN:
         return []
     return [f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"]
-
-
-def _silent(text: str) -> None:
-    """Take progress and say nothing."""

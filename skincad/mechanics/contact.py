@@ -44,9 +44,9 @@ def press(flexibility: Array, gap: Array, force: float, start: Mask | None = Non
     """
     if not (force > 0 and np.isfinite(force)):
         raise ContactError(f"the contact force must be above 0, got {force:g}")
-    active = start.copy() if start is not None and start.any() else gap <= gap.min() + _first_approach(
-        flexibility, gap, force
-    )
+    active = start
+    if active is None or not active.any():
+        active = gap <= gap.min() + _first_approach(flexibility, gap, force)
     for _ in range(SWEEPS):
         nodal, approach = _equilibrium(flexibility, gap, force, active)
         open_gap = gap - approach + flexibility @ nodal

@@ -65,6 +65,11 @@ def curved(triangles: Any, order: int) -> Any:
     return mesh
 
 
+def contact_unknowns(mesh: Any, order: int) -> int:
+    """Return how many contact unknowns the mesh will have at this order, the ridges' ends apart."""
+    return order * sum(element.mat.startswith("contact") for element in mesh.Elements(ng.BND))
+
+
 def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Assembled:
     """Return the condensed small-strain stiffness in plane strain.
 
@@ -172,10 +177,9 @@ def _merged(sample: Sample) -> Sample:
     is_vertex = (is_vertex[:-1] != 0) | (is_vertex[1:] != 0)
     key = np.where(is_vertex, largest, sample.rows.shape[1] + np.arange(count))
     _, first, group = np.unique(key, return_index=True, return_inverse=True)
-    weight = np.bincount(group.ravel(), weights=sample.weight)
-    return Sample(
-        sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first]
-    )
+    weight = np.zeros(first.size)
+    np.add.at(weight, group.ravel(), sample.weight)
+    return Sample(sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first])
 
 
 def _lift(mesh: Any, space: Any, size: int) -> Array:

@@ -11,15 +11,18 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from netgen.geom2d import SplineGeometry
 
+from skincad.curves import Loop, Point, Segment
 from skincad.errors import InputError
-from skincad.mechanics.problem import Pad
-from skincad.section import CONTACT_KINDS, Loop, Point, Segment
+from skincad.mechanics.problem import Pad, summit
+from skincad.section import CONTACT_KINDS
 
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
-WIDEST_ARC = math.pi / 3  # rad, of one spline; beyond, netgen's curving loses accuracy
+WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
 SHORTEST = 1e-7  # in units; shorter segments are closed up, they would only breed needles
+SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between two points
 GRADING = 0.3  # netgen's default, growth of neighbouring triangles
 
 
@@ -74,7 +77,8 @@ def triangles(pad: Pad, sizes: Sizes) -> Any:
     try:
         return geometry.GenerateMesh(maxh=sizes.bulk / unit, grading=GRADING)
     except Exception as failure:  # netgen raises its own untyped exceptions
-        raise InputError("section", f"netgen finds no mesh ({failure})", remedy="make thin parts thicker") from None
+        text = f"netgen finds no mesh ({failure})"
+        raise InputError("section", text, remedy="make thin parts thicker") from None
 
 
 def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit: float) -> None:
@@ -101,15 +105,30 @@ def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit
 
 
 def _pieces(loop: Loop, shortest: float) -> Iterator[Segment]:
-    """Yield the loop's segments, none shorter than `shortest`, no arc wider than WIDEST_ARC."""
+    """Yield the loop's segments, none shorter than `shortest`, cut as `_cuts` says."""
     kept = [s for s in loop if s.length > shortest]
     for i, s in enumerate(kept):
         end = kept[(i + 1) % len(kept)].start
-        count = max(1, math.ceil(abs(s.sweep) / WIDEST_ARC))
-        points = [s.start, *(s.point(j / count) for j in range(1, count)), end]
-        bulge = math.tan(s.sweep / count / 4) if s.bulge else 0.0
-        for a, b in pairwise(points):
-            yield Segment(a, b, bulge, s.kind, s.ridge)
+        cuts = _cuts(s)
+        points = [s.start, *(s.point(f) for f in cuts[1:-1]), end]
+        for a, b, share in zip(points, points[1:], np.diff(cuts), strict=False):
+            yield Segment(a, b, math.tan(s.sweep * share / 4) if s.bulge else 0.0, s.kind, s.ridge)
+
+
+def _cuts(segment: Segment) -> list[float]:
+    """Fractions from 0 to 1 at which to cut: no arc wider than WIDEST_ARC, a contact arc at its summit.
+
+    With a vertex on every summit the first touch is exact, however light the load and flat the skin.
+    """
+    highest = summit(segment) if segment.kind in CONTACT_KINDS else None
+    ends = [0.0, 1.0]
+    if highest is not None and SUMMIT_MARGIN < highest < 1 - SUMMIT_MARGIN:
+        ends.insert(1, highest)
+    cuts = [0.0]
+    for a, b in pairwise(ends):
+        count = max(1, math.ceil(abs(segment.sweep) * (b - a) / WIDEST_ARC))
+        cuts += [a + (b - a) * (j + 1) / count for j in range(count)]
+    return cuts
 
 
 def _control(arc: Segment) -> Point:

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 
 from skincad.catalog import silicone
+from skincad.curves import Loop, Segment
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.quantities import Estimate
-from skincad.section import CONTACT_KINDS, Loop, Section, Segment, section
+from skincad.section import CONTACT_KINDS, Section, section
 
 
 class ContactError(ArithmeticError):
@@ -89,12 +90,21 @@ def check_pad(pad: Pad) -> None:
         raise InputError("section", "has no back to clamp", remedy="mark a segment as 'back'")
 
 
-def _top(segment: Segment) -> float:
-    """Largest z of a segment that runs with its material on the left: where it heads to -x."""
-    ends = max(segment.start.z, segment.end.z)
-    if segment.bulge == 0.0:
-        return ends
+def summit(segment: Segment) -> float | None:
+    """Return the fraction of an arc at which it is highest inside, or None where an end is highest.
+
+    The segment has its material on the left, so at a summit it heads to -x.
+    """
+    if segment.bulge <= 0.0:
+        return None
     heading = math.atan2(segment.end.z - segment.start.z, segment.end.x - segment.start.x)
     turn = math.remainder(math.pi - (heading - segment.sweep / 2), 2 * math.pi)
     fraction = turn / segment.sweep
-    return max(ends, segment.point(fraction).z) if 0 < fraction < 1 else ends
+    return fraction if 0 < fraction < 1 else None
+
+
+def _top(segment: Segment) -> float:
+    """Largest z of a segment, mm."""
+    highest = summit(segment)
+    ends = max(segment.start.z, segment.end.z)
+    return ends if highest is None else max(ends, segment.point(highest).z)

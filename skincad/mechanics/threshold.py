@@ -75,18 +75,19 @@ def all_touch_force(ridges: Ridges, guess: float) -> float | None:
     first_gap = {int(r): float(ridges.fine_gap[ridges.fine_of_point == r].min()) for r in numbers}
     candidate = max(first_gap, key=lambda r: first_gap[r])
     found = 0.0
-    for _ in numbers:
+    waiting = set(first_gap)
+    while True:
+        waiting.remove(candidate)
         outsider = _Outsider(ridges, candidate)
         # a mirror ridge touches a rounding error later: look close above the last one's force
         force = outsider.touch_force(found, guess if found == 0.0 else 1e-3 * found)
         if force is None:
             return None
         found = max(found, force)
-        late = outsider.not_touching(found)
+        late = waiting.intersection(outsider.not_touching(found))
         if not late:
             return found
         candidate = max(late, key=lambda r: first_gap[r])
-    return found
 
 
 class _Outsider:

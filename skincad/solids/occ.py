@@ -10,8 +10,6 @@ import math
 import sys
 from dataclasses import replace
 
-import numpy as np
-
 from skincad.curves import Loop, Segment
 from skincad.errors import InputError, RefusedError
 from skincad.solids.plan import Axis, Body, Part, Prism
@@ -19,11 +17,15 @@ from skincad.solids.plan import Axis, Body, Part, Prism
 try:
     import cadquery as cq
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+    from OCP.BRepBuilderAPI import (
+        BRepBuilderAPI_MakeEdge,
+        BRepBuilderAPI_MakeFace,
+        BRepBuilderAPI_MakePolygon,
+        BRepBuilderAPI_MakeWire,
+    )
     from OCP.BRepCheck import BRepCheck_Analyzer
-    from OCP.BRepLib import BRepLib
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism
-    from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Pnt, gp_Vec
+    from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Vec
     from OCP.TopAbs import TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
@@ -35,7 +37,6 @@ except ImportError as failure:  # a bare Linux has no libGL and libX11
         remedy="on Debian or Ubuntu: apt-get install libgl1 libx11-6",
     ) from failure
 
-_HALF = np.array([0.5])
 KERNEL_TOLERANCE = 1e-7  # mm, source: OCCT's Precision::Confusion; an arc that rises less is a line to it
 VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's formula
 
@@ -47,16 +48,21 @@ class KernelError(RefusedError):
 def solid(part: Part) -> cq.Solid:
     """Return the part's exact solid, mm. Raises KernelError unless it is one valid solid of its volume."""
     part = replace(part, body=_flattened(part.body))
-    shape = _body(part.body)
-    if part.cuts:
-        shape = _cut(shape, [_body(cut) for cut in part.cuts])
-    result = cq.Solid(_only_solid(shape, part.name))
+    result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
         raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
     error = abs(result.Volume() - part.volume)
     if not error <= VOLUME_TOLERANCE * part.volume + _rounding(part.body):
         raise KernelError(f"{part.name}: volume differs from its formula by {error / part.volume:.1e} of it")
     return result
+
+
+def unchecked_solid(part: Part) -> cq.Solid:
+    """Return the part's solid as the kernel made it: right for a valid plan, but nobody has looked."""
+    shape = _body(part.body)
+    if part.cuts:
+        shape = _cut(shape, [_body(cut) for cut in part.cuts])
+    return cq.Solid(_only_solid(shape, part.name))
 
 
 def workplane(part: Part) -> cq.Workplane:
@@ -99,16 +105,25 @@ def _body(body: Body) -> TopoDS_Shape:
 
 
 def _prism(prism: Prism) -> TopoDS_Shape:
-    """Sweep the face; a ccw loop in (x, z) looks along +y from behind, so solids are oriented at the end."""
-    face = BRepBuilderAPI_MakeFace(_wire(prism.outline, prism.axis, prism.low), True)
+    """Sweep the face against its normal, which makes a solid of positive volume."""
+    axis, size = prism.axis, prism.high - prism.low
+    start, sweep = (prism.low, size) if axis == "y" else (prism.high, -size)
+    normal = gp_Dir(0, -1, 0) if axis == "y" else gp_Dir(0, 0, 1)
+    plane = gp_Pln(_point(0.0, 0.0, axis, start), normal)  # given, because finding it takes half the time
+    face = BRepBuilderAPI_MakeFace(plane, _wire(prism.outline, axis, start), False)
     for hole in prism.holes:
-        face.Add(TopoDS.Wire_s(_wire(hole, prism.axis, prism.low).Reversed()))
-    size = prism.high - prism.low
-    sweep = gp_Vec(0, size, 0) if prism.axis == "y" else gp_Vec(0, 0, size)
-    return BRepPrimAPI_MakePrism(face.Face(), sweep).Shape()
+        face.Add(TopoDS.Wire_s(_wire(hole, axis, start).Reversed()))
+    along = gp_Vec(0, sweep, 0) if axis == "y" else gp_Vec(0, 0, sweep)
+    return BRepPrimAPI_MakePrism(face.Face(), along).Shape()
 
 
 def _wire(outline: Loop, axis: Axis, level: float) -> TopoDS_Wire:
+    if all(segment.bulge == 0.0 for segment in outline):
+        polygon = BRepBuilderAPI_MakePolygon()
+        for segment in outline:
+            polygon.Add(_point(segment.start.x, segment.start.z, axis, level))
+        polygon.Close()
+        return polygon.Wire()
     wire = BRepBuilderAPI_MakeWire()
     for segment in outline:
         wire.Add(_edge(segment, axis, level))
@@ -122,11 +137,12 @@ def _edge(segment: Segment, axis: Axis, level: float) -> object:
     end = _point(segment.end.x, segment.end.z, axis, level)
     if segment.bulge == 0.0:
         return BRepBuilderAPI_MakeEdge(start, end).Edge()
-    middle = segment.points(_HALF)[0]
     towards = math.copysign(1.0, segment.bulge)  # from the arc's middle to its centre: left of the chord
     x = -(segment.end.z - segment.start.z) / segment.chord * towards
     y = (segment.end.x - segment.start.x) / segment.chord * towards
-    centre = _point(middle[0] + segment.radius * x, middle[1] + segment.radius * y, axis, level)
+    reach = segment.radius - _rise(segment)  # from the chord's middle
+    middle = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
+    centre = _point(middle[0] + reach * x, middle[1] + reach * y, axis, level)
     # A loop in (x, z) turns clockwise about +y. Angles count from behind the centre, so that no arc comes
     # near the seam at 0, where the kernel rounds an angle to its tolerance.
     up = gp_Dir(0, 0, towards) if axis == "z" else gp_Dir(0, -towards, 0)
@@ -157,5 +173,4 @@ def _only_solid(shape: TopoDS_Shape, name: str) -> TopoDS_Solid:
     found.Next()
     if found.More():
         raise KernelError(f"{name}: the kernel returned more than one solid")
-    BRepLib.OrientClosedSolid_s(first)
     return first

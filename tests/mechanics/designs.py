@@ -1,0 +1,32 @@
+"""Designs that the tests of this room share."""
+
+from __future__ import annotations
+
+from skincad import load
+from skincad.design import Design
+
+BARE = {"slot": None, "film": None, "contact": {"film": "ignored"}}
+
+
+def yamada() -> Design:
+    return load("yamada-2002")
+
+
+def filleted() -> Design:
+    """FACTS.md's reference section with tip fillet 0.05 and root fillet 0.08."""
+    return yamada().with_(**BARE)
+
+
+def reference() -> Design:
+    """FACTS.md's reference section: sharp corners, no slots."""
+    return yamada().with_(**BARE, ridge={"tip_fillet": 0.0, "root_fillet": 0.0})
+
+
+def void_slots(thickness: float) -> Design:
+    """FACTS.md's reference section with empty slots of this thickness, mm."""
+    return yamada().with_(
+        film=None,
+        contact={"film": "loose"},
+        slot={"thickness": thickness},
+        ridge={"tip_fillet": 0.0, "root_fillet": 0.0},
+    )

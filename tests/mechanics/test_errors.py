@@ -1,0 +1,71 @@
+"""Stated errors against finer meshes: the truth must lie inside."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from skincad.design import Design
+from skincad.mechanics.check import ContactCheck, check
+from skincad.mechanics.linear import Level, level
+from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.mechanics.problem import pad_of
+from tests.mechanics.designs import filleted, reference, void_slots, yamada
+
+DESIGNS = {
+    "reference": reference,
+    "filleted": filleted,
+    "voids": lambda: void_slots(0.05),
+    "yamada": yamada,
+}
+
+
+@cache
+def truth(name: str) -> Level:
+    """Order 4 on a mesh finer than any rung's."""
+    pad = pad_of(DESIGNS[name]())
+    return level(pad, triangles(pad, default_sizes(pad, 3.0)), 4, 4.0)
+
+
+def assert_inside(found: ContactCheck, exact: Level) -> None:
+    force, approach = found.all_touch_force, found.approach
+    assert abs((force.value or 0.0) - (exact.all_touch_force or 0.0)) <= (force.error or 0.0)
+    assert abs((approach.value or 0.0) - exact.approach) <= (approach.error or 0.0)
+    missed = np.abs(np.array([f.value for f in found.ridge_force]) - exact.ridge_force)
+    assert missed.max() <= (found.ridge_force[0].error or 0.0)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("tol", [1e-2, 5e-3])
+def test_truth_lies_inside(name: str, tol: float) -> None:
+    assert_inside(check(DESIGNS[name](), tol=tol), truth(name))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["reference", "yamada"])
+def test_truth_lies_inside_on_higher_rungs(name: str) -> None:
+    assert_inside(check(DESIGNS[name](), tol=6e-4), truth(name))
+
+
+VARIANTS: dict[str, dict[str, dict[str, float]]] = {
+    "high": {"ridge": {"height": 0.7}},
+    "thin": {"skin": {"thickness": 2.0}},
+    "round": {"skin": {"curvature_radius": 30.0}},
+    "flat crown": {"ridge": {"crown": 0.0}},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", VARIANTS)
+def test_variants_errors(name: str) -> None:
+    design: Design = yamada().with_(**VARIANTS[name])
+    pad = pad_of(design)
+    exact = level(pad, triangles(pad, default_sizes(pad, 2.0)), 4, 4.0)
+    assert_inside(check(design), exact)
+
+
+def test_a_tolerance_out_of_reach_is_said() -> None:
+    found = check(reference().with_(ridge={"count": 3}), tol=1e-9)
+    assert any("not met" in w for w in found.warnings)

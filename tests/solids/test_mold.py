@@ -1,0 +1,119 @@
+import pytest
+
+import skincad
+from skincad.catalog import template_names
+from skincad.curves import area, rectangle
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold
+from skincad.section import section
+from skincad.solids.mold import BOLT_RADIUS, LEDGE, mold
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_no_two_parts_interfere_closed_or_while_opening(name: str) -> None:
+    design = skincad.load(name)
+    gap = min(design.mold.clearance, design.mold.slit_clearance)
+    assert interference(mold(design), gap / 10) == []
+
+
+def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
+    closed = mold(yamada)
+    thicker = mold(yamada.with_(slot={"thickness": 0.08}))
+    parts = tuple(thicker.part(p.name) if p.name.startswith("shim") else p for p in closed.parts)
+    found = interference(type(closed)(parts, closed.opening), 1e-3)
+    assert {f.rule for f in found} == {"interference"}
+    assert any("end-a-comb" in f.where for f in found)
+
+
+def test_interference_sees_an_undercut_while_the_skin_leaves() -> None:
+    steep = skincad.load(
+        "yamada-2002", ["skin.curvature_radius=12.0", "ridge.tip_width=0.7", "slot=none", "film=none", "contact.film=none"]
+    )
+    found = [f for f in interference(mold(steep), 1e-3) if "skin against cavity" in f.where]
+    assert len(found) == 1
+
+
+def test_cavity_and_skin_fill_the_trough_between_them(yamada: Design) -> None:
+    closed = mold(yamada)
+    cavity, skin = manifold(closed.part("cavity"), 1e-4), manifold(closed.part("skin"), 1e-4)
+    shims = sum(manifold(p, 1e-4).volume() for p in closed.parts if p.name.startswith("shim")) * 12 / 26
+    block = 37.0 * 12.0 * (4.0 + section(yamada).top + 9.0)
+    seat = 2 * (5.5 + LEDGE + yamada.mold.clearance) * 12.0 * 4.0
+    bores = sum(c.volume for c in closed.part("cavity").cuts)
+    total = cavity.volume() + skin.volume() + shims + seat + bores
+    assert total == pytest.approx(block, abs=0.08)  # bores as chords: 1e-4 mm x 800 mm2 of walls
+
+
+def test_parts_have_the_holes_they_need(yamada: Design) -> None:
+    """Genus counts through holes, so that no bore ends in a film that a volume doesn't show."""
+    closed = mold(yamada)
+    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.made != "bought"}
+    assert genus == {
+        "skin": 18,
+        "cavity": 6,
+        "end-a-comb": 4,
+        "end-a-keeper": 3,
+        "end-b-comb": 4,
+        "end-b-keeper": 2,
+        "carrier": 5,
+        "cover": 5,
+    }
+
+
+def test_comb_and_keeper_close_the_end_but_for_the_slits(yamada: Design) -> None:
+    closed = mold(yamada)
+    comb, keeper = closed.part("end-b-comb").body, closed.part("end-b-keeper").body
+    bottom, top = -section(yamada).top - 9.0, 4.0
+    gap = yamada.mold.slit_clearance
+    slits = 18 * (0.05 + 2 * gap) * (0.25 + 2 * gap)
+    whole = area(rectangle(-18.5, 18.5, bottom, top))
+    # a notch's mouth lies on the split circle, which falls by offset / R across it and bulges into it
+    mouth = 0.05 + 2 * gap
+    slivers = 18 * (mouth**2 * 0.16 / (2 * 60) - mouth**3 / (12 * 60))
+    assert area(comb.outline) + area(keeper.outline) == pytest.approx(whole - slits - slivers, abs=1e-6)
+
+
+def test_a_skin_without_slots_has_plain_end_plates() -> None:
+    names = [p.name for p in mold(skincad.load("plain-ridges")).parts]
+    assert "end-a" in names
+    assert not any("comb" in n or "shim" in n for n in names)
+
+
+def test_opening_takes_shims_then_plates_then_cover_then_skin(yamada: Design) -> None:
+    steps = mold(yamada).opening
+    assert [(s.axis, s.parts[0].split("-")[0]) for s in steps] == [
+        ("y", "shim"),
+        ("y", "end"),
+        ("y", "end"),
+        ("z", "cover"),
+        ("z", "skin"),
+    ]
+
+
+def test_gate_is_low_at_one_end_and_vent_at_the_other(yamada: Design) -> None:
+    closed = mold(yamada)
+    gate = closed.part("end-a-keeper").cuts[-1]
+    assert gate.radius == 1.0
+    assert -section(yamada).top < gate.start[2] - gate.radius < -3.5  # close above the ridges
+    vent = closed.part("carrier").cuts[0]
+    assert vent.start[1] > 3.0
+    bolts = [c for c in closed.part("cavity").cuts if c.radius == BOLT_RADIUS]
+    assert len(bolts) == 6
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"mold": {"wall": 10.0}}, "mold.wall"),
+        ({"skin": {"length": 5.0}}, "skin.length"),
+        ({"mold": {"gate": 3.9}}, "mold.gate"),
+        ({"skin": {"thickness": 0.6}, "mold": {"carrier_thickness": 1.0}}, "mold.carrier_thickness"),
+        ({"mold": {"slit_clearance": 0.4}}, "mold.slit_clearance"),
+    ],
+)
+def test_what_finds_no_room_is_refused(yamada: Design, change: dict, key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        mold(yamada.with_(**change))
+    assert refused.value.key == key

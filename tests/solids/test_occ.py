@@ -1,0 +1,57 @@
+"""Every part of every design is one valid solid of the volume that its own formula gives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import skincad
+from skincad.catalog import template_names
+from skincad.design import Design
+from skincad.section import section
+from skincad.solids.mold import mold
+from skincad.solids.occ import KernelError, solid
+from skincad.solids.plan import Bore
+from skincad.solids.skin import skin_part, skin_solid
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_templates_parts_are_valid_and_of_their_volume(name: str) -> None:
+    for part in mold(skincad.load(name)).parts:
+        shape = solid(part)  # raises KernelError itself if not
+        assert shape.isValid()
+        assert shape.Volume() == pytest.approx(part.volume, rel=1e-9)
+
+
+def test_hard_shapes_are_valid_and_of_their_volume(variants: dict[str, Design]) -> None:
+    for name, design in variants.items():
+        shape = solid(skin_part(design))
+        # arcs that rise less than the kernel's 1e-7 mm become lines: that moves area by 1e-7 x width
+        slack = 1e-7 * design.skin.width * design.skin.length
+        exact = section(design).area * design.skin.length
+        assert shape.Volume() == pytest.approx(exact, rel=1e-9, abs=slack), name
+
+
+def test_skin_is_a_workplane_with_exact_cylinders(yamada: Design) -> None:
+    faces = skin_solid(yamada).faces().vals()
+    kinds = {face.geomType() for face in faces}
+    assert kinds == {"PLANE", "CYLINDER"}
+    assert len(faces) == len(section(yamada).outline) + 4 * 18 + 2
+
+
+def test_a_solid_that_is_not_its_plans_volume_is_refused(yamada: Design) -> None:
+    cover = mold(yamada).part("cover")
+    outside = replace(cover, cuts=(*cover.cuts, Bore((100.0, 0.0, 0.0), "z", 1.0, 1.0)))
+    with pytest.raises(KernelError, match="cover: volume differs from its formula"):
+        solid(outside)
+
+
+def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    import importlib
+    import sys
+
+    monkeypatch.setitem(sys.modules, "cadquery", None)
+    monkeypatch.delitem(sys.modules, "skincad.solids.occ")
+    with pytest.raises(skincad.InputError, match="libgl1 libx11-6"):
+        importlib.import_module("skincad.solids.occ")

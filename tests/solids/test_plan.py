@@ -1,0 +1,33 @@
+import math
+
+import pytest
+
+from skincad.curves import Point, loop
+from skincad.fabrication.meshes import manifold
+from skincad.solids.plan import Bore, Part, Prism, box, swept
+
+
+def test_volume_is_body_less_cuts() -> None:
+    drilled = Part("p", (0, 0, 0), "made", box(2, (0, 5), (0, 1)), (Bore((0, 2, 0), "z", 1.0, 0.5, 1.0),))
+    frustum = math.pi / 3 * (0.25 + 0.5 + 1.0)
+    assert drilled.volume == pytest.approx(20.0 - frustum, rel=1e-14)
+
+
+def test_moved_along_its_axis_a_part_sweeps_a_longer_one_and_keeps_its_bores_open() -> None:
+    plate = Part("p", (0, 0, 0), "made", box(2, (0, 1), (0, 4), "y"), (Bore((0, 0, 2), "y", 1.0, 0.5),))
+    path = swept(plate, "y", -3.0, 1e-3)
+    assert path.volume == pytest.approx(4 * plate.volume, rel=1e-14)
+    assert manifold(path, 1e-3).bounding_box()[1] == -3.0
+
+
+def test_moved_across_its_axis_a_prism_sweeps_its_shadow() -> None:
+    mushroom = loop([Point(*p) for p in ((-1, 0), (1, 0), (1, 1), (3, 2), (-3, 2), (-1, 1))])
+    part = Part("p", (0, 0, 0), "cast", Prism(mushroom, "y", 0.0, 1.0))
+    path = swept(part, "z", 5.0, 1e-3)
+    assert path.volume == pytest.approx(part.volume + 6 * 5.0, rel=1e-12)  # width 6 everywhere above
+
+
+def test_a_pin_moved_across_its_axis_is_refused() -> None:
+    pin = Part("pin", (0, 0, 0), "bought", Bore((0, 0, 0), "z", 1.0, 0.5))
+    with pytest.raises(ValueError, match="pin moves along its axis only"):
+        swept(pin, "y", 1.0, 1e-3)

@@ -1,0 +1,168 @@
+"""The command line as a user meets it: in its own process."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from skincad.job import MakeResult
+from tests.conftest import run_skincad
+
+CHECK_KEYS = {
+    "name", "passed", "force_N", "ridges", "touching", "all_touch_force_N", "approach_mm", "ridge_force_N", "tier",
+    "unknowns", "residual", "yield", "seconds", "warnings",
+}  # fmt: skip
+MAKE_KEYS = {"name", "passed", "files", "parts", "findings", "check", "seconds"}
+PART_KEYS = {"name", "volume_mm3", "area_mm2", "faces", "valid", "watertight", "deviation_mm"}
+
+
+def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -> None:
+    done = run_skincad("make", "yamada-2002", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result.keys() >= MAKE_KEYS
+    assert all(part.keys() >= PART_KEYS for part in result["parts"])
+    assert result["check"].keys() >= CHECK_KEYS
+    assert result["passed"]
+    assert all((tmp_path / file["path"]).stat().st_size == file["bytes"] for file in result["files"])
+    assert {Path(f["path"]).parent for f in result["files"]} == {Path("out/yamada-2002")}
+    assert all(part["deviation_mm"] <= part["asked_deviation_mm"] for part in result["parts"])
+    assert done.stderr == ""
+
+
+def test_check_prints_the_contracts_json(tmp_path: Path) -> None:
+    done = run_skincad("check", "yamada-2002", "--json", "--tier", "winkler", cwd=tmp_path)
+    result = json.loads(done.stdout)
+    assert result.keys() >= CHECK_KEYS
+    assert result["all_touch_force_N"].keys() == {"value", "error"}
+    assert result["tier"] == "winkler"
+    assert len(result["ridge_force_N"]) == result["ridges"] == 9
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_failed_verdict_exits_with_1(tmp_path: Path) -> None:
+    done = run_skincad("check", "yamada-2002", "--force", "1.0", "--json", cwd=tmp_path)
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["passed"] is False
+
+
+def test_a_format_is_written_alone(tmp_path: Path) -> None:
+    done = run_skincad("make", "plain-ridges", "--format", "dxf", "-o", "here", cwd=tmp_path)
+    assert done.returncode == 0
+    assert sorted(p.name for p in (tmp_path / "here").iterdir()) == ["make.json", "section.dxf"]
+
+
+def test_same_input_same_bytes(made: MakeResult, tmp_path: Path) -> None:
+    run_skincad("make", "yamada-2002", "-o", "again", cwd=tmp_path, OMP_NUM_THREADS="1")
+    for name, _ in made.files:
+        assert (made.folder / name).read_bytes() == (tmp_path / "again" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["make", "yamada-2002", "--set", "ridge.heigth=0.6"], "ridge.heigth: unknown key; did you mean 'height'?"),
+        (["make", "yamada-2002", "--set", "ridge.height=0.6 mm"], "ridge.height: must be a number (mm)"),
+        (["make", "yamada-2002", "--set", "ridge.height=nan"], "ridge.height: must be a finite number"),
+        (["make", "yamada-2002", "--set", "ridge.height=-1.0"], "ridge.height: must be greater than 0"),
+        (["make", "yamada-2002", "--set", "ridge.root_width=1.2"], "ridge.root_width: must be less than 1 mm"),
+        (["make", "yamada-2002", "--set", "slot.offset=0.4"], "slot: must lie inside the outline"),
+        (["make", "yamada-2002", "--set", "ridge.count=1000000000"], "ridge.count: must be less than or equal to 999"),
+        (["make", "yamada-2002", "--set", 'name="../../x"'], "name: must be letters, digits"),
+        (["make", "yamada-2003"], "yamada-2003: no such template among designs, and no TOML file"),
+        (["make", "missing.toml"], "missing.toml: cannot be read (No such file or directory)"),
+        (["make", "syntax.toml"], "syntax.toml: is not TOML"),
+        (["make", "deep.toml"], "deep.toml: is not TOML"),
+        (["make", "large.toml"], "large.toml: must be at most 1000000 bytes"),
+        (["make", "binary.toml"], "binary.toml: is not UTF-8 text"),
+        (["make", "."], ".: no such template"),
+        (["make", "yamada-2002", "-o", "file/x"], "-o: "),
+        (["make", "yamada-2002", "-o", "/proc/x"], "-o: "),
+        (["make", "yamada-2002", "--format", "stp"], "--format: unknown format, got 'stp'; did you mean 'step'?"),
+        (["check", "yamada-2002", "--force", "-1"], "--force: must be above 0 N"),
+        (["check", "yamada-2002", "--force", "nan"], "--force: must be above 0 N"),
+        (["check", "yamada-2002", "--tier", "wincler"], "--tier: unknown tier, got 'wincler'; did you mean 'winkler'?"),
+        (["check", "yamada-2002", "--tier", "solid"], "--tier: is not available in this version"),
+        (["check", "yamada-2002", "--tol", "0"], "--tol: must be between 0 and 1"),
+        (["new", "file"], "file: is there already"),
+        (["mkae"], "No such command 'mkae'"),
+        (["make"], "Missing argument"),
+        (["make", "yamada-2002", "--bogus"], "No such option"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2_and_no_file(tmp_path: Path, arguments: list[str], words: str) -> None:
+    (tmp_path / "syntax.toml").write_text("[ridge\nheight = 1")
+    (tmp_path / "deep.toml").write_text("a = " + "[" * 100_000)
+    (tmp_path / "large.toml").write_text("# padding\n" * 1_000_000)
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "file").write_text("")
+    before = sorted(tmp_path.iterdir())
+    done = run_skincad(*arguments, cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith(f"skincad: {words}"), done.stderr
+    assert done.stderr.count("\n") == 1
+    assert done.stdout == ""
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
+    """Files above 100 kB fail as on a full disk; the CAD kernel itself says nothing of it."""
+    run_skincad("make", "plain-ridges", "--format", "svg", "-o", "here", cwd=tmp_path)
+    earlier = {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()}
+
+    def small_disk() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    done = subprocess.run(
+        [sys.executable, "-c", "from skincad.cli import main; main()", "make", "plain-ridges", "-o", "here"],
+        cwd=tmp_path, preexec_fn=small_disk, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith("skincad: -o: ")
+    assert done.stderr.count("\n") == 1
+    assert {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()} == earlier
+    assert [p.name for p in tmp_path.iterdir()] == ["here"]
+
+
+def test_ctrl_c_exits_with_130_and_leaves_no_half_result(tmp_path: Path) -> None:
+    running = subprocess.Popen(
+        [sys.executable, "-c", "from skincad.cli import main; main()", "make", "yamada-2002"],
+        cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not list(tmp_path.glob("out/.*.new")) and time.monotonic() < deadline and running.poll() is None:
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=60)
+    assert (running.returncode, out) == (130, ""), err
+    assert "Traceback" not in err
+    assert os.listdir(tmp_path / "out") == []
+
+
+def test_version_and_help(tmp_path: Path) -> None:
+    import skincad
+
+    assert run_skincad("--version", cwd=tmp_path).stdout == f"skincad {skincad.__version__}\n"
+    text = run_skincad("--help", cwd=tmp_path).stdout
+    assert all(word in text for word in ("templates", "new", "make", "check"))
+
+
+def test_templates_are_listed_with_what_they_are_for(tmp_path: Path) -> None:
+    rows = run_skincad("templates", cwd=tmp_path).stdout.splitlines()
+    assert any(row.startswith("design   yamada-2002 ") for row in rows)
+    assert all(len(row.split(maxsplit=2)) == 3 for row in rows)
+    assert "yamada-2002" in json.loads(run_skincad("templates", "--json", cwd=tmp_path).stdout)["designs"]
+
+
+def test_no_colour_and_no_bar_off_a_terminal(tmp_path: Path) -> None:
+    done = run_skincad("check", "plain-ridges", cwd=tmp_path)
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout

@@ -1,0 +1,53 @@
+import json
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+import skincad
+from skincad.catalog import template_names
+from skincad.errors import InputError
+from skincad.newfile import design_schema, write_new
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, name: str) -> None:
+    path, schema = write_new(tmp_path / "mine.toml", name)
+    assert skincad.load(path) == skincad.load(name).with_(name="mine")
+    text = path.read_text()
+    assert text.startswith(f"#:schema ./{schema.name}\n")
+    for key in ("curvature_radius", "tip_fillet", "d33", "clearance"):
+        line = next(i for i, row in enumerate(text.splitlines()) if row.lstrip("# ").startswith(f"{key} ="))
+        assert any(row.startswith("# ") and "[" in row for row in text.splitlines()[line - 2 : line]), key
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_the_schema_accepts_every_template(name: str) -> None:
+    from skincad.catalog import template_text
+
+    jsonschema.validate(tomllib.loads(template_text(name)), json.loads(design_schema()))
+
+
+@pytest.mark.parametrize(
+    "text", ["[ridge]\nheigth = 1.0", "[ridge]\nheight = 'x'", "[ridge]\nheight = -1.0", "[mold]\nprocess = 'x'"]
+)
+def test_the_schema_refuses_what_the_model_refuses(text: str) -> None:
+    data = skincad.load("yamada-2002").model_dump(exclude_none=True)
+    for table, values in tomllib.loads(text).items():
+        data[table].update(values)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(data, json.loads(design_schema()))
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text("precious")
+    with pytest.raises(InputError, match="is there already"):
+        write_new(tmp_path / "mine.toml")
+    assert (tmp_path / "mine.toml").read_text() == "precious"
+    assert not (tmp_path / "mine.schema.json").exists()
+
+
+def test_a_name_that_is_no_design_name_is_made_one(tmp_path: Path) -> None:
+    path, _ = write_new(tmp_path / "my skin.v2.toml")
+    assert skincad.load(path).name == "my-skin-v2"

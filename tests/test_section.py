@@ -1,0 +1,101 @@
+import math
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad.catalog import template_names
+from skincad.curves import area, polygon
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.section import frame, section
+
+
+def test_area_agrees_with_a_fine_polygon(variants: dict[str, Design]) -> None:
+    for name, design in variants.items():
+        outline = section(design).outline
+        x, z = polygon(outline, 1e-8).T
+        shoelace = float(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1))) / 2
+        # chords cut off at most tolerance x perimeter
+        assert area(outline) == pytest.approx(shoelace, abs=1e-8 * 300), name
+
+
+def test_outline_is_closed_and_smooth_at_fillets(variants: dict[str, Design]) -> None:
+    for name, design in variants.items():
+        outline = section(design).outline
+        for one, two in zip(outline, (*outline[1:], outline[0]), strict=True):
+            assert one.end == two.start, name
+            if "fillet" in one.kind + two.kind:
+                a, b = one.points(np.array([1 - 1e-6, 1.0])), two.points(np.array([0.0, 1e-6]))
+                u, v = a[1] - a[0], b[1] - b[0]
+                turn = abs(u[0] * v[1] - u[1] * v[0]) / (np.hypot(*u) * np.hypot(*v))
+                assert turn < 1e-4, (name, one.kind, two.kind)  # secants over 1e-6 of each arc
+
+
+def test_dimensions_are_those_of_the_design(yamada: Design) -> None:
+    shape = section(yamada)
+    points = polygon(shape.outline, 1e-6)
+    middle = points[np.abs(points[:, 0]) < 0.3]
+    assert middle[:, 1].max() == pytest.approx(4.5, abs=1e-6)  # thickness + height, to the chord tolerance
+    assert np.ptp(points[:, 0]) == pytest.approx(11.0, abs=1e-12)
+    assert points[:, 1].min() == 0.0
+    assert shape.ridges == 9
+    assert len(shape.slots) == 18
+
+
+def test_outer_crests_sit_where_the_circle_puts_them(yamada: Design) -> None:
+    outer, middle = frame(yamada, 9), frame(yamada, 5)
+    lean = 4 / 60
+    drop = (60 + 0.5) * (1 - math.cos(lean))
+    summit, top = outer.at(0.0, 0.5), middle.at(0.0, 0.5)
+    assert top.z - summit.z == pytest.approx(drop, rel=1e-12)
+    assert drop == pytest.approx(0.133, abs=0.0015)  # FACTS: 0.133 mm
+
+
+def test_section_mirrors_itself(yamada: Design) -> None:
+    points = polygon(section(yamada).outline, 1e-4)
+    mirrored = np.sort(np.round(points * [-1, 1], 10), axis=0)
+    assert mirrored == pytest.approx(np.sort(np.round(points, 10), axis=0), abs=1e-9)
+    assert section(yamada).centroid.x == pytest.approx(0.0, abs=1e-12)
+
+
+def test_default_slots_leave_the_stated_wall_and_web(yamada: Design) -> None:
+    s1, s2 = section(yamada).slots[8:10]
+    web = s2.at(-s2.thickness / 2, 0.0).x - s1.at(s1.thickness / 2, 0.0).x
+    assert web == pytest.approx(0.27, abs=1e-9)  # DESIGN.md
+    assert (s1.side, s2.side, s1.ridge) == ("S1", "S2", 5)
+    assert s1.centre.x < 0 < s2.centre.x
+
+
+def test_positive_tilt_leans_the_tops_inward() -> None:
+    left, right = section(skincad.load("yamada-2002-tilted")).slots[8:10]
+    assert left.direction.x > 0 > right.direction.x
+    assert math.degrees(math.atan2(left.direction.x, left.direction.z)) == pytest.approx(45.0)
+
+
+def test_doubling_all_lengths_doubles_the_section() -> None:
+    small, large = (section(skincad.load(n)) for n in ("yamada-2002", "lab-bench"))
+    assert area(large.outline) == pytest.approx(4 * area(small.outline), rel=1e-14)
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_every_template_has_a_section(name: str) -> None:
+    assert section(skincad.load(name)).area > 0
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        ({"slot": {"offset": 0.4}}, "slot", "crosses it"),
+        ({"slot": {"offset": 0.27}}, "slot", "wall to the outline"),
+        ({"slot": {"offset": 0.04}}, "slot", "web between slots"),
+        ({"ridge": {"tip_fillet": 0.6}}, "ridge", "fillet"),
+        ({"ridge": {"root_fillet": 0.2}}, "ridge", "neighbouring root fillets overlap"),
+        ({"ridge": {"crown": 0.2, "tip_fillet": 0.3}}, "ridge", "fillet"),
+    ],
+)
+def test_what_does_not_fit_is_refused(yamada: Design, change: dict[str, dict[str, float]], key: str, words: str) -> None:
+    with pytest.raises(InputError, match=words) as refused:
+        section(yamada.with_(**change))
+    assert refused.value.key.startswith(key)
+    assert "\n" not in str(refused.value)
