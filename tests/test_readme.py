@@ -1,0 +1,52 @@
+"""The README keeps its word: its Python runs, its files are made, its picture is the program's."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from skincad.cli import app
+from skincad.job import MakeResult
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+
+
+def test_the_python_lines_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
+    (block,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block, "README.md", "exec"), {})  # noqa: S102
+    assert "cavity" in capsys.readouterr().out
+    assert (tmp_path / "out/higher/assembly.step").is_file()
+
+
+def test_every_file_of_a_make_is_explained(made: MakeResult) -> None:
+    table = README.split("## What you get")[1].split("\n## ")[0]
+    for name, _ in made.files:
+        stem, dot, kind = name.rpartition(".")
+        assert f"`{name}`" in table or (kind in ("step", "stl") and f".{kind}`" in table), name
+
+
+def test_every_command_is_shown() -> None:
+    for command in app.registered_commands:
+        assert f"skincad {command.callback.__name__}" in README
+
+
+def test_the_picture_is_what_the_program_draws(made: MakeResult) -> None:
+    shown, drawn = (
+        np.asarray(Image.open(p).convert("L").resize((363, 203)), dtype=float)
+        for p in (ROOT / "README.png", made.folder / "picture.png")
+    )
+    # other fonts and matplotlib versions move letters by a pixel or two, another design moves everything
+    assert np.abs(shown - drawn).mean() < 3
+
+
+def test_the_files_it_sends_people_to_are_there() -> None:
+    named = re.findall(r"`((?:skincad|templates|tests)/[\w/.]+)`", README)
+    assert len(named) > 10
+    for name in named:
+        assert (ROOT / name).exists(), name
