@@ -34,7 +34,9 @@ def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimes
     figure.suptitle(design.name)
     drawn = BytesIO()
     figure.savefig(drawn, metadata={"Software": "skincad"})
-    colours = Image.open(drawn).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    colours = (
+        Image.open(drawn).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    )
     colours.save(path, optimize=True)
 
 

@@ -14,7 +14,9 @@ def verdict(check: ContactCheck) -> str:
     all_touch = check.all_touch_force
     count = f"all {check.ridges} ridges touch" if check.ridges > 1 else "the ridge touches"
     if all_touch.value is None:
-        return f"FAILS: {check.touching} of {check.ridges} ridges touch at {check.force:g} N; never all of them."
+        return (
+            f"FAILS: {check.touching} of {check.ridges} ridges touch at {check.force:g} N; never all of them."
+        )
     if check.passed:
         return f"Passes: {count} a plate at {check.force:g} N; they do from {all_touch} on."
     if check.touching == check.ridges:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import resource
 import signal
 import subprocess
@@ -16,10 +15,10 @@ import pytest
 from skincad.job import MakeResult
 from tests.conftest import run_skincad
 
-CHECK_KEYS = {
-    "name", "passed", "force_N", "ridges", "touching", "all_touch_force_N", "approach_mm", "ridge_force_N", "tier",
-    "unknowns", "residual", "yield", "seconds", "warnings",
-}  # fmt: skip
+CHECK_KEYS = set(
+    "name passed force_N ridges touching all_touch_force_N approach_mm ridge_force_N tier unknowns residual "
+    "yield seconds warnings".split()
+)
 MAKE_KEYS = {"name", "passed", "files", "parts", "findings", "check", "seconds"}
 PART_KEYS = {"name", "volume_mm3", "area_mm2", "faces", "valid", "watertight", "deviation_mm"}
 
@@ -69,13 +68,22 @@ def test_same_input_same_bytes(made: MakeResult, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["make", "yamada-2002", "--set", "ridge.heigth=0.6"], "ridge.heigth: unknown key; did you mean 'height'?"),
+        (
+            ["make", "yamada-2002", "--set", "ridge.heigth=0.6"],
+            "ridge.heigth: unknown key; did you mean 'height'?",
+        ),
         (["make", "yamada-2002", "--set", "ridge.height=0.6 mm"], "ridge.height: must be a number (mm)"),
         (["make", "yamada-2002", "--set", "ridge.height=nan"], "ridge.height: must be a finite number"),
         (["make", "yamada-2002", "--set", "ridge.height=-1.0"], "ridge.height: must be greater than 0"),
-        (["make", "yamada-2002", "--set", "ridge.root_width=1.2"], "ridge.root_width: must be less than 1 mm"),
+        (
+            ["make", "yamada-2002", "--set", "ridge.root_width=1.2"],
+            "ridge.root_width: must be less than 1 mm",
+        ),
         (["make", "yamada-2002", "--set", "slot.offset=0.4"], "slot: must lie inside the outline"),
-        (["make", "yamada-2002", "--set", "ridge.count=1000000000"], "ridge.count: must be less than or equal to 999"),
+        (
+            ["make", "yamada-2002", "--set", "ridge.count=1000000000"],
+            "ridge.count: must be less than or equal to 999",
+        ),
         (["make", "yamada-2002", "--set", 'name="../../x"'], "name: must be letters, digits"),
         (["make", "yamada-2003"], "yamada-2003: no such template among designs, and no TOML file"),
         (["make", "missing.toml"], "missing.toml: cannot be read (No such file or directory)"),
@@ -86,10 +94,16 @@ def test_same_input_same_bytes(made: MakeResult, tmp_path: Path) -> None:
         (["make", "."], ".: no such template"),
         (["make", "yamada-2002", "-o", "file/x"], "-o: "),
         (["make", "yamada-2002", "-o", "/proc/x"], "-o: "),
-        (["make", "yamada-2002", "--format", "stp"], "--format: unknown format, got 'stp'; did you mean 'step'?"),
+        (
+            ["make", "yamada-2002", "--format", "stp"],
+            "--format: unknown format, got 'stp'; did you mean 'step'?",
+        ),
         (["check", "yamada-2002", "--force", "-1"], "--force: must be above 0 N"),
         (["check", "yamada-2002", "--force", "nan"], "--force: must be above 0 N"),
-        (["check", "yamada-2002", "--tier", "wincler"], "--tier: unknown tier, got 'wincler'; did you mean 'winkler'?"),
+        (
+            ["check", "yamada-2002", "--tier", "wincler"],
+            "--tier: unknown tier, got 'wincler'; did you mean 'winkler'?",
+        ),
         (["check", "yamada-2002", "--tier", "solid"], "--tier: is not available in this version"),
         (["check", "yamada-2002", "--tol", "0"], "--tol: must be between 0 and 1"),
         (["new", "file"], "file: is there already"),
@@ -98,7 +112,9 @@ def test_same_input_same_bytes(made: MakeResult, tmp_path: Path) -> None:
         (["make", "yamada-2002", "--bogus"], "No such option"),
     ],
 )
-def test_bad_input_is_one_line_and_exit_2_and_no_file(tmp_path: Path, arguments: list[str], words: str) -> None:
+def test_bad_input_is_one_line_and_exit_2_and_no_file(
+    tmp_path: Path, arguments: list[str], words: str
+) -> None:
     (tmp_path / "syntax.toml").write_text("[ridge\nheight = 1")
     (tmp_path / "deep.toml").write_text("a = " + "[" * 100_000)
     (tmp_path / "large.toml").write_text("# padding\n" * 1_000_000)
@@ -144,7 +160,7 @@ def test_ctrl_c_exits_with_130_and_leaves_no_half_result(tmp_path: Path) -> None
     out, err = running.communicate(timeout=60)
     assert (running.returncode, out) == (130, ""), err
     assert "Traceback" not in err
-    assert os.listdir(tmp_path / "out") == []
+    assert not list((tmp_path / "out").iterdir())
 
 
 def test_version_and_help(tmp_path: Path) -> None:

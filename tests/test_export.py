@@ -53,7 +53,9 @@ def test_assembly_re_reads_with_names_colours_and_mm(made: MakeResult, yamada: D
     assert whole.name == "yamada-2002"
     assert {child.name for child in whole.children} == {part.name for part in closed.parts}
     cavity = next(child for child in whole.children if child.name == "cavity")
-    assert cavity.color.toTuple()[:3] == pytest.approx(closed.part("cavity").colour, abs=1e-6)  # STEP's digits
+    assert cavity.color.toTuple()[:3] == pytest.approx(
+        closed.part("cavity").colour, abs=1e-6
+    )  # STEP's digits
 
 
 def test_skin_step_has_its_ridges_up_and_cavity_down(made: MakeResult) -> None:
@@ -122,14 +124,16 @@ def test_strips_are_slot_deep_and_numbered(made: MakeResult) -> None:
 
 
 def test_svg_draws_outline_and_slots_to_scale(made: MakeResult) -> None:
-    root = ET.parse(made.folder / "section.svg").getroot()  # noqa: S314
+    root = ET.parse(made.folder / "section.svg").getroot()
     paths = root.findall("{http://www.w3.org/2000/svg}path")
     assert len(paths) == 19
     assert root.attrib["width"] == "13mm"
     assert re.search(r"A60 60 0 0 0", paths[0].attrib["d"])
 
 
-def test_step_time_is_source_date_epoch(made: MakeResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_step_time_is_source_date_epoch(
+    made: MakeResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from skincad.solids.occ import workplane
 
     cover = workplane(mold_cover())

@@ -38,7 +38,10 @@ def run(*arguments: str) -> str:
         (run("check", "plain-ridges"), (*CAD, *MESHES)),
         (run("check", "plain-ridges", "--tier", "winkler"), (*CAD, *FE, *MESHES)),
         ("import skincad", (*CAD, *FE, *MESHES, "scipy", "numpy", "pydantic")),
-        ("import skincad; from skincad.section import section; section(skincad.load('yamada-2002'))", (*CAD, *FE)),
+        (
+            "import skincad; from skincad.section import section; section(skincad.load('yamada-2002'))",
+            (*CAD, *FE),
+        ),
         ("import skincad; skincad.skin_solid(skincad.load('yamada-2002'))", FE),
     ],
 )

@@ -30,7 +30,8 @@ def test_the_schema_accepts_every_template(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["[ridge]\nheigth = 1.0", "[ridge]\nheight = 'x'", "[ridge]\nheight = -1.0", "[mold]\nprocess = 'x'"]
+    "text",
+    ["[ridge]\nheigth = 1.0", "[ridge]\nheight = 'x'", "[ridge]\nheight = -1.0", "[mold]\nprocess = 'x'"],
 )
 def test_the_schema_refuses_what_the_model_refuses(text: str) -> None:
     data = skincad.load("yamada-2002").model_dump(exclude_none=True)

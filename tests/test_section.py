@@ -94,7 +94,9 @@ def test_every_template_has_a_section(name: str) -> None:
         ({"ridge": {"crown": 0.2, "tip_fillet": 0.3}}, "ridge", "fillet"),
     ],
 )
-def test_what_does_not_fit_is_refused(yamada: Design, change: dict[str, dict[str, float]], key: str, words: str) -> None:
+def test_what_does_not_fit_is_refused(
+    yamada: Design, change: dict[str, dict[str, float]], key: str, words: str
+) -> None:
     with pytest.raises(InputError, match=words) as refused:
         section(yamada.with_(**change))
     assert refused.value.key.startswith(key)

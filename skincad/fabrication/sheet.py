@@ -49,8 +49,8 @@ def _parts(design: Design, closed: Mold) -> list[str]:
     through = skin.length + 2 * choice.end_plate
     upright = section(design).top + choice.floor + choice.carrier_thickness + choice.cover
     bought = [
-        f"M3 bolts with nuts: 4 of at least {through + NUT:.0f} mm along y, 2 of at least {upright + NUT:.0f} mm "
-        "for the cover",
+        f"M3 bolts with nuts: 4 of at least {through + NUT:.0f} mm along y, "
+        f"2 of at least {upright + NUT:.0f} mm for the cover",
         f"{sum(p.name.startswith('pin') for p in closed.parts)} dowel pins of {2 * PIN_RADIUS:g} mm, "
         "pressed into the cavity's ends and into the cover",
     ]
@@ -83,7 +83,8 @@ def _mix(material: Silicone, volume: float) -> list[str]:
     return [
         "## Silicone",
         "",
-        f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.3f} cm3, {grams:.2f} g.",
+        f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.3f} cm3, "
+        f"{grams:.2f} g.",
         f"Weigh {a:.2f} g of A and {b:.2f} g of B: {total:.2f} g with {WASTE:.0%} for cup, syringe and gate.",
         f"Pot life {pot}; cure {cure} at room temperature.",
         "",

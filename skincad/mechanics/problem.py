@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from skincad.catalog import silicone
 from skincad.curves import Loop, Segment
 from skincad.design import Design
-from skincad.errors import InputError
+from skincad.errors import InputError, RefusedError
 from skincad.quantities import Estimate
 from skincad.section import CONTACT_KINDS, Section, section
 
 
-class ContactError(ArithmeticError):
+class ContactError(RefusedError):
     """A contact or finite element solution that does not hold; words say what and the remedy."""
 
 

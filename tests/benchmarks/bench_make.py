@@ -39,9 +39,8 @@ def main() -> None:
     print(f"  {'make ' + template + ', whole process':40} {statistics.median(wholes) / reference:6.2f}")
     for stage in stages[0]:
         median = statistics.median(row[stage] for row in stages)
-        print(
-            f"  {stage if stage != 'total' else 'total without interpreter and imports':40} {median / reference:6.2f}"
-        )
+        name = "total without interpreter and imports" if stage == "total" else stage
+        print(f"  {name:40} {median / reference:6.2f}")
 
 
 if __name__ == "__main__":

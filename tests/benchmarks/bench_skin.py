@@ -56,9 +56,7 @@ def main() -> None:
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     base = skincad.load("yamada-2002")
     print("construction of the skin, s; booleans as multiples of it (their pieces are made beforehand)")
-    print(
-        f"{'ridges':>6} {'direct':>8} {'+ checks':>9} {'n-ary fuse and cut':>19} {'pairwise':>9} {'volume error':>13}"
-    )
+    print("ridges   direct  + checks  n-ary fuse and cut  pairwise  volume error")
     for count in (9, 45):
         skin = {"curvature_radius": 60.0 * count / 9, "width": 2.0 + count}
         design = base.with_(ridge={"count": count}, skin=skin)

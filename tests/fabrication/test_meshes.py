@@ -8,8 +8,8 @@ import pytest
 import trimesh
 
 from skincad.design import Design
-from skincad.fabrication.meshes import laid, mesh
 from skincad.fabrication.measures import measure
+from skincad.fabrication.meshes import laid, mesh
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid
 

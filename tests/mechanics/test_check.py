@@ -165,7 +165,7 @@ def test_101_ridges() -> None:
 
 def test_too_many_ridges_are_refused() -> None:
     skin = {"curvature_radius": 1e6, "width": 999.0}
-    with pytest.raises(InputError, match="ridge.count: the linear tier takes at most"):
+    with pytest.raises(InputError, match=r"ridge\.count: the linear tier takes at most"):
         check(reference().with_(skin=skin, ridge={"count": 900}))
 
 

@@ -29,7 +29,8 @@ def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
 
 def test_interference_sees_an_undercut_while_the_skin_leaves() -> None:
     steep = skincad.load(
-        "yamada-2002", ["skin.curvature_radius=12.0", "ridge.tip_width=0.7", "slot=none", "film=none", "contact.film=none"]
+        "yamada-2002",
+        ["skin.curvature_radius=12.0", "ridge.tip_width=0.7", "slot=none", "film=none", "contact.film=none"],
     )
     found = [f for f in interference(mold(steep), 1e-3) if "skin against cavity" in f.where]
     assert len(found) == 1
