@@ -118,6 +118,8 @@ def _write_dxf(rows: Iterable[tuple[str, Loop]], labels: list[tuple[str, float, 
         space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
     for text, x, y in labels:
         space.add_text(text, height=1.0, dxfattribs={"layer": "LABEL"}).set_placement((x, y))
+    for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
+        document.classes.add_class(kind)
     document.saveas(path)
 
 
