@@ -146,6 +146,9 @@ def check(
     tol: Annotated[
         float | None, typer.Option("--tol", metavar="REL", help="Relative discretisation error to meet.")
     ] = None,
+    budget: Annotated[
+        float | None, typer.Option("--budget", metavar="S", help="Seconds; alone: the best they buy.")
+    ] = None,
     tier: Annotated[str, typer.Option("--tier", help="winkler, linear or auto.")] = "auto",
     as_json: JsonOption = False,
 ) -> None:
@@ -158,7 +161,7 @@ def check(
 
     loaded = skincad.load(design, settings)
     with _progress(4) as progress:
-        result = run(loaded, force=force, tol=tol, tier=tier, progress=progress)
+        result = run(loaded, force=force, tol=tol, budget=budget, tier=tier, progress=progress)
     _print(result.as_json(), as_json, check_lines(result))
     raise typer.Exit(0 if result.passed else 1)
 

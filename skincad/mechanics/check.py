@@ -12,8 +12,9 @@ from typing import Any
 from skincad.catalog import silicone
 from skincad.design import Design
 from skincad.errors import InputError, did_you_mean
-from skincad.mechanics.problem import Answer
+from skincad.mechanics.problem import Answer, Request
 from skincad.quantities import Estimate
+from skincad.stopwatch import Progress
 
 TIERS = {
     "winkler": "skincad.mechanics.winkler:answer",
@@ -77,24 +78,28 @@ def check(
     *,
     force: float | None = None,
     tol: float | None = None,
+    budget: float | None = None,
     tier: str = "auto",
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> ContactCheck:
     """Return whether all ridges touch a rigid flat plate at `force` N (the design's own if None).
 
-    `tol` is the asked relative error of discretisation. Passed means: all touch, and F9 with its error
-    still lies at or below the force. Raises InputError for a force, tolerance or tier out of range.
+    `tol` is the asked relative error of discretisation, `budget` the seconds that it may take (alone it
+    asks for the best that they buy). Passed means: all touch, and F9 with its error still lies at or below
+    the force. Raises InputError for a force, tolerance, budget or tier out of range.
     """
     asked = design.contact.force if force is None else force
     if not (asked > 0 and math.isfinite(asked)):
         raise InputError("--force", "must be above 0 N", asked)
     if tol is not None and not 0 < tol < 1:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.005")
+    if budget is not None and not (budget > 0 and math.isfinite(budget)):
+        raise InputError("--budget", "must be above 0 s", budget)
     name = _tier(tier)
     module, _, function = TIERS[name].partition(":")
     solve: Callable[..., Answer] = getattr(import_module(module), function)
     started = perf_counter()
-    found = solve(design, asked, tol, progress)
+    found = solve(design, Request(asked, tol, budget), progress)
     total = perf_counter() - started
     if (found.approach.value or 0.0) >= design.skin.thickness + design.ridge.height:
         raise InputError(

@@ -47,6 +47,15 @@ class Pad:
 
 
 @dataclass(frozen=True)
+class Request:
+    """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s."""
+
+    force: float
+    tol: float | None = None
+    budget: float | None = None
+
+
+@dataclass(frozen=True)
 class Answer:
     """What a tier found at `force` N: estimates with their error, work and residual.
 

@@ -7,7 +7,6 @@ base, so against plane strain F9 comes out 25 to 35 % low (FACTS.md), more on th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
@@ -15,8 +14,9 @@ from numpy.typing import NDArray
 
 from skincad.catalog import silicone
 from skincad.design import Design
-from skincad.mechanics.problem import Answer
+from skincad.mechanics.problem import Answer, Request
 from skincad.quantities import Estimate
+from skincad.stopwatch import Progress
 
 Array = NDArray[np.float64]
 
@@ -45,9 +45,9 @@ def crest_gaps(design: Design) -> Array:
     return np.array(drop) - min(drop)
 
 
-def answer(design: Design, force: float, tol: float | None, progress: Callable[[str], None] | None) -> Answer:
-    """Return the Winkler verdict on a design at `force` N; the error is the model's, whatever `tol` asks."""
-    started = perf_counter()
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the Winkler verdict on a design; the error is the model's, whatever the tolerance asked."""
+    started, force, tol = perf_counter(), request.force, request.tol
     if progress:
         progress("winkler tier: closed form")
     stiffness, gaps = ridge_stiffness(design), crest_gaps(design)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 
@@ -236,3 +237,17 @@ def test_imports_stay_light() -> None:
     loaded = modules_after(code)
     assert "ngsolve" in loaded
     assert not loaded & {"OCP", "cadquery"}
+
+
+def test_a_budget_buys_the_rungs_that_fit_and_a_larger_one_a_smaller_error() -> None:
+    quick, patient = check(filleted(), budget=1e-3), check(filleted(), budget=60.0)
+    assert patient.unknowns > quick.unknowns
+    assert patient.all_touch_force.error < quick.all_touch_force.error
+    assert any("more than the budget" in w for w in quick.warnings)  # one mesh is the least
+    assert not any("budget" in w or "not met" in w for w in patient.warnings)
+
+
+@pytest.mark.parametrize("budget", [0.0, -1.0, math.nan, math.inf])
+def test_a_budget_that_is_no_time_is_refused(budget: float) -> None:
+    with pytest.raises(InputError, match="--budget: must be above 0 s"):
+        check(load("yamada-2002"), budget=budget)
