@@ -37,6 +37,16 @@ class Silicone:
     source: str
 
 
+@dataclass(frozen=True)
+class Process:
+    """What a process can make, mm: assumptions of a well-kept machine."""
+
+    gap: float  # narrowest groove or slit
+    wall: float  # thinnest tooth
+    chord: float  # how far a print mesh may leave the true surface unnoticed
+    crest_sigma: float  # standard deviation of a cast ridge's crest height, ridge against ridge
+
+
 def templates_folder() -> Traversable:
     """Return the folder of templates: in the wheel beside this file, in a checkout above it."""
     inside = files("skincad") / "templates"
@@ -126,6 +136,13 @@ def _toml_value(text: str) -> Any:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
+
+
+@cache
+def processes() -> dict[str, Process]:
+    """Return what each process of `mold.process` can make."""
+    rows = tomllib.loads((templates_folder() / "processes.toml").read_text("utf-8"))
+    return {name: Process(**row) for name, row in rows.items()}
 
 
 @cache

@@ -149,6 +149,9 @@ def check(
     budget: Annotated[
         float | None, typer.Option("--budget", metavar="S", help="Seconds; alone: the best they buy.")
     ] = None,
+    measured: Annotated[
+        Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
+    ] = None,
     tier: Annotated[str, typer.Option("--tier", help="winkler, linear or auto.")] = "auto",
     as_json: JsonOption = False,
 ) -> None:
@@ -161,7 +164,9 @@ def check(
 
     loaded = skincad.load(design, settings)
     with _progress(4) as progress:
-        result = run(loaded, force=force, tol=tol, budget=budget, tier=tier, progress=progress)
+        result = run(
+            loaded, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
+        )
     _print(result.as_json(), as_json, check_lines(result))
     raise typer.Exit(0 if result.passed else 1)
 

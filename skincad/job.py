@@ -128,7 +128,8 @@ class _Job:
 
 
 def _build(design: Design, watch: Stopwatch) -> _Job:
-    from skincad.fabrication.findings import design_findings, process_of
+    from skincad.catalog import processes
+    from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import FINER, interference
     from skincad.fabrication.meshes import mesh
     from skincad.mechanics.check import check
@@ -137,7 +138,7 @@ def _build(design: Design, watch: Stopwatch) -> _Job:
 
     closed = mold(design)
     made = [part for part in closed.parts if part.made != "bought"]
-    asked = process_of(design).chord
+    asked = processes()[design.mold.process].chord
     chord = asked / (1 + 1 / FINER)  # the reference mesh's own error is added to it
     with watch.stage("contact check"):
         verdict = check(design)

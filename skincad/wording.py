@@ -36,7 +36,20 @@ def check_lines(check: ContactCheck) -> list[str]:
         f"  approach       {check.approach}",
         f"  ridge forces   {shares} (+- {error:.1g}) N",
         f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s",
+        *_manufacture_lines(check),
         *(f"  note           {warning}" for warning in check.warnings),
+    ]
+
+
+def _manufacture_lines(check: ContactCheck) -> list[str]:
+    made = check.manufacture
+    if made is None or made.passing.value is None or made.passing.error is None:
+        return []
+    crests = "  ".join(f"{slope:+.0f}" for slope in made.crest_sensitivity)
+    return [
+        f"  yield          {made.passing.value:.1%} (+- {made.passing.error:.1%}) of parts pass; "
+        f"largest loss: {made.largest}",
+        f"  per crest      {crests} N per mm that it is lower",
     ]
 
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from skincad.catalog import processes
 from skincad.curves import polygon
 from skincad.design import Design
 from skincad.section import GUARD_TOLERANCE, section
@@ -37,35 +38,14 @@ class Finding:
         )
 
 
-@dataclass(frozen=True)
-class Process:
-    """What a process can make, mm. Assumptions of a well-kept machine; measure your own."""
-
-    gap: float  # narrowest groove or slit
-    wall: float  # thinnest tooth
-    chord: float  # how far a print mesh may leave the true surface unnoticed
-
-
-PROCESSES = {
-    "fdm": Process(gap=0.4, wall=0.4, chord=0.01),  # assumption: 0.4 mm nozzle
-    "sla": Process(gap=0.1, wall=0.1, chord=0.005),  # assumption: 0.05 mm pixels, two to a feature
-    "cnc": Process(gap=0.5, wall=0.2, chord=0.002),  # assumption: 0.5 mm end mill
-    "edm": Process(gap=0.05, wall=0.05, chord=0.001),  # assumption: 0.03 mm wire and its spark gap
-}
-
-
-def process_of(design: Design) -> Process:
-    """Return what the design's process can make."""
-    return PROCESSES[design.mold.process]
-
-
 def design_findings(design: Design) -> list[Finding]:
     """Return the findings that follow from the section alone: what the process can cut, and undercuts."""
     return [*_process_findings(design), *_undercut_findings(design)]
 
 
 def _process_findings(design: Design) -> list[Finding]:
-    limit, ridge, name = process_of(design), design.ridge, design.mold.process
+    ridge, name = design.ridge, design.mold.process
+    limit = processes()[name]
     features = [
         ("gap", "cavity, groove of a ridge's tip", ridge.tip_width, limit.gap),
         ("wall", "cavity, tooth between two ridges' roots", ridge.pitch - ridge.root_width, limit.wall),

@@ -6,13 +6,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from skincad.catalog import silicone
+from skincad.catalog import processes, silicone
 from skincad.design import Design
 from skincad.errors import InputError, did_you_mean
-from skincad.mechanics.problem import Answer, Request
+from skincad.measurements import crest_drops
+from skincad.mechanics.problem import Answer, Manufacture, Request, Spread
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
@@ -27,7 +29,6 @@ SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which the linear tier is m
 LEFT_OUT = (
     "free ends are left out: at 12 mm length F9 is about 23 % lower, the approach 28 % larger",
     "finite strain is left out: F9 about 10 % higher, outer shares 25 to 45 % smaller",
-    "crests are taken as exact: both outer crests 0.025 mm low make F9 32 % higher",
 )
 
 
@@ -52,6 +53,7 @@ class ContactCheck:
     residual: float
     seconds: dict[str, float]
     warnings: tuple[str, ...]
+    manufacture: Manufacture | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the `check` object of `--json`; the unit is the key's suffix."""
@@ -67,9 +69,21 @@ class ContactCheck:
             "tier": self.tier,
             "unknowns": self.unknowns,
             "residual": self.residual,
-            "yield": None,
+            **self._manufacture(),
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),
+        }
+
+    def _manufacture(self) -> dict[str, Any]:
+        made = self.manufacture
+        if made is None:
+            return {"yield": None}
+        return {
+            "yield": made.passing.value,
+            "yield_error": made.passing.error,
+            "crest_sensitivity_N_per_mm": list(made.crest_sensitivity),
+            "modulus_sensitivity_N_per_MPa": made.modulus_sensitivity,
+            "yield_largest_loss": made.largest,
         }
 
 
@@ -80,12 +94,14 @@ def check(
     tol: float | None = None,
     budget: float | None = None,
     tier: str = "auto",
+    measured: Path | str | None = None,
     progress: Progress | None = None,
 ) -> ContactCheck:
     """Return whether all ridges touch a rigid flat plate at `force` N (the design's own if None).
 
     `tol` is the asked relative error of discretisation, `budget` the seconds that it may take (alone it
-    asks for the best that they buy). Passed means: all touch, and F9 with its error still lies at or below
+    asks for the best that they buy); `measured` a CSV of a cast part's crest heights (columns ridge,
+    crest_mm), to judge that part. Passed means: all touch, and F9 with its error still lies at or below
     the force. Raises InputError for a force, tolerance, budget or tier out of range.
     """
     asked = design.contact.force if force is None else force
@@ -99,7 +115,7 @@ def check(
     module, _, function = TIERS[name].partition(":")
     solve: Callable[..., Answer] = getattr(import_module(module), function)
     started = perf_counter()
-    found = solve(design, Request(asked, tol, budget), progress)
+    found = solve(design, _request(design, name, asked, tol, budget, measured), progress)
     total = perf_counter() - started
     if (found.approach.value or 0.0) >= design.skin.thickness + design.ridge.height:
         raise InputError(
@@ -109,6 +125,27 @@ def check(
             "take a smaller force",
         )
     return _verdict(design, asked, name, found, total)
+
+
+def _request(
+    design: Design,
+    tier: str,
+    force: float,
+    tol: float | None,
+    budget: float | None,
+    measured: Path | str | None,
+) -> Request:
+    if measured is None:
+        return Request(force, tol, budget, _spread(design))
+    if tier != "linear":
+        raise InputError("--measured", "is judged by the linear tier only", tier, "leave --tier out")
+    return Request(force, tol, budget, drops=crest_drops(measured, design))
+
+
+def _spread(design: Design) -> Spread:
+    process, modulus = design.mold.process, silicone(design.material).young_modulus
+    sigma = processes()[process].crest_sigma
+    return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))
 
 
 def _tier(tier: str) -> str:
@@ -142,6 +179,7 @@ def _verdict(design: Design, force: float, tier: str, found: Answer, total: floa
         found.residual,
         {"total": total, **found.seconds},
         tuple(warnings),
+        found.manufacture,
     )
 
 

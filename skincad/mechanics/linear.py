@@ -19,8 +19,10 @@ from skincad.errors import InputError
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed, condense
 from skincad.mechanics.contact import Contact, press
+from skincad.mechanics.manufacture import manufacture
 from skincad.mechanics.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.problem import Answer, ContactError, Pad, Request, check_pad, pad_of
+from skincad.mechanics.problem import Answer, ContactError, Manufacture, Pad, Request, check_pad, pad_of
+from skincad.mechanics.ridge_model import ridge_model
 from skincad.mechanics.threshold import Ridges, all_touch_force
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
@@ -72,6 +74,8 @@ class Level:
     unknowns: int
     residual: float
     seconds: dict[str, float]
+    ridges: Ridges
+    scale: float  # N for a force of 1 in the pad's units
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -105,7 +109,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
             if (rung.fineness, order) not in levels:
                 if progress:
                     progress(f"linear tier: fineness {rung.fineness:g}, order {order}")
-                found = level(pad, meshes[rung.fineness], order, force)
+                found = level(pad, meshes[rung.fineness], order, force, request.drops)
                 levels[rung.fineness, order] = found
                 _add(seconds, found.seconds)
         best = levels[rung.fineness, rung.order]
@@ -115,7 +119,22 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
         if reached <= wanted or not _affordable(rung, ladder, perf_counter() - began, budget):
             break
     spent = perf_counter() - began
-    return replace(result, warnings=tuple(_shortfalls(reached, wanted, spent, budget)))
+    warnings = tuple(_shortfalls(reached, wanted, spent, budget))
+    made = _manufacture(best, request, unit_of(pad), seconds)
+    return replace(result, warnings=warnings, manufacture=made, seconds=seconds)
+
+
+def _manufacture(best: Level, request: Request, unit: float, seconds: dict[str, float]) -> Manufacture | None:
+    """Yield and sensitivities on the best level's condensed contact; its time goes into `seconds`."""
+    if request.spread is None or not best.all_touch_force:
+        return None
+    started = perf_counter()
+    force, scale = request.force, best.scale
+    with threadpool_limits(limits=1, user_api="blas"):
+        model = ridge_model(best.ridges, max(force, best.all_touch_force) / scale)
+        made = manufacture(model, unit, scale, force, best.all_touch_force, request.spread)
+    _add(seconds, {"yield": perf_counter() - started})
+    return made
 
 
 def _affordable(done: Rung, ladder: tuple[Rung, ...], spent: float, budget: float | None) -> bool:
@@ -143,14 +162,14 @@ def _first_rung(wanted: float) -> int:
     return usual if usual < 2 else usual - 1
 
 
-def level(pad: Pad, mesh: object, order: int, force: float) -> Level:
-    """Solve one order on netgen's mesh at `force` N."""
+def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> Level:
+    """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
     # more BLAS threads only wait for each other on blocks this small: 3 to 60 times longer
     with threadpool_limits(limits=1, user_api="blas"):
-        return _level(pad, mesh, order, force)
+        return _level(pad, mesh, order, force, drops)
 
 
-def _level(pad: Pad, mesh: object, order: int, force: float) -> Level:
+def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> Level:
     unit, modulus = unit_of(pad), pad.young_modulus
     scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
     clock = [perf_counter()]
@@ -164,6 +183,8 @@ def _level(pad: Pad, mesh: object, order: int, force: float) -> Level:
     small = condense(system.matrix, system.interior, system.contact)
     clock.append(perf_counter())
     ridges = Ridges.of(system, small.flexibility, pad.top / unit)
+    if drops:
+        ridges = ridges.lowered(np.array(drops) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
     threshold = all_touch_force(ridges, force / scale)
     residual = max(state.residual, _balance(system, small, state, force / scale))
@@ -179,6 +200,8 @@ def _level(pad: Pad, mesh: object, order: int, force: float) -> Level:
         system.unknowns,
         residual,
         dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+        ridges,
+        scale,
     )
 
 

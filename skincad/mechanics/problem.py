@@ -47,12 +47,41 @@ class Pad:
 
 
 @dataclass(frozen=True)
+class Spread:
+    """How parts differ: crest error's standard deviation, mm, and modulus low, nominal and high, MPa."""
+
+    process: str
+    crest_sigma: float
+    modulus: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Manufacture:
+    """Share of parts in which all ridges touch at the asked force, and what it hangs on.
+
+    `crest_sensitivity` `(ridges,)` is the change of the all-touch force per lowering of each crest, N/mm;
+    `modulus_sensitivity` its change with E, N/MPa. `largest` names the larger loss and what mends it.
+    """
+
+    passing: Estimate
+    crest_sensitivity: tuple[float, ...]
+    modulus_sensitivity: float
+    largest: str
+
+
+@dataclass(frozen=True)
 class Request:
-    """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s."""
+    """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s.
+
+    `spread` says how parts differ, where the yield is asked; `drops` by how much each crest of one measured
+    part is lower than designed, mm.
+    """
 
     force: float
     tol: float | None = None
     budget: float | None = None
+    spread: Spread | None = None
+    drops: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -70,6 +99,7 @@ class Answer:
     residual: float
     seconds: dict[str, float]
     warnings: tuple[str, ...] = ()
+    manufacture: Manufacture | None = None
 
 
 def pad_of(design: Design) -> Pad:

@@ -6,7 +6,7 @@ finding on the force. Counting touching nodes instead would jump with the mesh.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +57,13 @@ class Ridges:
             fine.edge,
             fine.ridge,
         )
+
+    def lowered(self, drops: Array) -> Ridges:
+        """Return the same pad with each ridge's crest lower by `(ridges,)`."""
+        by_ridge = dict(zip(self.numbers.tolist(), drops.tolist(), strict=True))
+        at_points = np.array([by_ridge[r] for r in self.of_point.tolist()])
+        fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
+        return replace(self, gap=self.gap + at_points, fine_gap=self.fine_gap + fine)
 
     @property
     def numbers(self) -> Index:

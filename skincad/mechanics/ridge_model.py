@@ -1,0 +1,96 @@
+"""Ridges as springs that feel each other: the condensed pad reduced to one force a ridge.
+
+A plate at approach d meets ridge i, whose crest is `drop` lower than designed, with
+
+    d - gap_i - drop_i = self_i(f_i) + sum over j != i of coupling_ij f_j   where f_i > 0.
+
+`self_i` is the condensed model's own answer for ridge i pressed alone, so the growing contact patch of a
+crowned tip is in it; the coupling takes each ridge's pressure as spread over its crown. One solve of the
+condensed model takes half a millisecond, ten thousand of these together about a second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.contact import press
+from skincad.mechanics.problem import ContactError
+from skincad.mechanics.threshold import Ridges
+
+Array = NDArray[np.float64]
+
+TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where the patch is small
+SWEEPS = 400
+SETTLED = 1e-9  # relative, of the force; Gauss-Seidel ends there
+ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it has lost its digits
+
+
+@dataclass(frozen=True)
+class RidgeModel:
+    """`gap` `(n,)`, `coupling` `(n, n)` with zero diagonal, and per ridge a table of force `(t,)` against
+    indentation `(n, t)`, in the units of the condensed model."""
+
+    gap: Array
+    coupling: Array
+    force: Array
+    indentation: Array
+
+
+def ridge_model(ridges: Ridges, largest: float) -> RidgeModel:
+    """Return the reduced model of a condensed pad, its tables up to the force `largest` on one ridge."""
+    numbers = ridges.numbers
+    inside = [np.flatnonzero(ridges.of_point == number) for number in numbers]
+    gap = np.array([ridges.gap[points].min() for points in inside])
+    force = np.concatenate([[0.0], TABLE * largest])
+    spread = np.zeros((ridges.gap.size, numbers.size))
+    table = np.zeros((numbers.size, force.size))
+    for i, points in enumerate(inside):
+        block = ridges.flexibility[np.ix_(points, points)]
+        start = None
+        for column in range(1, force.size):
+            state = press(block, ridges.gap[points], float(force[column]), start)
+            start = state.active
+            table[i, column] = state.approach - gap[i]
+            if column == force.size // 2:
+                spread[points, i] = state.force / force[column]
+    coupling = spread.T @ ridges.flexibility @ spread
+    np.fill_diagonal(coupling, 0.0)
+    return RidgeModel(gap, coupling, force, table)
+
+
+def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
+    """Return the forces `(s, n)` of s parts with crest drops `(s, n)`, each under its own force `(s,)`.
+
+    Projected Gauss-Seidel over the ridges; the approach is corrected along with it. Raises ContactError
+    when a part does not settle.
+    """
+    count = model.gap.size
+    stiffness = model.force[-1] / model.indentation[:, -1]
+    whole = np.linalg.inv(np.diag(1 / stiffness) + model.coupling)
+    together = float(whole.sum())
+    low = model.gap + drop
+    carried = np.tile(np.maximum(whole.sum(axis=1), 0) / together, (len(drop), 1)) * force[:, None]
+    approach = low.mean(axis=1) + force / together
+    rounding = ROUNDING * together * float(np.ptp(low))
+    for _ in range(SWEEPS):
+        before = carried.copy()
+        for i in range(count):
+            indent = approach - low[:, i] - carried @ model.coupling[i]
+            carried[:, i] = _self_force(model, i, indent)
+        missing = force - carried.sum(axis=1)
+        approach = approach + 0.7 * missing / together
+        moved = np.abs(carried - before).max(axis=1) + np.abs(missing)
+        if (moved <= SETTLED * force + rounding).all():
+            return carried
+    raise ContactError(f"the ridge model does not settle ({(moved / force).max():.1e}); ask for fewer ridges")
+
+
+def _self_force(model: RidgeModel, ridge: int, indent: Array) -> Array:
+    """Force of a ridge at these indentations: its table, continued straight beyond its end."""
+    table, force = model.indentation[ridge], model.force
+    slope = (force[-1] - force[-2]) / (table[-1] - table[-2])
+    inside = np.interp(np.maximum(indent, 0.0), table, force)
+    return np.asarray(inside + slope * np.maximum(indent - table[-1], 0.0))

@@ -1,0 +1,130 @@
+"""The reduced ridge model against the condensed one, and the yield against counting by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from skincad import check, load
+from skincad.mechanics.contact import press
+from skincad.mechanics.linear import Level, level
+from skincad.mechanics.manufacture import MODEL_MISCLASSIFIES, all_touch, manufacture
+from skincad.mechanics.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.problem import Spread, pad_of
+from skincad.mechanics.ridge_model import RidgeModel, ridge_forces, ridge_model
+from tests.mechanics.designs import reference
+
+
+@pytest.fixture(scope="module", params=["yamada-2002", "fingertip-soft", "nozzle-04"])
+def case(request: pytest.FixtureRequest) -> tuple[Level, RidgeModel, float, float]:
+    design = load(request.param)
+    pad, force = pad_of(design), design.contact.force
+    found = level(pad, triangles(pad, default_sizes(pad, 0.5)), 2, force)
+    return found, ridge_model(found.ridges, force / found.scale), unit_of(pad), force
+
+
+def test_reduced_forces_are_the_condensed_ones(case: tuple[Level, RidgeModel, float, float]) -> None:
+    found, model, _, force = case
+    reduced = ridge_forces(model, np.zeros((1, model.gap.size)), np.array([force / found.scale]))[0]
+    # coupling by a fixed pressure under each crown: 2 % of the mean share
+    assert reduced * found.scale == pytest.approx(found.ridge_force, abs=0.02 * force / model.gap.size)
+
+
+def test_reduced_model_judges_parts_as_the_condensed_one(
+    case: tuple[Level, RidgeModel, float, float],
+) -> None:
+    found, model, _, force = case
+    sigma = 0.15 * float(np.ptp(model.gap))
+    drops = np.random.default_rng(1).normal(0.0, sigma, (200, model.gap.size))
+    asked = force / found.scale
+    reduced = ridge_forces(model, drops, np.full(200, asked))
+    ridges = found.ridges
+    exact = np.array([
+        [state.force[ridges.of_point == r].sum() for r in ridges.numbers]
+        for row in drops
+        for state in [press(ridges.flexibility, ridges.lowered(row).gap, asked)]
+    ])  # fmt: skip
+    assert np.abs(reduced - exact).max() < 0.02 * asked
+    wrong = np.mean((reduced > 0).all(axis=1) != (exact > 0).all(axis=1))
+    assert wrong <= MODEL_MISCLASSIFIES + 0.02  # 200 parts: two standard errors of a 2 % share
+
+
+def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
+    """FACTS: F9 +32 % and +65 %."""
+    design = reference()
+    pad = pad_of(design)
+    found = level(pad, triangles(pad, default_sizes(pad)), 2, 4.0)
+    model = ridge_model(found.ridges, 6.0 / found.scale)
+    outer = np.zeros((3, 9))
+    outer[1, [0, -1]], outer[2, [0, -1]] = 0.025 / unit_of(pad), 0.05 / unit_of(pad)
+    force = all_touch(model, outer, 4.0 / found.scale)
+    assert force[1:] / force[0] - 1 == pytest.approx([0.32, 0.65], abs=0.02)
+
+
+def test_share_of_failing_reference_parts() -> None:
+    """27 % of parts need more than 4 N at crest errors of sigma 0.02 mm, 45 % at 0.03 mm.
+
+    FACTS' prototype says 17 and 55 %; here two models agree on the first, and a margin of 0.97 N over
+    42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
+    """
+    pad = pad_of(reference())
+    found = level(pad, triangles(pad, default_sizes(pad, 0.5)), 2, 4.0)
+    asked, ridges = 4.0 / found.scale, found.ridges
+    model = ridge_model(ridges, asked)
+    rigid = (0.8, 0.8, 0.8)
+    spreads = [Spread("test", sigma, rigid) for sigma in (0.02, 0.03)]
+    made = [manufacture(model, unit_of(pad), found.scale, 4.0, 3.0265, spread) for spread in spreads]
+    failing = [1 - m.passing.value for m in made]
+    assert failing == pytest.approx([0.27, 0.45], abs=0.015)
+    drops = np.random.default_rng(1).normal(0.0, 0.02 / unit_of(pad), (400, 9))
+    states = [press(ridges.flexibility, ridges.lowered(row).gap, asked) for row in drops]
+    touching = [np.unique(ridges.of_point[state.force > 0]).size for state in states]
+    # 400 parts: two standard errors of a share near a quarter
+    assert np.mean([t < 9 for t in touching]) == pytest.approx(failing[0], abs=0.045)
+
+
+def test_yield_by_the_modulus_alone_is_the_share_of_its_range_that_passes(case) -> None:
+    found, model, unit, force = case
+    threshold = found.all_touch_force
+    made = manufacture(model, unit, found.scale, force, threshold, Spread("edm", 1e-9, (0.5, 0.8, 1.5)))
+    assert made.passing.value == pytest.approx((0.8 * force / threshold - 0.5) / 1.0, abs=0.015)  # 3 sigma
+    assert made.largest.startswith("the modulus (0.5 to 1.5 MPa)")
+    assert made.modulus_sensitivity == pytest.approx(threshold / 0.8)
+
+
+def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
+    """The outer crests alone decide: both must be low by less than the margin over the sensitivity."""
+    found, model, unit, force = case
+    threshold = found.all_touch_force
+    sigma = 0.5 * (force - threshold) / (threshold / (0.5 * float(np.ptp(model.gap)) * unit))
+    made = manufacture(model, unit, found.scale, force, threshold, Spread("sla", sigma, (0.8, 0.8, 0.8)))
+    margin = (force - threshold) / (max(made.crest_sensitivity) * sigma)
+    alone = 0.5 * (1 + math.erf(margin / math.sqrt(2)))
+    # the other crests' smaller slopes widen it, nonlinearity moves it: within 0.1 of the two-sided share
+    assert made.passing.value == pytest.approx(alone**2, abs=0.1)
+    assert made.largest.startswith("crest errors of the sla mold")
+
+
+def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> None:
+    from skincad.section import frame
+
+    design = load("yamada-2002")
+    base = check(design)
+    rows = [f"{r},{frame(design, r).at(0.0, 0.5).z - (0.004 if r == 1 else 0.0)}" for r in range(1, 10)]
+    (tmp_path / "crests.csv").write_text("\n".join(["ridge,crest_mm", *rows]))
+    part = check(design, measured=tmp_path / "crests.csv")
+    slope = (part.all_touch_force.value - base.all_touch_force.value) / 0.004
+    assert base.manufacture.crest_sensitivity[0] == pytest.approx(slope, rel=0.06)  # reduced model, secant
+    assert part.manufacture is None
+
+
+def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
+    from skincad.section import frame
+
+    design = load("yamada-2002")
+    rows = [f"{r},{frame(design, r).at(0.0, 0.5).z!r}" for r in range(9, 0, -1)]
+    (tmp_path / "crests.csv").write_text("# a comment\n\nridge,crest_mm\n" + "\n".join(rows))
+    part, base = check(design, measured=tmp_path / "crests.csv"), check(design)
+    assert part.all_touch_force.value == pytest.approx(base.all_touch_force.value, rel=1e-9)
