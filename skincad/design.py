@@ -114,9 +114,27 @@ class Mold(Table):
 
 
 class Plate(Table):
-    """What the skin is pressed on."""
+    """The rigid plate that the skin is pressed on; it keeps its angle."""
 
-    shape: Literal["flat"] = Field(default="flat", description="shape of the rigid plate: flat")
+    shape: Literal["flat", "tilted", "cylinder", "step"] = Field(
+        default="flat", description="flat, tilted (by tilt), cylinder (of radius) or step (of height)"
+    )
+    tilt: float | None = quantity(
+        "deg", "of a tilted plate, positive when it rises towards +x", ge=-5.0, le=5.0, default=None
+    )
+    radius: float | None = quantity("mm", "of a cylinder along y", ge=1.0, le=1e8, default=None)
+    height: float | None = quantity("mm", "by which a step is higher at +x", ge=0.0, le=50.0, default=None)
+    position: float = quantity("mm", "x of a cylinder's lowest line or of a step", default=0.0)
+
+    @model_validator(mode="after")
+    def _own_key(self) -> Self:
+        keys = {"tilted": "tilt", "cylinder": "radius", "step": "height"}
+        for shape, key in keys.items():
+            if shape == self.shape and getattr(self, key) is None:
+                raise InputError(key, f"is missing for a plate of shape '{shape}'", remedy=f"give {key}")
+            if shape != self.shape and getattr(self, key) is not None:
+                raise InputError("shape", f"must be '{shape}' where {key} is given", self.shape)
+        return self
 
 
 class Contact(Table):

@@ -18,12 +18,12 @@ def verdict(check: ContactCheck) -> str:
             f"FAILS: {check.touching} of {check.ridges} ridges touch at {check.force:g} N; never all of them."
         )
     if check.passed:
-        return f"Passes: {count} a plate at {check.force:g} N; they do from {all_touch} on."
+        return f"Passes: {count} a {check.plate} plate at {check.force:g} N; they do from {all_touch} on."
     if check.touching == check.ridges:
         return f"FAILS narrowly: {count} at {check.force:g} N, but only from {all_touch} on, error included."
     return (
-        f"FAILS: {check.touching} of {check.ridges} ridges touch a plate at {check.force:g} N; all do from "
-        f"{all_touch} on."
+        f"FAILS: {check.touching} of {check.ridges} ridges touch a {check.plate} plate at {check.force:g} N; "
+        f"all do from {all_touch} on."
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -14,6 +14,7 @@ from skincad.catalog import processes, silicone
 from skincad.design import Design
 from skincad.errors import InputError, did_you_mean
 from skincad.measurements import crest_drops
+from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer, Manufacture, Request, Spread
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
@@ -23,6 +24,8 @@ TIERS = {
     "linear": "skincad.mechanics.linear:answer",
 }
 PLANNED_TIERS = ("corrected", "finite-strain", "solid", "solid-finite-strain")
+SHAPED_PLATES = ("winkler", "linear")
+STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which the linear tier is meant
 
 # Sizes of what the tier leaves out: FACTS.md, measured on the reference section (12 mm long, 4 mm thick)
@@ -54,6 +57,7 @@ class ContactCheck:
     seconds: dict[str, float]
     warnings: tuple[str, ...]
     manufacture: Manufacture | None = None
+    plate: str = "flat"
 
     def as_json(self) -> dict[str, Any]:
         """Return the `check` object of `--json`; the unit is the key's suffix."""
@@ -61,6 +65,7 @@ class ContactCheck:
             "name": self.name,
             "passed": self.passed,
             "force_N": self.force,
+            "plate": self.plate,
             "ridges": self.ridges,
             "touching": self.touching,
             "all_touch_force_N": self.all_touch_force.as_json(),
@@ -112,6 +117,7 @@ def check(
     if budget is not None and not (budget > 0 and math.isfinite(budget)):
         raise InputError("--budget", "must be above 0 s", budget)
     name = _tier(tier)
+    plate_notes = _check_plate(design, name)
     module, _, function = TIERS[name].partition(":")
     solve: Callable[..., Answer] = getattr(import_module(module), function)
     started = perf_counter()
@@ -124,7 +130,26 @@ def check(
             asked,
             "take a smaller force",
         )
+    found = replace(found, warnings=(*found.warnings, *plate_notes))
     return _verdict(design, asked, name, found, total)
+
+
+def _check_plate(design: Design, tier: str) -> list[str]:
+    """Refuse a shaped plate where the tier has none; say what its slopes leave out."""
+    plate = design.contact.plate
+    if plate.shape == "flat":
+        return []
+    if tier not in SHAPED_PLATES:
+        raise InputError("contact.plate.shape", f"must be 'flat' for --tier {tier}", plate.shape)
+    slope = steepest(plate, design.skin.width / 2)
+    if slope > STEEPEST:
+        raise InputError(
+            "contact.plate",
+            f"must not slope by more than {STEEPEST:g} within the skin (contact is taken as vertical)",
+            slope,
+            "take a larger radius",
+        )
+    return [f"contact is taken as vertical: at the plate's slopes up to {slope:.2g}, {slope**2 / 2:.1%} off"]
 
 
 def _request(
@@ -180,6 +205,7 @@ def _verdict(design: Design, force: float, tier: str, found: Answer, total: floa
         {"total": total, **found.seconds},
         tuple(warnings),
         found.manufacture,
+        design.contact.plate.shape,
     )
 
 

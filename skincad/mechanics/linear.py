@@ -21,6 +21,7 @@ from skincad.mechanics.condense import Condensed, condense
 from skincad.mechanics.contact import Contact, press
 from skincad.mechanics.manufacture import manufacture
 from skincad.mechanics.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, ContactError, Manufacture, Pad, Request, check_pad, pad_of
 from skincad.mechanics.ridge_model import ridge_model
 from skincad.mechanics.threshold import Ridges, all_touch_force
@@ -182,7 +183,7 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     clock.append(perf_counter())
     small = condense(system.matrix, system.interior, system.contact)
     clock.append(perf_counter())
-    ridges = Ridges.of(system, small.flexibility, pad.top / unit)
+    ridges = _seen_by_plate(pad, system, small, unit)
     if drops:
         ridges = ridges.lowered(np.array(drops) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
@@ -203,6 +204,12 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
         ridges,
         scale,
     )
+
+
+def _seen_by_plate(pad: Pad, system: elements.Assembled, small: Condensed, unit: float) -> Ridges:
+    if pad.plate.shape == "flat":
+        return Ridges.of(system, small.flexibility, pad.top / unit)
+    return Ridges.of(system, small.flexibility, pad.top / unit, lambda x: rise(pad.plate, x * unit) / unit)
 
 
 def _check_size(contact: int) -> None:

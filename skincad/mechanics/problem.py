@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 from skincad.catalog import silicone
 from skincad.curves import Loop, Segment
-from skincad.design import Design
+from skincad.design import Design, Plate
 from skincad.errors import InputError, RefusedError
 from skincad.quantities import Estimate
 from skincad.section import CONTACT_KINDS, Section, section
+
+FLAT = Plate()
 
 
 class ContactError(RefusedError):
@@ -33,6 +35,7 @@ class Pad:
     voids: tuple[Loop, ...] = ()
     film_modulus: float = 0.0
     film_ratio: float = 0.0
+    plate: Plate = FLAT
 
     @property
     def ridges(self) -> tuple[int, ...]:
@@ -112,9 +115,8 @@ def pad_of(design: Design) -> Pad:
     else:
         strips, moduli = (), (0.0, 0.0)
     voids = tuple(slot.loop() for slot in shape.slots) if state == "loose" else ()
-    return Pad(
-        shape, design.skin.length, stuff.young_modulus.value, stuff.poisson_ratio, strips, voids, *moduli
-    )
+    modulus, ratio, length = stuff.young_modulus.value, stuff.poisson_ratio, design.skin.length
+    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, design.contact.plate)
 
 
 def check_pad(pad: Pad) -> None:

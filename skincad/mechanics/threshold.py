@@ -6,6 +6,7 @@ finding on the force. Counting touching nodes instead would jump with the mesh.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,18 +43,25 @@ class Ridges:
     fine_of_point: Index
 
     @classmethod
-    def of(cls, system: Assembled, flexibility: Array, top: float) -> Ridges:
-        """Return the contact points' view of a condensed system whose highest point is at z = `top`."""
+    def of(
+        cls, system: Assembled, flexibility: Array, top: float, rise: Callable[[Array], Array] = np.zeros_like
+    ) -> Ridges:
+        """Return the contact points' view of a condensed system whose highest point is at z = `top`.
+
+        `rise` is the plate's height over its lowest line at x; the gaps count from the first touch.
+        """
         nodes, fine = system.nodes, system.fine
+        fine_gap = top - fine.position[:, 1] + rise(fine.position[:, 0])
+        first = 0.0 if rise is np.zeros_like else float(fine_gap.min())
         moved = np.asarray((nodes.rows @ flexibility).T)
         full = np.asarray(nodes.rows @ moved)
         return cls(
             (full + full.T) / 2,
-            top - nodes.position[:, 1],
+            top - nodes.position[:, 1] + rise(nodes.position[:, 0]) - first,
             nodes.ridge,
             moved,
             fine.rows,
-            top - fine.position[:, 1],
+            fine_gap - first,
             fine.edge,
             fine.ridge,
         )

@@ -6,7 +6,6 @@ base, so against plane strain F9 comes out 25 to 35 % low (FACTS.md), more on th
 
 from __future__ import annotations
 
-import math
 from time import perf_counter
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from skincad.catalog import silicone
 from skincad.design import Design
+from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, Request
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
@@ -39,10 +39,11 @@ def ridge_stiffness(design: Design) -> float:
 
 
 def crest_gaps(design: Design) -> Array:
-    """Return how far each crest lies below the highest one, `(ridges,)` mm."""
+    """Return how far each crest is from the plate when the first one touches, `(ridges,)` mm."""
     radius = design.skin.curvature_radius + design.ridge.height
-    drop = [2 * radius * math.sin(design.lean(i + 1) / 2) ** 2 for i in range(design.ridge.count)]
-    return np.array(drop) - min(drop)
+    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    gap = 2 * radius * np.sin(lean / 2) ** 2 + rise(design.contact.plate, radius * np.sin(lean))
+    return np.asarray(gap - gap.min())
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:

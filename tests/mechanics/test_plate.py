@@ -1,0 +1,78 @@
+"""Plates that are not flat: limits that must fall back on the flat one, symmetry, and hand calculations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skincad import check, load
+from skincad.design import Plate
+from skincad.errors import InputError
+from skincad.mechanics.plate import rise
+
+PLAIN = load("plain-ridges")
+
+
+def on(**plate: object) -> object:
+    return check(PLAIN.with_(contact={"plate": plate}), tol=0.01)
+
+
+def shares(found) -> np.ndarray:
+    return np.array([f.value for f in found.ridge_force])
+
+
+def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
+    flat = check(PLAIN, tol=0.01)
+    for plate in (
+        {"shape": "tilted", "tilt": 0.0},
+        {"shape": "cylinder", "radius": 1e8},
+        {"shape": "step", "height": 0.0},
+    ):
+        found = on(**plate)
+        # the first touch is a sample here, the exact summit there: 1e-6 mm
+        assert found.all_touch_force.value == pytest.approx(flat.all_touch_force.value, rel=1e-4)
+        assert shares(found) == pytest.approx(shares(flat), abs=1e-4)
+
+
+def test_tilting_the_other_way_mirrors_the_shares() -> None:
+    left, right = on(shape="tilted", tilt=-0.3), on(shape="tilted", tilt=0.3)
+    assert shares(left) == pytest.approx(shares(right)[::-1], abs=2e-3)  # the mesh is not a mirror's
+    assert shares(right)[0] > shares(right)[-1]  # it rises towards +x: the last ridge is farther
+
+
+def test_a_tilt_is_the_base_circle_rolled_aside() -> None:
+    """On an arc, tilting by a moves the lowest point by R a: a hand calculation for the gaps."""
+    x = np.linspace(-4, 4, 9)
+    arc = 60.5 * (1 - np.cos(x / 60))
+    gap = arc + rise(Plate(shape="tilted", tilt=1.0), 60.5 * np.sin(x / 60))
+    assert x[np.argmin(gap)] == -1.0  # R a = 60 x 0.01745
+
+
+def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
+    x = np.array([-4.0, 0.0, 4.0])
+    height = rise(Plate(shape="cylinder", radius=60.5), x)
+    assert height == pytest.approx(60.5 - np.sqrt(60.5**2 - x**2), rel=1e-9)  # closed form, cancelling
+    assert on(shape="cylinder", radius=60.5).all_touch_force.value > 1.9 * check(PLAIN).all_touch_force.value
+    assert np.isinf(rise(Plate(shape="cylinder", radius=2.0), x)[0])
+
+
+def test_a_step_unloads_the_ridges_under_it() -> None:
+    found, flat = on(shape="step", height=0.05, position=1.5), check(PLAIN, tol=0.01)
+    assert (shares(found)[6:] < shares(flat)[6:]).all()
+    assert shares(found)[:6].sum() > shares(flat)[:6].sum()
+
+
+@pytest.mark.parametrize(
+    ("plate", "words"),
+    [
+        ({"shape": "cylinder"}, "contact.plate.radius: is missing"),
+        ({"shape": "flat", "tilt": 1.0}, "contact.plate.shape: must be 'tilted' where tilt is given"),
+        ({"shape": "cylinder", "radius": 6.0}, "contact.plate: must not slope by more than 0.35"),
+        ({"shape": "tilted", "tilt": 30.0}, "contact.plate.tilt: must be less than or equal to 5"),
+        ({"shape": "wedge"}, "contact.plate.shape: must be 'flat', 'tilted', 'cylinder' or 'step'"),
+    ],
+)
+def test_a_plate_out_of_range_is_refused(plate: dict, words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        on(**plate)
+    assert str(refused.value).startswith(words)
