@@ -13,7 +13,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Literal
 
-from skincad.design import Design, Material
+from skincad.design import Design, Material, drop_dependents, renamed_material
 from skincad.errors import InputError, did_you_mean
 from skincad.tables import Ranged, parse
 
@@ -30,11 +30,17 @@ class Silicone:
     young_modulus: Ranged
     poisson_ratio: float
     density: float
-    mix: tuple[float, float]
-    pot_life_min: float
-    cure_h: float
+    mix: tuple[float, float] | None
+    pot_life_min: float | None
+    cure_h: float | None
     platinum_cure: bool
     source: str
+
+
+# assumption: nearly incompressible, and the density that casting silicones share
+OWN_SILICONE = Silicone(
+    "own silicone", Ranged(value=1.0, low=1.0, high=1.0), 0.499, 1070.0, None, None, None, True, "assumption"
+)
 
 
 @dataclass(frozen=True)
@@ -84,22 +90,26 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
     if name in template_names(kind):
         return _parsed(template_text(name, kind), name)
     path = Path(source)
-    if path.suffix != ".toml" and not path.is_file():
-        raise InputError(
-            name,
-            f"no such template among {kind}, and no TOML file",
-            remedy=did_you_mean(name, template_names(kind)),
-        )
     try:
+        if not path.is_file() and path.suffix != ".toml":
+            known = template_names(kind)
+            rule = f"no such template among {kind}, and no TOML file"
+            raise InputError(name[:80], rule, remedy=did_you_mean(name[:80], known))
+        if path.exists() and not path.is_file():
+            raise InputError(name, "is not a regular file", remedy="name a TOML file")
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
         if len(data) > LARGEST_FILE:
             raise InputError(name, f"must be at most {LARGEST_FILE} bytes", path.stat().st_size)
         return _parsed(data.decode("utf-8"), name)
     except OSError as failure:
-        raise InputError(name, f"cannot be read ({failure.strerror})", remedy="check the path") from None
+        raise InputError(name[:80], f"cannot be read ({failure.strerror})", remedy="check the path") from None
     except UnicodeDecodeError:
         raise InputError(name, "is not UTF-8 text", remedy="save it as TOML in UTF-8") from None
+    except ValueError as failure:
+        if isinstance(failure, InputError):
+            raise
+        raise InputError(repr(name), f"is no path ({failure})") from None
 
 
 def _parsed(text: str, name: str) -> dict[str, Any]:
@@ -126,15 +136,20 @@ def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> 
             table = table[key]
         if value.strip() == "none":
             table.pop(keys[-1], None)
+            drop_dependents(result, path.strip())
         else:
             table[keys[-1]] = _toml_value(value.strip())
+    named = {text.partition("=")[0].strip() for text in overrides}
+    renamed_material(result, {key.removeprefix("material.") for key in named if key.startswith("material.")})
     return result
 
 
 def _toml_value(text: str) -> Any:
+    if "\n" in text or "\r" in text:
+        raise InputError("--set", "must be one line", text)
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         return text
 
 
@@ -161,7 +176,8 @@ def silicones() -> dict[str, Silicone]:
 def silicone(material: Material) -> Silicone:
     """Return the silicone that a design's `[material]` means: the catalog's, with own values on top.
 
-    Raises InputError for a name that the catalog doesn't know, when modulus or density are not given.
+    Without a name the mix, pot life and cure are unknown (None), nu and density typical ones. Raises
+    InputError for a name that the catalog doesn't know.
     """
     found = silicones().get(material.name or "")
     if found is None and material.name is not None:
@@ -169,13 +185,11 @@ def silicone(material: Material) -> Silicone:
             "material.name", "unknown silicone", material.name, did_you_mean(material.name, silicones())
         )
     if found is None:
-        found = Silicone(
-            "own", Ranged(value=1.0, low=1.0, high=1.0), 0.499, 1070.0, (1.0, 1.0), 0.0, 0.0, True, ""
-        )
+        found = OWN_SILICONE
     return Silicone(
         found.name,
         material.young_modulus or found.young_modulus,
-        material.poisson_ratio,
+        found.poisson_ratio if material.poisson_ratio is None else material.poisson_ratio,
         material.density or found.density,
         found.mix,
         found.pot_life_min,

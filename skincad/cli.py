@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,7 +35,9 @@ DesignArgument = Annotated[str, typer.Argument(metavar="DESIGN", help="A templat
 SetOption = Annotated[
     list[str],
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Override a key, as in ridge.height=0.6; slot=none drops a table."
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a key, as in ridge.height=0.6; slot=none drops it.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
@@ -41,15 +45,25 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object 
 
 def main() -> None:
     """Run the command line; exit 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that no half-written folder is left
+    arguments = sys.argv[1:] or ["--help"]
     try:
-        status = typer.main.get_command(app).main(prog_name="skincad", standalone_mode=False)
+        status = typer.main.get_command(app).main(arguments, prog_name="skincad", standalone_mode=False)
+        sys.stdout.flush()
     except InputError as failure:
         _leave(str(failure), 2)
     except _USAGE_ERROR as failure:
         text = failure.format_message() if hasattr(failure, "format_message") else str(failure)
         _leave(f"{text} (see skincad --help)", 2)
     except RefusedError as failure:
+        if "--json" in arguments:
+            print(json.dumps({"passed": False, "error": str(failure)}))
         _leave(str(failure), 1)
+    except BrokenPipeError:  # the reader of our output has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except OSError as failure:
+        _leave(f"cannot write the output ({failure.strerror})", 1)
     except (KeyboardInterrupt, typer.Abort):
         _leave("interrupted", 130)
     sys.exit(status if isinstance(status, int) else 0)
@@ -97,7 +111,7 @@ def new(
         str, typer.Option("--template", metavar="NAME", help="Start from this design.")
     ] = "yamada-2002",
 ) -> None:
-    """Write a design to edit, every key explained, and its JSON schema.
+    """Write a commented design to edit, and its JSON schema.
 
     An editor that knows the schema completes and checks the file.
     """
@@ -116,7 +130,11 @@ def make(
     ] = None,
     formats: Annotated[
         list[str],
-        typer.Option("--format", metavar="KIND", help="Only these files: step stl 3mf dxf svg png md."),
+        typer.Option(
+            "--format",
+            metavar="KIND",
+            help="Only these files: step stl 3mf dxf svg png md toml; repeat for several.",
+        ),
     ] = [],  # noqa: B006
     strict: Annotated[bool, typer.Option("--strict", help="Warnings fail too.")] = False,
     as_json: JsonOption = False,

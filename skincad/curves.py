@@ -92,6 +92,25 @@ class Segment:
         widest = 4 * math.asin(min(1.0, math.sqrt(tolerance / (2 * self.radius))))
         return max(1, math.ceil(abs(self.sweep) / widest))
 
+    @property
+    def summit(self) -> float | None:
+        """Fraction of the length at which the arc is highest inside, None where an end is the highest.
+
+        The segment has its material on the left, so at a summit it heads to -x.
+        """
+        if self.bulge <= 0.0:
+            return None
+        heading = math.atan2(self.end.z - self.start.z, self.end.x - self.start.x)
+        turn = math.remainder(math.pi - (heading - self.sweep / 2), 2 * math.pi)
+        fraction = turn / self.sweep
+        return fraction if 0 < fraction < 1 else None
+
+    @property
+    def top(self) -> float:
+        """Largest z, mm, exact."""
+        ends = max(self.start.z, self.end.z)
+        return ends if self.summit is None else max(ends, self.point(self.summit).z)
+
 
 Loop = tuple[Segment, ...]
 

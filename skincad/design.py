@@ -58,7 +58,7 @@ class Film(Table):
     """The PVDF strip in the middle of each slot."""
 
     thickness: float = quantity("mm", "of the strip", ge=0.004, le=5.0)
-    young_modulus: float = quantity("MPa", "of the film; 2000 to 4000 (FACTS)", gt=0.0, default=3000.0)
+    young_modulus: float = quantity("MPa", "of the film; PVDF 2000 to 4000", ge=1.0, le=1e6, default=3000.0)
     poisson_ratio: float = quantity("1", "of the film", ge=0.0, le=0.49, default=0.35)
     d31: float = quantity("pC/N", "charge by stress along the draw axis", default=23.0)
     d32: float = quantity("pC/N", "charge by stress across the draw axis, in the film's plane", default=3.0)
@@ -74,7 +74,9 @@ class Material(Table):
         description="small strain; a number, or {value, low, high}",
         json_schema_extra={"unit": "MPa"},
     )
-    poisson_ratio: float = quantity("1", "nearly incompressible", ge=0.0, le=0.4999999, default=0.499)
+    poisson_ratio: float | None = quantity(
+        "1", "nearly incompressible; the catalog's if not given", ge=0.0, le=0.4999999, default=None
+    )
     density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
 
     @model_validator(mode="after")
@@ -90,7 +92,9 @@ class Mold(Table):
     process: Literal["fdm", "sla", "cnc", "edm"] = Field(
         description="how cavity and end plates are made: fdm, sla, cnc or edm"
     )
-    wall: float = quantity("mm", "block beside the trough; room for screws and pins", ge=9.0, default=13.0)
+    wall: float = quantity(
+        "mm", "block beside the trough; room for screws and pins", ge=12.0, le=500.0, default=13.0
+    )
     floor: float = quantity("mm", "block below the deepest ridge", ge=9.0, le=200.0, default=9.0)
     end_plate: float = quantity("mm", "thickness of an end plate along y", ge=1.0, le=50.0, default=4.0)
     cover: float = quantity("mm", "thickness of the cover", ge=1.0, le=50.0, default=4.0)
@@ -191,17 +195,35 @@ class Design(Table):
         """Return a copy with some keys of some tables changed, checked anew.
 
         `design.with_(ridge={"height": 0.6}, slot=None)`; a dict changes the keys that it names, None
-        drops an optional table.
+        drops an optional table, and with a slot the film in it.
         """
         data = self.model_dump(exclude_none=True)
         for table, change in tables.items():
             if isinstance(change, dict):
                 data[table] = {**data.get(table, {}), **change}
+                if table == "material" and change.get("name") is not None:
+                    renamed_material(data, set(change))
             elif change is None:
                 data.pop(table, None)
+                drop_dependents(data, table)
             else:
                 data[table] = change
         return parse(Design, data)
+
+
+def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
+    """Give, in place, another silicone its own values: those of the old one that nobody set anew go."""
+    if "name" in changed and isinstance(data.get("material"), dict):
+        own = {"young_modulus", "poisson_ratio", "density"} - changed
+        data["material"] = {key: value for key, value in data["material"].items() if key not in own}
+
+
+def drop_dependents(data: dict[str, Any], dropped: str) -> None:
+    """Drop, in place, what cannot be without a dropped table: the film with its slot, `bonded` with it."""
+    if dropped == "slot":
+        data.pop("film", None)
+    if dropped in ("slot", "film") and (data.get("contact") or {}).get("film") == "bonded":
+        data["contact"] = {key: value for key, value in data["contact"].items() if key != "film"}
 
 
 def _check_skin(design: Design) -> None:

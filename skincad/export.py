@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 import uuid
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -82,7 +83,8 @@ def write_3mf(meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float
         shape.SetObjectLevelProperty(palette.GetResourceID(), paint)
         model.AddBuildItem(shape, library.GetIdentityTransform()).SetUUID(_uuid(name, "item"))
     model.SetBuildUUID(_uuid("", "build"))
-    model.QueryWriter("3mf").WriteToFile(str(path))
+    # by way of memory: on a full disk the library's own writer ends the process
+    path.write_bytes(bytes(model.QueryWriter("3mf").WriteToBuffer()))
 
 
 def _uuid(name: str, kind: str) -> str:
@@ -110,17 +112,28 @@ def write_strips_dxf(design: Design, path: Path) -> None:
 
 
 def _write_dxf(rows: Iterable[tuple[str, Loop]], labels: list[tuple[str, float, float]], path: Path) -> None:
-    ezdxf.options.write_fixed_meta_data_for_testing = True  # the same bytes at any time
-    document = ezdxf.new("R2010", units=dxf_units.MM)
-    space = document.modelspace()
-    for layer, outline in rows:
-        corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
-        space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
-    for text, x, y in labels:
-        space.add_text(text, height=1.0, dxfattribs={"layer": "LABEL"}).set_placement((x, y))
-    for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
-        document.classes.add_class(kind)
-    document.saveas(path)
+    with _no_clock():
+        document = ezdxf.new("R2010", units=dxf_units.MM)
+        space = document.modelspace()
+        for layer, outline in rows:
+            corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
+            space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
+        for text, x, y in labels:
+            space.add_text(text, height=1.0, dxfattribs={"layer": "LABEL"}).set_placement((x, y))
+        for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
+            document.classes.add_class(kind)
+        document.saveas(path)
+
+
+@contextmanager
+def _no_clock() -> Iterator[None]:
+    """Have the DXF library write constant times and identifiers, in here only."""
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
 
 
 def write_section_svg(design: Design, path: Path) -> None:

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import tomlkit
+
+import skincad
 from skincad.design import Design
 from skincad.errors import InputError, did_you_mean
-from skincad.outfolder import MANIFEST, replaced
+from skincad.outfolder import MANIFEST, checked_folder, replaced
 from skincad.stopwatch import Progress, Stopwatch
 
 if TYPE_CHECKING:
@@ -19,8 +22,9 @@ if TYPE_CHECKING:
     from skincad.solids.mold import Mold
     from skincad.solids.plan import Part
 
-FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md")
+FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md", "toml")
 STAGES = ("contact check", "solids", "meshes", "measuring", "interference", "files", "picture")
+FINEST_CHORD = 1e-4  # mm; finer ones cost memory and show nothing
 INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that are tested for interference
 
 
@@ -51,6 +55,24 @@ class PartReport:
             "deviation_mm": self.deviation,
             "asked_deviation_mm": self.asked_deviation,
         }
+
+
+def mesh_findings(parts: list[PartReport]) -> list[Finding]:
+    """Return an error for every print mesh that is open, cuts itself or deviates more than was asked."""
+    from skincad.fabrication.findings import Finding
+
+    remedy = "report it with the design: a mesh must not come out like this"
+    found = []
+    for part in parts:
+        if not part.watertight:
+            found.append(Finding("watertight", part.name, 0.0, 1.0, "", "error", remedy))
+        if part.self_intersections:
+            count = float(part.self_intersections)
+            found.append(Finding("self-intersection", part.name, count, 0.0, "faces", "error", remedy))
+        if part.deviation > part.asked_deviation:
+            deviation = part.deviation, part.asked_deviation
+            found.append(Finding("deviation", part.name, *deviation, "mm", "error", remedy))
+    return found
 
 
 @dataclass(frozen=True)
@@ -96,23 +118,22 @@ def make(
     if unknown:
         raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))
     target = Path("out") / design.name if folder is None else Path(folder)
+    checked_folder(target)
     _import_everything()
     watch = Stopwatch(progress)
     job = _build(design, watch)
-    with replaced(target, frozenset(_names(FORMATS, job) | {MANIFEST})) as staging:
+    with replaced(target) as staging:
         _write(job, formats, staging, watch)
         result = _result(job, target, staging, strict, watch)
-        manifest = {"files": [name for name, _ in result.files], "findings": len(result.findings)}
-        (staging / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
+        _write_text(_manifest(result), staging / MANIFEST)
     return result
 
 
 def _import_everything() -> None:
     """Import before the clock starts: `seconds` is the work, not the libraries' loading."""
     import skincad.solids.occ  # isort: skip  # names the system libraries that miss, so it comes first
-    import ngsolve  # noqa: F401
-    import pymeshlab  # noqa: F401
-
+    import skincad.fabrication.measures
+    import skincad.mechanics.linear
     import skincad.report  # noqa: F401
 
 
@@ -125,6 +146,11 @@ class _Job:
     reports: tuple[PartReport, ...]
     findings: tuple[Finding, ...]
     check: ContactCheck
+
+    def passed(self, strict: bool) -> bool:
+        """Whether contact and findings hold; warnings count where `strict`."""
+        bad = {"error", "warning"} if strict else {"error"}
+        return self.check.passed and not any(f.severity in bad for f in self.findings)
 
 
 def _build(design: Design, watch: Stopwatch) -> _Job:
@@ -150,7 +176,8 @@ def _build(design: Design, watch: Stopwatch) -> _Job:
         reports = [_report(part, solids[part.name].val(), meshes[part.name], chord, asked) for part in made]
     with watch.stage("interference"):
         gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
-        findings = [*design_findings(design), *interference(closed, min(chord, INTERFERENCE_SHARE * gap))]
+        fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
+        findings = [*design_findings(design), *mesh_findings(reports), *interference(closed, fine)]
     return _Job(design, closed, solids, meshes, tuple(reports), tuple(findings), verdict)
 
 
@@ -187,7 +214,8 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
     upright.vertices = upright.vertices * [1.0, -1.0, -1.0]
     skin = closed.part("skin")
     stl = {"skin": upright, **flat}
-    sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check))
+    sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check), job.passed(False))
+    text = tomlkit.dumps(design.model_dump(exclude_none=True))
     strips = {"strips.dxf": lambda p: export.write_strips_dxf(design, p)} if design.film else {}
     return {
         "step": {
@@ -203,9 +231,24 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
         },
         "dxf": {"section.dxf": lambda p: export.write_section_dxf(design, p), **strips},
         "svg": {"section.svg": lambda p: export.write_section_svg(design, p)},
+        "toml": {"design.toml": lambda p: _write_text(text, p)},
         "md": {"casting-sheet.md": lambda p: _write_text(sheet, p)},
         "png": {"picture.png": lambda p: write_picture(design, closed, job.meshes, p)},
     }
+
+
+def _manifest(result: MakeResult) -> str:
+    """What was made, by which version, and whether it passed: without times, so that it is the same again."""
+    check = result.check
+    data = {
+        "skincad": skincad.__version__,
+        "name": result.name,
+        "passed": result.passed,
+        "all_touch_force_N": check.all_touch_force.as_json(),
+        "findings": [finding.as_json() for finding in result.findings],
+        "files": [name for name, _ in result.files],
+    }
+    return json.dumps(data, indent=1) + "\n"
 
 
 def _step_writer(job: _Job, name: str) -> Callable[[Path], None]:
@@ -226,10 +269,6 @@ def _write_text(text: str, path: Path) -> None:
     path.write_text(text, encoding="utf-8")
 
 
-def _names(formats: tuple[str, ...], job: _Job) -> set[str]:
-    return {name for kind, files in _writers(job).items() if kind in formats for name in files}
-
-
 def _write(job: _Job, formats: tuple[str, ...], staging: Path, watch: Stopwatch) -> None:
     for kind, files in _writers(job).items():
         if kind in formats:
@@ -239,13 +278,10 @@ def _write(job: _Job, formats: tuple[str, ...], staging: Path, watch: Stopwatch)
 
 
 def _result(job: _Job, target: Path, staging: Path, strict: bool, watch: Stopwatch) -> MakeResult:
-    sound = all(p.valid and p.watertight and not p.self_intersections for p in job.reports)
-    bad = {"error", "warning"} if strict else {"error"}
-    clean = not any(finding.severity in bad for finding in job.findings)
     return MakeResult(
         name=job.design.name,
         folder=target,
-        passed=bool(job.check.passed and sound and clean),
+        passed=job.passed(strict),
         files=tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir())),
         parts=job.reports,
         findings=job.findings,

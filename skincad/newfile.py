@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -25,20 +26,25 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     Raises InputError for an unknown template, a file that is there already or cannot be written.
     """
     schema = path.with_suffix(".schema.json")
-    for target in (path, schema):
-        if target.exists():
-            raise InputError(str(target), "is there already", remedy="name another file, or remove it first")
-    if path.suffix != ".toml":
-        raise InputError(str(path), "must end in .toml")
-    text = commented_toml(template, path.stem, schema.name)
+    contents = {schema: design_schema(), path: commented_toml(template, path.stem, schema.name)}
+    staged = {target: target.with_name(f".{target.name}.new") for target in contents}
     try:
+        for target in contents:
+            if target.exists():
+                raise InputError(str(target), "is there already", remedy="name another file, or remove it")
+        if path.suffix != ".toml":
+            raise InputError(str(path), "must end in .toml")
         path.parent.mkdir(parents=True, exist_ok=True)
-        for target, content in ((schema, design_schema()), (path, text)):
-            staging = target.with_name(f".{target.name}.new")
-            staging.write_text(content, encoding="utf-8")
-            staging.replace(target)
+        for target, text in contents.items():
+            staged[target].write_text(text, encoding="utf-8")
+        for target in contents:
+            staged[target].replace(target)
     except OSError as failure:
-        raise InputError(str(path), f"cannot be written ({failure.strerror})") from None
+        raise InputError(str(path)[:80], f"cannot be written ({failure.strerror})") from None
+    finally:
+        with suppress(OSError):
+            for staging in staged.values():
+                staging.unlink(missing_ok=True)
     load(path)
     return [path, schema]
 

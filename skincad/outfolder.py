@@ -2,69 +2,97 @@
 
 from __future__ import annotations
 
+import json
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from skincad.errors import InputError
 
-MANIFEST = "make.json"  # a folder that holds one was made here and may be replaced
+MANIFEST = "make.json"  # a folder that holds one was made here; it lists the files that may be replaced
+
+
+def checked_folder(folder: Path) -> Path:
+    """Return the real path of an out folder that may be written; raises InputError otherwise.
+
+    To be asked before any work: the folder may be new, empty, or an earlier result.
+    """
+    try:
+        real = Path(os.path.realpath(folder))
+        if Path.cwd().is_relative_to(real):
+            raise InputError("-o", f"{folder} is the folder you are in", remedy="name one below it")
+        if real.exists() and not real.is_dir():
+            raise InputError("-o", f"{folder} is a file", remedy="name a folder")
+        if real.is_dir() and any(real.iterdir()) and not (real / MANIFEST).is_file():
+            raise InputError(
+                "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
+            )
+    except OSError as failure:
+        raise _unwritable(folder, failure) from None
+    return real
 
 
 @contextmanager
-def replaced(folder: Path, ours: frozenset[str]) -> Iterator[Path]:
+def replaced(folder: Path) -> Iterator[Path]:
     """Yield an empty folder to write into; when the block ends well it takes the place of `folder`.
 
-    `ours` are the file names an earlier result may have written; all other files in it are kept. Raises
+    Files that an earlier result lists in its manifest go, all others in the folder are kept. Raises
     InputError, with nothing changed, when `folder` cannot be written, runs out of space or holds files
     and no earlier result.
     """
-    folder = Path(os.path.realpath(folder))
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / MANIFEST).is_file():
-        raise InputError(
-            "-o",
-            f"{folder} holds files and no earlier result of skincad",
-            remedy="name a new or empty folder",
-        )
-    staging: Path | None = None
+    real = checked_folder(folder)
+    staging = real.parent / f".{real.name}.{secrets.token_hex(4)}.new"
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".new", dir=folder.parent))
+        staging.mkdir(parents=True)
         yield staging
-        _keep_others(folder, staging, ours)
-        staging.chmod(0o777 & ~_umask())
-        _swap(staging, folder)
+        if real.is_dir():
+            _keep_others(real, staging)
+            shutil.copystat(real, staging)
+        _swap(staging, real)
     except OSError as failure:
-        raise InputError("-o", f"{folder} cannot be written ({failure.strerror or failure})") from failure
+        raise _unwritable(folder, failure) from failure
     finally:
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
+        shutil.rmtree(staging, ignore_errors=True)
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _unwritable(folder: Path, failure: OSError) -> InputError:
+    return InputError("-o", f"{str(folder)[:80]} cannot be written ({failure.strerror or failure})")
 
 
-def _keep_others(folder: Path, staging: Path, ours: frozenset[str]) -> None:
-    if not folder.is_dir():
-        return
+def _listed(folder: Path) -> set[str]:
+    """File names of the earlier result in this folder."""
+    try:
+        names = json.loads((folder / MANIFEST).read_text("utf-8"))["files"]
+        return {MANIFEST, *map(str, names)}
+    except (ValueError, KeyError, TypeError, OSError):
+        return {MANIFEST}  # not ours, or older: what it made stays
+
+
+def _keep_others(folder: Path, staging: Path) -> None:
+    ours = _listed(folder)
     for item in folder.iterdir():
         target = staging / item.name
         if item.name in ours or target.exists():
             continue
         if item.is_dir() and not item.is_symlink():
-            shutil.copytree(item, target, symlinks=True, copy_function=os.link)
+            shutil.copytree(item, target, symlinks=True, copy_function=_link)
         else:
-            os.link(item, target, follow_symlinks=False)
+            _link(item, target)
+
+
+def _link(source: Path | str, target: Path | str) -> None:
+    """Link where the file system can, copy where it can't."""
+    try:
+        os.link(source, target, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(source, target, follow_symlinks=False)
 
 
 def _swap(staging: Path, folder: Path) -> None:
-    """Put `staging` in the place of `folder`; the old one goes back if the second rename fails."""
+    """Put `staging` in the place of `folder`; the old one goes back if anything comes between."""
     if not folder.exists():
         staging.rename(folder)
         return
@@ -72,7 +100,7 @@ def _swap(staging: Path, folder: Path) -> None:
     folder.rename(old)
     try:
         staging.rename(folder)
-    except OSError:
+    except BaseException:
         old.rename(folder)
         raise
     shutil.rmtree(old, ignore_errors=True)

@@ -22,13 +22,8 @@ class Estimate:
 
     @property
     def upper(self) -> float | None:
-        """The largest value that the error allows."""
-        return None if self.value is None else self.value + (self.error or 0.0)
-
-    @property
-    def lower(self) -> float | None:
-        """The smallest value that the error allows."""
-        return None if self.value is None else self.value - (self.error or 0.0)
+        """The largest value that the error allows; None while value or error are unknown."""
+        return None if self.value is None or self.error is None else self.value + self.error
 
     def as_json(self) -> dict[str, float | None]:
         """Return `{"value", "error"}`; the unit is the key's suffix."""

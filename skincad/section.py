@@ -77,11 +77,6 @@ class Section:
     slots: tuple[SlotPlace, ...] = ()
 
     @cached_property
-    def ridges(self) -> int:
-        """Number of ridges on the outline."""
-        return len({s.ridge for s in self.outline if s.ridge is not None})
-
-    @cached_property
     def area(self) -> float:
         """Area of the material, mm2: outline less slots."""
         return area(self.outline) - math.fsum(area(s.loop()) for s in self.slots)
@@ -95,8 +90,8 @@ class Section:
 
     @cached_property
     def top(self) -> float:
-        """Largest z of the outline, mm."""
-        return float(polygon(self.outline, GUARD_TOLERANCE)[:, 1].max())
+        """Largest z of the outline, mm, exact."""
+        return max(segment.top for segment in self.outline)
 
 
 def frame(design: Design, ridge: int) -> Frame:

@@ -27,9 +27,9 @@ class Table(BaseModel):
 class Ranged(Table):
     """A number, alone or as `{value, low, high}`: what was measured and how far it may be off."""
 
-    value: float
-    low: float
-    high: float
+    value: float = Field(description="most likely", gt=1e-4, le=1e6)
+    low: float = Field(description="smallest", gt=1e-4, le=1e6)
+    high: float = Field(description="largest", gt=1e-4, le=1e6)
 
     @model_validator(mode="before")
     @classmethod
@@ -77,7 +77,8 @@ def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
 
 
 def _first_error(model: type[BaseModel], errors: list[ErrorDetails]) -> InputError:
-    error = errors[0]
+    # a key that is missing is most often one that is misspelt
+    error = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
     path = tuple(str(p) for p in error["loc"])
     key, given = ".".join(path) or "design", error.get("input")
     cause = error.get("ctx", {}).get("error")
@@ -92,6 +93,9 @@ def _first_error(model: type[BaseModel], errors: list[ErrorDetails]) -> InputErr
         given = "a table"
     if error["type"] == "string_pattern_mismatch":
         return InputError(key, f"must be {model.model_fields[path[-1]].description}", given)
+    if error["type"] in ("model_type", "model_attributes_type", "dict_type"):
+        wanted = "a number or {value, low, high}" if path[-1] == "young_modulus" else f"a table, [{key}]"
+        return InputError(key, f"must be {wanted}", given)
     rule = error["msg"].replace("Input should be", "must be").replace("a valid integer", "an integer")
     rule = rule.replace("valid ", "")
     unit = unit_of(model, path)

@@ -61,7 +61,7 @@ def make_lines(result: MakeResult) -> list[str]:
     ]
     return [
         *check_lines(result.check),
-        "Parts, each one valid solid and one watertight mesh:",
+        "Parts:",
         *rows,
         *(str(finding) for finding in result.findings),
         f"{len(result.files)} files in {result.folder}, {result.seconds['total']:.1f} s",

@@ -46,7 +46,7 @@ def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> MakeResult
 def run_skincad(*arguments: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run the command line in its own process, as a user does."""
     return subprocess.run(
-        [sys.executable, "-c", "from skincad.cli import main; main()", *arguments],
+        [sys.executable, "-m", "skincad", *arguments],
         cwd=cwd,
         env={**os.environ, **environment},
         capture_output=True,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import signal
 import subprocess
@@ -109,6 +110,14 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
         (["make", "large.toml"], "large.toml: must be at most 1000000 bytes"),
         (["make", "binary.toml"], "binary.toml: is not UTF-8 text"),
         (["make", "."], ".: no such template"),
+        (["make", "x" * 300], "xxxxxxxx"),
+        (["make", "pipe.toml"], "pipe.toml: is not a regular file"),
+        (["make", "yamada-2002", "-o", "file"], "-o: file is a file"),
+        (["make", "yamada-2002", "-o", "."], "-o: . is the folder you are in"),
+        (["make", "yamada-2002", "-o", "x" * 300], "-o: xxxxxxxx"),
+        (["make", "yamada-2002", "--set", "ridge.height=" + "[" * 5000], "ridge.height: must be a number"),
+        (["check", "yamada-2002", "--force", "1e300"], "--force: must be above 0 N and at most 1e+06 N"),
+        (["new", "x" * 300 + ".toml"], "xxxxxxxx"),
         (["make", "yamada-2002", "-o", "file/x"], "-o: "),
         (["make", "yamada-2002", "-o", "/proc/x"], "-o: "),
         (
@@ -137,6 +146,7 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(
     (tmp_path / "large.toml").write_text("# padding\n" * 1_000_000)
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     (tmp_path / "file").write_text("")
+    os.mkfifo(tmp_path / "pipe.toml")
     before = sorted(tmp_path.iterdir())
     done = run_skincad(*arguments, cwd=tmp_path)
     assert done.returncode == 2, done.stderr
@@ -146,16 +156,17 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
-    """Files above 100 kB fail as on a full disk; the CAD kernel itself says nothing of it."""
-    run_skincad("make", "plain-ridges", "--format", "svg", "-o", "here", cwd=tmp_path)
+@pytest.mark.parametrize("kind", ["step", "stl", "3mf", "dxf", "png"])
+def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path, kind: str) -> None:
+    """Files above 8 kB fail as on a full disk; the CAD kernel itself says nothing of it."""
+    run_skincad("make", "plain-ridges", "--format", "md", "-o", "here", cwd=tmp_path)
     earlier = {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()}
 
     def small_disk() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
 
     done = subprocess.run(
-        [sys.executable, "-c", "from skincad.cli import main; main()", "make", "plain-ridges", "-o", "here"],
+        [sys.executable, "-m", "skincad", "make", "plain-ridges", "-o", "here", "--format", kind],
         cwd=tmp_path, preexec_fn=small_disk, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr

@@ -45,8 +45,19 @@ def test_every_field_has_a_meaning_and_every_number_a_unit() -> None:
         ({"skin": {"curvature_radius": 7.0}}, "skin.width: the fan from side to side must stay below 90"),
         ({"skin": {"curvature_radius": 9.0, "thickness": 2.0}}, "skin.thickness: must be above"),
         ({"film": {"thickness": 0.1}}, "film.thickness: must be at most 0.05 mm (slot.thickness), got 0.1"),
-        ({"slot": None}, "film: needs a slot to lie in"),
-        ({"film": None}, "contact.film: 'bonded' needs a [film]"),
+        ({"slot": None, "film": {"thickness": 0.028}}, "film: needs a slot to lie in"),
+        ({"film": None, "contact": {"film": "bonded"}}, "contact.film: 'bonded' needs a [film]"),
+        ({"ridge": {"heigth": 0.5, "height": None}}, "ridge.heigth: unknown key; did you mean 'height'?"),
+        (
+            {"material": {"young_modulus": "soft"}},
+            "material.young_modulus: must be a number or {value, low, high}",
+        ),
+        ({"ridge": 3}, "ridge: must be a table, [ridge], got 3"),
+        ({"mold": {"wall": 1e300}}, "mold.wall: must be less than or equal to 500 (mm)"),
+        (
+            {"material": {"young_modulus": 1e-320}},
+            "material.young_modulus.value: must be greater than 0.0001",
+        ),
         (
             {"material": {"young_modulus": {"value": 1.0, "low": 2.0, "high": 3.0}}},
             "material.young_modulus: needs",
@@ -81,7 +92,25 @@ def test_overrides_read_toml_values_in_order() -> None:
     assert bare.film_state == "loose"
 
 
-@pytest.mark.parametrize("text", ["ridge.height", "=1", "ridge..height=1", "name.x=1"])
+def test_a_dropped_slot_takes_its_film_along(yamada: Design) -> None:
+    for bare in (load("yamada-2002", ["slot=none"]), yamada.with_(slot=None)):
+        assert (bare.slot, bare.film, bare.film_state) == (None, None, "loose")
+    assert load("yamada-2002", ["film=none"]).film_state == "loose"
+
+
+def test_another_silicone_brings_its_own_values(yamada: Design) -> None:
+    for soft in (
+        load("yamada-2002", ["material.name=ecoflex-00-30"]),
+        yamada.with_(material={"name": "ecoflex-00-30"}),
+    ):
+        assert silicone(soft.material).young_modulus.value == 0.07
+    own = load("yamada-2002", ["material.young_modulus=0.06", "material.name=ecoflex-00-30"])
+    assert silicone(own.material).young_modulus.value == 0.06
+
+
+@pytest.mark.parametrize(
+    "text", ["ridge.height=1\nfoo=3", "ridge.height", "=1", "ridge..height=1", "name.x=1"]
+)
 def test_a_malformed_override_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="--set"):
         load("yamada-2002", [text])

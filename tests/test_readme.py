@@ -11,6 +11,7 @@ from PIL import Image
 
 from skincad.cli import app
 from skincad.job import MakeResult
+from tests.conftest import run_skincad
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -33,6 +34,18 @@ def test_every_file_of_a_make_is_explained(made: MakeResult) -> None:
         assert f"`{name}`" in table or (kind in ("step", "stl") and f".{kind}`" in table), name
 
 
+@pytest.mark.parametrize("line", re.findall(r"^    (skincad (?:make|check|new) .+?)(?:  .*)?$", README, re.M))
+def test_the_commands_shown_work(tmp_path: Path, line: str) -> None:
+    run_skincad("new", "mine.toml", cwd=tmp_path)
+    arguments = line.split()[1:]
+    if arguments[0] == "new":
+        arguments[1] = "other.toml"
+    if arguments[0] == "make":
+        arguments += ["--format", "md"]
+    done = run_skincad(*arguments, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
 def test_every_command_is_shown() -> None:
     for command in app.registered_commands:
         assert f"skincad {command.callback.__name__}" in README
@@ -43,8 +56,8 @@ def test_the_picture_is_what_the_program_draws(made: MakeResult) -> None:
         np.asarray(Image.open(p).convert("L").resize((363, 203)), dtype=float)
         for p in (ROOT / "README.png", made.folder / "picture.png")
     )
-    # other fonts and matplotlib versions move letters by a pixel or two, another design moves everything
-    assert np.abs(shown - drawn).mean() < 3
+    # other fonts move letters by a pixel or two: 0.3; tilted strips already make 1.1, a lower ridge 1.9
+    assert np.abs(shown - drawn).mean() < 0.6
 
 
 def test_the_files_it_sends_people_to_are_there() -> None:

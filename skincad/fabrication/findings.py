@@ -83,7 +83,7 @@ def _undercut_findings(design: Design) -> list[Finding]:
             width,
             limit,
             "mm",
-            "warning" if width > limit else "note",
+            "error" if width > limit else "note",
             "flatter flanks (smaller tip_width or larger root_width), larger curvature_radius, fewer ridges",
         )
         for ridge, width in undercuts(design).items()

@@ -9,34 +9,39 @@ from skincad.design import Design
 from skincad.fabrication.findings import Finding
 from skincad.section import section
 from skincad.solids.inserts import GRIP, PIN_RADIUS
-from skincad.solids.mold import Mold
-from skincad.solids.plan import Bore
+from skincad.solids.mold import BLEED, LEDGE, Mold
+from skincad.solids.plan import Bore, Prism
 
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
-WASTE = 0.25  # assumption: share of the mix that stays in cup, syringe and gate
+DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 
 
-def poured_volume(closed: Mold) -> float:
-    """Return the volume that the silicone fills, mm3: skin, gate, vent and the holes of the carrier."""
-    channels = [
-        cut.volume
-        for part in closed.parts
-        for cut in part.cuts
-        if part.name == "carrier" or (isinstance(cut, Bore) and cut.start[0] == 0.0)  # gate and vent: x = 0
-    ]
-    return closed.part("skin").volume + math.fsum(channels)
+def poured_volume(design: Design, closed: Mold) -> float:
+    """Return the volume that the silicone fills, mm3: skin, gate, vent, the carrier's holes and their bleeds,
+    and the flash in the gap at the carrier's ends."""
+    above = [cut.volume for cut in closed.part("carrier").cuts]
+    bleeds = [c.volume for c in closed.part("cover").cuts if isinstance(c, Bore) and c.radius <= BLEED]
+    gap, carrier = design.mold.clearance, closed.part("carrier").body
+    flash = 2 * gap * design.mold.carrier_thickness * (design.skin.width + 2 * LEDGE)
+    if isinstance(carrier, Prism):
+        flash += 2 * gap * design.mold.carrier_thickness * (carrier.high - carrier.low)
+    gate = math.pi * (design.mold.gate / 2) ** 2 * design.mold.end_plate
+    return closed.part("skin").volume + math.fsum(above) + math.fsum(bleeds) + gate + flash
 
 
-def casting_sheet(design: Design, closed: Mold, findings: list[Finding], verdict: str) -> str:
-    """Return the sheet as Markdown."""
+def casting_sheet(design: Design, closed: Mold, findings: list[Finding], verdict: str, passed: bool) -> str:
+    """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job."""
     material = silicone(design.material)
+    summary = (
+        "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
+    )
     lines = [
         f"# Casting sheet: {design.name}",
         "",
-        verdict,
+        f"{summary} {verdict}",
         "",
         *_parts(design, closed),
-        *_mix(material, poured_volume(closed)),
+        *_mix(material, poured_volume(design, closed)),
         *_order(design),
         *_findings(design, material, findings),
     ]
@@ -48,26 +53,37 @@ def _parts(design: Design, closed: Mold) -> list[str]:
     rows = [f"| {p.name} | {p.volume / 1000:.3f} |" for p in closed.parts if p.made == "made"]
     through = skin.length + 2 * choice.end_plate
     upright = section(design).top + choice.floor + choice.carrier_thickness + choice.cover
+    pins: dict[str, int] = {}
+    for part in closed.parts:
+        if isinstance(part.body, Bore):
+            size = f"{math.floor(10 * part.body.length) / 10:g} mm"
+            pins[size] = pins.get(size, 0) + 1
+    lengths = ", ".join(f"{count} of at most {size}" for size, count in pins.items())
     bought = [
-        f"M3 bolts with nuts: 4 of at least {through + NUT:.0f} mm along y, "
-        f"2 of at least {upright + NUT:.0f} mm for the cover",
-        f"{sum(p.name.startswith('pin') for p in closed.parts)} dowel pins of {2 * PIN_RADIUS:g} mm, "
-        "pressed into the cavity's ends and into the cover",
+        f"M3 bolts with nuts: 4 of at least {math.ceil(through + NUT)} mm along y, "
+        f"2 of at least {math.ceil(upright + NUT)} mm for the cover (their nuts stand out of the floor)",
+        f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
+        "fit, end plates and cavity's top for a sliding one",
+        "release agent, a syringe with a blunt tip that fits the gate, a plug for the gate, nitrile gloves "
+        "(latex inhibits platinum silicone)",
     ]
     if design.slot:
         count = 2 * design.ridge.count
         size = f"{design.slot.thickness:g} x {design.slot.depth:g} mm"
-        bought.append(f"{count} shims, {size}, {through + GRIP:.0f} mm long")
+        bought.append(
+            f"{count} shims of spring steel, {size}, {math.ceil(through + GRIP)} mm long: slit or etched "
+            "from feeler stock, edges deburred"
+        )
     return [
         "## Parts",
         "",
-        f"Made by {choice.process}:",
+        f"End plates and cavity by {choice.process}; cover and carrier are plain plates, by any process:",
         "",
         "| part | cm3 |",
         "|---|---|",
         *rows,
         "",
-        "Bought:",
+        "To buy:",
         "",
         *(f"- {row}" for row in bought),
         "",
@@ -76,16 +92,19 @@ def _parts(design: Design, closed: Mold) -> list[str]:
 
 def _mix(material: Silicone, volume: float) -> list[str]:
     grams = volume * material.density * 1e-6
-    total = grams * (1 + WASTE)
-    a, b = (total * share / sum(material.mix) for share in material.mix)
-    pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "see its data sheet"
-    cure = f"{material.cure_h:g} h" if material.cure_h else "see its data sheet"
+    total = grams + DEAD_VOLUME
+    parts = f"mix {total:.2f} g by its data sheet"
+    if material.mix:
+        a, b = (total * share / sum(material.mix) for share in material.mix)
+        parts = f"weigh {a:.2f} g of A and {b:.2f} g of B, {total:.2f} g"
+    pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
+    cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
     return [
         "## Silicone",
         "",
         f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.3f} cm3, "
         f"{grams:.2f} g.",
-        f"Weigh {a:.2f} g of A and {b:.2f} g of B: {total:.2f} g with {WASTE:.0%} for cup, syringe and gate.",
+        f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
         f"Pot life {pot}; cure {cure} at room temperature.",
         "",
     ]
@@ -94,35 +113,46 @@ def _mix(material: Silicone, volume: float) -> list[str]:
 def _order(design: Design) -> list[str]:
     slots = design.slot is not None
     back = (
-        "its holes are wider on the far side and hold the skin like rivets"
+        "its holes widen upward and hold the skin like rivets"
         if design.mold.carrier == "perforated"
         else "prime its lower face for silicone, or the skin comes off"
     )
+    combs = (
+        "combs first; lay the shims into the notches, their long end out at end b, and pull them straight; "
+        "then the keepers, pressed down onto the combs while you tighten."
+    )
     close = [
-        "Clean and dry all parts; release agent on cavity, end plates and cover, none on the carrier.",
-        "Bolt the end plates to the cavity"
-        + (": combs first, lay the shims into their notches, then the keepers." if slots else "."),
+        "End a has the gate. Clean and dry all parts; release agent on cavity, end plates, cover"
+        + (" and shims" if slots else "")
+        + ", none on the carrier.",
+        "Bolt the end plates to the cavity" + (f": {combs}" if slots else "."),
         f"Lay the carrier on its ledge ({back}), then cover and bolts.",
         "Degas the mix. Tilt the mold so that the vent at end b is highest, and fill slowly through the gate "
-        "at end a until silicone stands in the vent.",
-        "Let it cure with the vent up.",
+        "at end a until silicone stands in the vent and in every bleed of the cover.",
+        "Plug the gate or leave the syringe in it: it is the lowest point. Cure in this position.",
     ]
-    leave = [
-        *(["Draw the shims out along y, towards end b."] if slots else []),
-        "Take the end plates off along y, then the cover upward.",
-        "Lift the skin out with its carrier, straight up.",
-    ]
+    draw = "Draw the shims out along y, towards end b."
     if design.film:
-        film = design.film.thickness * 1000
-        leave.append(
-            f"Slide the {film:.0f} um film strips in with a little fresh silicone; strips.dxf numbers them."
+        draw = (
+            f"Glue each film strip ({design.film.thickness * 1000:.0f} um, numbered in strips.dxf) to the "
+            "short tail of its shim at end a, wet it with fresh silicone, and draw the shim out along "
+            "y, towards end b: the strip follows it in. It is too thin to be pushed. Mark its polarity; the "
+            "same side faces +x in every slot."
         )
+    leave = [
+        *([draw] if slots else []),
+        "Take all bolts out, the cover's first. Cut the sprue at the gate, take the end plates off along y.",
+        "Take the cover off upward; what stood in vent and bleeds tears, or is cut flush with the carrier.",
+        "Push the carrier up from its two ends; the skin leaves the cavity with it. Cut the flash there.",
+    ]
     steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
     return ["## In this order", "", *steps, ""]
 
 
 def _findings(design: Design, material: Silicone, findings: list[Finding]) -> list[str]:
     notes = [f"- {finding}" for finding in findings]
+    if design.mold.carrier == "perforated":
+        notes.append("- The carrier is held by rivets of silicone: a light pull test before use.")
     if material.platinum_cure and design.mold.process == "sla":
         notes.append(
             "- Platinum silicone does not cure against many SLA resins: wash, post-cure and bake the parts, "

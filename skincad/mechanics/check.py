@@ -24,14 +24,15 @@ TIERS = {
     "linear": "skincad.mechanics.linear:answer",
 }
 PLANNED_TIERS = ("corrected", "finite-strain", "solid", "solid-finite-strain")
+LARGEST_FORCE = 1e6  # N, as contact.force
 SHAPED_PLATES = ("winkler", "linear")
 STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which the linear tier is meant
 
-# Sizes of what the tier leaves out: FACTS.md, measured on the reference section (12 mm long, 4 mm thick)
+# Sizes of what the tier leaves out, measured on the section of plain-ridges with sharp corners (FACTS.md)
 LEFT_OUT = (
-    "free ends are left out: at 12 mm length F9 is about 23 % lower, the approach 28 % larger",
-    "finite strain is left out: F9 about 10 % higher, outer shares 25 to 45 % smaller",
+    "free ends are left out: plain-ridges, 12 mm long, touches at 23 % less force, 28 % more approach",
+    "finite strain is left out: plain-ridges touches at about 10 % more force, outer shares a third smaller",
 )
 
 
@@ -110,8 +111,8 @@ def check(
     the force. Raises InputError for a force, tolerance, budget or tier out of range.
     """
     asked = design.contact.force if force is None else force
-    if not (asked > 0 and math.isfinite(asked)):
-        raise InputError("--force", "must be above 0 N", asked)
+    if not 0 < asked <= LARGEST_FORCE:
+        raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
     if tol is not None and not 0 < tol < 1:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.005")
     if budget is not None and not (budget > 0 and math.isfinite(budget)):

@@ -61,13 +61,19 @@ def condense(matrix: sparse.csr_matrix, interior: Index, contact: Index) -> Cond
     (interior eliminated), whose inverse is the wanted block of the whole inverse: one factorisation
     instead of k solves. Golub and Van Loan, Matrix Computations, 4th ed., sec. 3.2.
     """
-    order = np.concatenate([fill_order(matrix, interior), contact])
+    return factorise(matrix, np.concatenate([fill_order(matrix, interior), contact]), contact.size)
+
+
+def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
+    """Return `condense` for a given order, whose last `k` are the contact unknowns.
+
+    Over a Newton run the pattern stays, and with it the order from `fill_order`.
+    """
     block = sparse.csc_matrix(matrix[order][:, order])
     factor = splu(block, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     natural = np.arange(order.size)
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
-    k = contact.size
     schur = factor.L[-k:, -k:].toarray() @ factor.U[-k:, -k:].toarray()
     try:
         root = linalg.cho_factor((schur + schur.T) / 2)

@@ -1,4 +1,4 @@
-"""Finite elements on the triangles: the one file that names ngsolve.
+"""Finite elements on the triangles; only this file and neo_hooke.py name ngsolve.
 
 Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
 order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric
@@ -91,10 +91,22 @@ def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
         - q * r / bulk
     ) * ng.dx
     form.Assemble()
-    values, columns, starts = form.mat.CSR()
-    matrix = sparse.csr_matrix(
-        (np.array(values), np.array(columns), np.array(starts)), shape=(both.ndof, both.ndof)
-    )
+    return with_contact(as_csr(form.mat), mesh, both, order)
+
+
+def as_csr(matrix: Any) -> sparse.csr_matrix:
+    """Return a copy of NGSolve's sparse matrix."""
+    values, columns, starts = matrix.CSR()
+    shape = matrix.height, matrix.width
+    return sparse.csr_matrix((np.array(values), np.array(columns), np.array(starts)), shape=shape)
+
+
+def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) -> Assembled:
+    """Return a condensed stiffness with its unknowns sorted and its contact boundary sampled.
+
+    `both` is the product of the displacements' space and the pressures'.
+    """
+    space = both.components[0]
     free = np.fromiter(both.FreeDofs(True), dtype=bool, count=both.ndof)
     edges = list(_contact_edges(mesh, space))
     contact = np.unique(np.concatenate([e.unknowns for e in edges]))

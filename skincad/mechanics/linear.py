@@ -79,6 +79,9 @@ class Level:
     scale: float  # N for a force of 1 in the pad's units
 
 
+LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], Level]
+
+
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
     """Return the linear tier's verdict on a design."""
     return solve(pad_of(design), request, progress)
@@ -91,6 +94,13 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     are climbed until `tol` (relative; shares against the mean share) is met, or until the next one would
     overrun `budget`; a budget alone asks for the best it buys. A tolerance not met is said in a warning.
     """
+    return climb(pad, request, level, "linear", progress)
+
+
+def climb(
+    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
+) -> Answer:
+    """Return a tier's answer from its solver of one level, climbing the rungs as `solve` says."""
     check_pad(pad)
     _check_size(FEWEST_A_RIDGE * len(pad.ridges))
     began = perf_counter()
@@ -109,8 +119,8 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
         for order in (rung.order - 1, rung.order):
             if (rung.fineness, order) not in levels:
                 if progress:
-                    progress(f"linear tier: fineness {rung.fineness:g}, order {order}")
-                found = level(pad, meshes[rung.fineness], order, force, request.drops)
+                    progress(f"{tier} tier: fineness {rung.fineness:g}, order {order}")
+                found = at(pad, meshes[rung.fineness], order, force, request.drops)
                 levels[rung.fineness, order] = found
                 _add(seconds, found.seconds)
         best = levels[rung.fineness, rung.order]

@@ -16,24 +16,29 @@ from netgen.geom2d import SplineGeometry
 
 from skincad.curves import Loop, Point, Segment
 from skincad.errors import InputError
-from skincad.mechanics.problem import Pad, summit
+from skincad.mechanics.problem import Pad
 from skincad.section import CONTACT_KINDS
 
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
 WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
 SHORTEST = 1e-7  # in units; shorter segments are closed up, they would only breed needles
 SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between two points
-GRADING = 0.3  # netgen's default, growth of neighbouring triangles
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """Largest edges, in mm: on contact segments, the ridges' sides, elsewhere, the back's corners."""
+    """Largest edges, in mm: on contact segments, the ridges' sides, elsewhere, the back's corners.
+
+    Long sides of slots and strips may have edges of `slot` mm; `grading` is the growth of neighbouring
+    triangles, netgen's default 0.3.
+    """
 
     contact: float
     ridge: float
     bulk: float
     corner: float
+    slot: float = 0.0
+    grading: float = 0.3
 
 
 def unit_of(pad: Pad) -> float:
@@ -75,7 +80,7 @@ def triangles(pad: Pad, sizes: Sizes) -> Any:
     for void in pad.voids:
         _add(geometry, void, (0, SKIN), sizes, unit)
     try:
-        return geometry.GenerateMesh(maxh=sizes.bulk / unit, grading=GRADING)
+        return geometry.GenerateMesh(maxh=sizes.bulk / unit, grading=sizes.grading)
     except Exception as failure:  # netgen raises its own untyped exceptions
         text = f"netgen finds no mesh ({failure})"
         raise InputError("section", text, remedy="make thin parts thicker") from None
@@ -120,7 +125,7 @@ def _cuts(segment: Segment) -> list[float]:
 
     With a vertex on every summit the first touch is exact, however light the load and flat the skin.
     """
-    highest = summit(segment) if segment.kind in CONTACT_KINDS else None
+    highest = segment.summit if segment.kind in CONTACT_KINDS else None
     ends = [0.0, 1.0]
     if highest is not None and SUMMIT_MARGIN < highest < 1 - SUMMIT_MARGIN:
         ends.insert(1, highest)
@@ -150,7 +155,7 @@ def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:
     A slot or strip is straight: its long sides take edges twice its thickness, its ends one edge.
     """
     if segment.kind == "slot":
-        return max(2 * shortest, segment.length / 8)
+        return max(2 * shortest, segment.length / 8, sizes.slot)
     if segment.kind in CONTACT_KINDS:
         return min(sizes.contact, segment.length / 2)
     if segment.kind in ("flank", "root_fillet"):

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from skincad.catalog import silicone
-from skincad.curves import Loop, Segment
+from skincad.curves import Loop
 from skincad.design import Design, Plate
 from skincad.errors import InputError, RefusedError
 from skincad.quantities import Estimate
@@ -46,7 +46,7 @@ class Pad:
     @property
     def top(self) -> float:
         """Largest z of the contact segments, mm, exact."""
-        return max(_top(s) for s in self.section.outline if s.kind in CONTACT_KINDS)
+        return max(s.top for s in self.section.outline if s.kind in CONTACT_KINDS)
 
 
 @dataclass(frozen=True)
@@ -129,23 +129,3 @@ def check_pad(pad: Pad) -> None:
         raise InputError("section", "has no crown that could touch", remedy="give one a ridge number")
     if not any(s.kind == "back" for s in pad.section.outline):
         raise InputError("section", "has no back to clamp", remedy="mark a segment as 'back'")
-
-
-def summit(segment: Segment) -> float | None:
-    """Return the fraction of an arc at which it is highest inside, or None where an end is highest.
-
-    The segment has its material on the left, so at a summit it heads to -x.
-    """
-    if segment.bulge <= 0.0:
-        return None
-    heading = math.atan2(segment.end.z - segment.start.z, segment.end.x - segment.start.x)
-    turn = math.remainder(math.pi - (heading - segment.sweep / 2), 2 * math.pi)
-    fraction = turn / segment.sweep
-    return fraction if 0 < fraction < 1 else None
-
-
-def _top(segment: Segment) -> float:
-    """Largest z of a segment, mm."""
-    highest = summit(segment)
-    ends = max(segment.start.z, segment.end.z)
-    return ends if highest is None else max(ends, segment.point(highest).z)

@@ -7,6 +7,9 @@ r"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, c
     |        |_/\/\/\/\/\_|        |     ridges' negative, open at both y ends
     |______________floor____________|
 
+The carrier seals on its ledge along x; along y it ends a clearance before the end plates, where a thin flash
+rises that is cut off. Every hole of the carrier has a bleed in the cover: closed, it would hold air.
+
 An end plate closes each y end. Where there are slots it is split across the slits, at their back ends: the
 comb below has a notch a slot, open towards the keeper above, so that a strip with tabs can be laid in and
 a slit of 0.05 mm never has to be cut closed. Bolts run through along y (inner lane of each wall) and along
@@ -34,13 +37,16 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 BOLT_RADIUS = 1.7  # mm, source: ISO 273 clearance hole for M3, medium series
-BOLT_PITCH = 3.0  # mm, M3
 EDGE = 1.2  # mm, assumption: least material between two bores, or a bore and an edge
 LEDGE = 2.0  # mm, assumption: width of the seat on which the carrier seals the skin's back
 PIN_DEPTH = 6.0  # mm, assumption: three diameters of a pin hold it
-KEYING = 0.5  # mm, assumption: one pin stands aside, so that the cover fits one way round only
+KEYING = 0.5  # mm, assumption: one pin stands aside by this and two clearances: the cover fits one way only
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
-GATE_SILL = 0.3  # mm, assumption: what the gate stays above the split, or above the base circle
+MOST_HOLES = (
+    60  # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
+)
+BLEED = 0.4  # mm, assumption: radius of the cover's bleed over each of them, or it would fill with air only
+GATE_SILL = 0.3  # mm, assumption: least skin below and above the gate, so that it can be trimmed
 GREY, DARK, GLASS, GREEN = (0.75, 0.77, 0.80), (0.45, 0.50, 0.58), (0.70, 0.85, 0.95), (0.55, 0.75, 0.60)
 
 
@@ -79,6 +85,7 @@ class _Layout(NamedTuple):
     comb_bolt: float
     comb_pin: float
     keeper_bolt: float
+    keying: float
 
 
 def mold(design: Design) -> Mold:
@@ -141,6 +148,7 @@ def _layout(design: Design) -> _Layout:
         comb_bolt=bolt,
         comb_pin=pin_height,
         keeper_bolt=(split + top) / 2,
+        keying=KEYING + 2 * choice.clearance,
     )
 
 
@@ -200,7 +208,7 @@ def _cover_bolts(place: _Layout) -> list[tuple[float, float]]:
 
 
 def _cover_pins(place: _Layout) -> list[tuple[float, float]]:
-    return [(place.outer, -place.along), (-place.outer, place.along - KEYING)]
+    return [(place.outer, -place.along), (-place.outer, place.along - place.keying)]
 
 
 def _split_height(design: Design, shape: Section) -> tuple[float, float, float]:
@@ -304,31 +312,55 @@ def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
 
 def _gate(design: Design, shape: Section, low: float) -> Bore:
     """The pouring gate: along y through the upper end plate of end a, as low as the skin's body allows."""
-    radius = design.mold.gate / 2
-    height = _split_height(design, shape)[0]
-    centre = -(design.skin.thickness + height) + GATE_SILL + radius
-    if centre + radius > -GATE_SILL:
-        most = design.skin.thickness + height - 2 * GATE_SILL
-        raise InputError("mold.gate", f"must be at most {most:.4g} mm (the skin's body)", design.mold.gate)
-    return Bore((0.0, low, centre), "y", design.mold.end_plate, radius)
+    skin, radius = design.skin, design.mold.gate / 2
+    fall = 2 * skin.curvature_radius * math.sin(math.asin(min(1.0, radius / skin.curvature_radius)) / 2) ** 2
+    body = skin.thickness + min(_split_height(design, shape)[0], 0.0) - fall
+    most = min(body - 2 * GATE_SILL, skin.width - 2 * GATE_SILL)
+    if 2 * radius > most:
+        key = "mold.gate" if most > 0 else "skin.thickness"
+        raise InputError(key, f"leaves {most:.4g} mm for the gate in the skin's end", design.mold.gate)
+    return Bore((0.0, low, GATE_SILL + radius - body), "y", design.mold.end_plate, radius)
 
 
 def _vent(design: Design, place: _Layout, low: float, thick: float) -> Bore:
-    radius = design.mold.vent / 2
-    return Bore((0.0, place.end - radius - EDGE, low), "z", thick, radius)
+    """The vent: in the middle of end b, as near to the end plate as the carrier allows."""
+    radius, gap = design.mold.vent / 2, design.mold.clearance
+    room = min(design.skin.width, design.skin.length) - 2 * (gap + EDGE)
+    if 2 * radius > room:
+        raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", 2 * radius)
+    return Bore((0.0, place.end - gap - radius - EDGE / 2, low), "z", thick, radius)
+
+
+def _rivets(design: Design, place: _Layout) -> list[tuple[float, float]]:
+    """Places (x, y) of the carrier's holes; none for a plain carrier."""
+    if design.mold.carrier == "plain":
+        return []
+    vent = _vent(design, place, 0.0, 1.0)
+    small, large, spacing = HOLD
+    wide, long = design.skin.width - 2 * (small + EDGE), design.skin.length - 2 * (large + EDGE)
+    spacing = max(spacing, math.sqrt(max(wide, 0.0) * max(long, 0.0) / MOST_HOLES))
+    places = [
+        (x, y)
+        for x in _grid(wide, spacing)
+        for y in _grid(long, spacing)
+        if math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
+    ]
+    if not places:
+        raise InputError(
+            "mold.carrier",
+            "finds no room for a hole beside the vent, so nothing would hold the skin",
+            design.mold.carrier,
+            'take carrier = "plain" and a primer, a smaller vent or a larger skin',
+        )
+    return places
 
 
 def _carrier(design: Design, place: _Layout) -> Part:
     """The rigid backing: holes widen away from the skin, so that the silicone in them holds like rivets."""
     thick, gap = design.mold.carrier_thickness, design.mold.clearance
-    vent = _vent(design, place, 0.0, thick)
-    holes: list[Body] = [vent]
-    if design.mold.carrier == "perforated":
-        small, large, spacing = HOLD
-        for x in _grid(design.skin.width - 2 * (small + EDGE), spacing):
-            for y in _grid(design.skin.length - 2 * (large + EDGE), spacing):
-                if math.hypot(x - vent.start[0], y - vent.start[1]) > large + vent.radius + EDGE / 2:
-                    holes.append(Bore((x, y, 0.0), "z", thick, small, large))
+    small, large, _ = HOLD
+    holes: list[Body] = [_vent(design, place, 0.0, thick)]
+    holes += [Bore((x, y, 0.0), "z", thick, small, large) for x, y in _rivets(design, place)]
     half = place.end - gap
     return Part("carrier", GLASS, "made", box(place.trough - gap, (-half, half), (0.0, thick)), tuple(holes))
 
@@ -343,6 +375,7 @@ def _cover(design: Design, place: _Layout) -> Part:
     bores: list[Body] = [Bore((x, y, place.top), "z", thick, BOLT_RADIUS) for x, y in _cover_bolts(place)]
     bores += [Bore((x, y, place.top), "z", thick, PIN_RADIUS) for x, y in _cover_pins(place)]
     bores.append(_vent(design, place, place.top, thick))
+    bores += [Bore((x, y, place.top), "z", thick, BLEED) for x, y in _rivets(design, place)]
     body = box(place.half, (-end, end), (place.top, place.top + thick))
     return Part("cover", GLASS, "made", body, tuple(bores))
 

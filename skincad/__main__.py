@@ -1,0 +1,5 @@
+"""`python -m skincad`."""
+
+from skincad.cli import main
+
+main()
