@@ -105,7 +105,7 @@ def make(
     design: Design,
     folder: Path | str | None = None,
     *,
-    formats: tuple[str, ...] = FORMATS,
+    formats: tuple[str, ...] | str = FORMATS,
     strict: bool = False,
     progress: Progress | None = None,
 ) -> MakeResult:
@@ -114,6 +114,7 @@ def make(
     `passed` is false when the contact verdict fails, a part is not valid, watertight or free, or (with
     `strict`) any finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
     """
+    formats = (formats,) if isinstance(formats, str) else formats
     unknown = [f for f in formats if f not in FORMATS]
     if unknown:
         raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))

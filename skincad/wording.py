@@ -13,6 +13,8 @@ def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
     all_touch = check.all_touch_force
     count = f"all {check.ridges} ridges touch" if check.ridges > 1 else "the ridge touches"
+    if check.beyond:
+        return f"NO VERDICT: {check.beyond}."
     if all_touch.value is None:
         return (
             f"FAILS: {check.touching} of {check.ridges} ridges touch at {check.force:g} N; never all of them."

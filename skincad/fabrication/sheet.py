@@ -160,6 +160,6 @@ def _findings(design: Design, material: Silicone, findings: list[Finding]) -> li
         )
     notes.append(
         f"- Inspect: skin {design.skin.width:g} x {design.skin.length:g} mm across the back, "
-        f"{section(design).top:.3f} mm to the middle crest; all shims out, no ridge torn."
+        f"{section(design).top:.3f} mm to the middle crest; no ridge torn."
     )
     return ["## Watch", "", *notes]

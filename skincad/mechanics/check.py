@@ -27,6 +27,8 @@ PLANNED_TIERS = ("corrected", "finite-strain", "solid", "solid-finite-strain")
 LARGEST_FORCE = 1e6  # N, as contact.force
 SHAPED_PLATES = ("winkler", "linear")
 STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
+LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
+STUB = 2.0  # heights in widths up to which a ridge is no column
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which the linear tier is meant
 
 # Sizes of what the tier leaves out, measured on the section of plain-ridges with sharp corners (FACTS.md)
@@ -59,6 +61,7 @@ class ContactCheck:
     warnings: tuple[str, ...]
     manufacture: Manufacture | None = None
     plate: str = "flat"
+    beyond: str = ""  # why the verdict is outside the model's range
 
     def as_json(self) -> dict[str, Any]:
         """Return the `check` object of `--json`; the unit is the key's suffix."""
@@ -78,6 +81,7 @@ class ContactCheck:
             **self._manufacture(),
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),
+            "beyond_range": self.beyond or None,
         }
 
     def _manufacture(self) -> dict[str, Any]:
@@ -110,6 +114,8 @@ def check(
     crest_mm), to judge that part. Passed means: all touch, and F9 with its error still lies at or below
     the force. Raises InputError for a force, tolerance, budget or tier out of range.
     """
+    if not isinstance(design, Design):
+        raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
     asked = design.contact.force if force is None else force
     if not 0 < asked <= LARGEST_FORCE:
         raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
@@ -186,14 +192,14 @@ def _tier(tier: str) -> str:
 
 def _verdict(design: Design, force: float, tier: str, found: Answer, total: float) -> ContactCheck:
     ridges, upper = design.ridge.count, found.all_touch_force.upper
-    warnings = list(found.warnings)
+    warnings, beyond = list(found.warnings), _beyond(design, force, found)
     if upper is None:
         warnings.append("no force makes all ridges touch: some stay clear however hard it is pressed")
     if tier == "linear":
         warnings += [*LEFT_OUT, *_strain_warning(design, found)]
     return ContactCheck(
         design.name,
-        found.touching == ridges and upper is not None and upper <= force,
+        found.touching == ridges and upper is not None and upper <= force and not beyond,
         force,
         ridges,
         found.touching,
@@ -207,16 +213,51 @@ def _verdict(design: Design, force: float, tier: str, found: Answer, total: floa
         tuple(warnings),
         found.manufacture,
         design.contact.plate.shape,
+        beyond,
     )
 
 
-def _strain_warning(design: Design, found: Answer) -> list[str]:
-    """Nominal strain of the most loaded ridge: its force over E' times its mean width and length."""
-    stuff, ridge = silicone(design.material), design.ridge
-    plane = stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
-    width = (ridge.root_width + ridge.tip_width) / 2
+def _plane_modulus(design: Design) -> float:
+    stuff = silicone(design.material)
+    return stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
+
+
+def ridge_strain(design: Design, found: Answer) -> float:
+    """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
+    width = (design.ridge.root_width + design.ridge.tip_width) / 2
     largest = max(f.value or 0.0 for f in found.ridge_force)
-    strain = largest / (plane * width * design.skin.length)
+    return largest / (_plane_modulus(design) * width * design.skin.length)
+
+
+def buckling_force(design: Design) -> float:
+    """Return the force, N, at which a slender ridge buckles: a column clamped at its root, free at its tip.
+
+    pi^2 E' I / (4 h^2) with I = L w^3 / 12, w the mean width; a stub no higher than `STUB` widths gives way
+    otherwise, infinite. Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., sec. 2.2.
+    """
+    ridge = design.ridge
+    width = (ridge.root_width + ridge.tip_width) / 2
+    if ridge.height <= STUB * width:
+        return math.inf
+    inertia = design.skin.length * width**3 / 12
+    return math.pi**2 * _plane_modulus(design) * inertia / (4 * ridge.height**2)
+
+
+def _beyond(design: Design, force: float, found: Answer) -> str:
+    """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
+    threshold = found.all_touch_force.value
+    at = 1.0 if threshold is None else min(1.0, threshold / force)
+    strain = ridge_strain(design, found) * at
+    if strain > LARGEST_STRAIN:
+        return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
+    largest, critical = max(f.value or 0.0 for f in found.ridge_force) * at, buckling_force(design)
+    if largest > critical:
+        return f"a ridge buckles at {critical:.3g} N and would carry {largest:.3g} N"
+    return ""
+
+
+def _strain_warning(design: Design, found: Answer) -> list[str]:
+    strain = ridge_strain(design, found)
     if strain <= SMALL_STRAIN:
         return []
     return [f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"]

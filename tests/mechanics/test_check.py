@@ -12,7 +12,7 @@ import pytest
 
 from skincad.catalog import load, template_names
 from skincad.errors import InputError
-from skincad.mechanics.check import check
+from skincad.mechanics.check import buckling_force, check
 from skincad.mechanics.linear import level
 from skincad.mechanics.mesh import default_sizes, triangles
 from skincad.mechanics.problem import pad_of
@@ -175,6 +175,24 @@ def test_light_and_heavy_loads(force: float, touching: int) -> None:
     found = check(filleted(), force=force)
     assert found.touching == touching
     assert any("small-strain" in w for w in found.warnings) == (force > 10)
+
+
+def test_ridges_that_buckle_or_are_crushed_have_no_verdict() -> None:
+    tall = check(filleted().with_(ridge={"height": 4.0}), force=4.0, tol=0.05)
+    assert "buckles at" in tall.beyond
+    assert not tall.passed
+    crushed = check(filleted().with_(skin={"curvature_radius": 12.0}), force=30.0, tol=0.05)
+    assert "nominal strain" in crushed.beyond
+    assert not crushed.passed
+    assert check(filleted(), force=100.0, tol=0.05).beyond == ""  # all touch long before
+
+
+def test_buckling_force_is_the_columns() -> None:
+    slender = yamada().with_(ridge={"height": 5.0})
+    plane = 0.8 / (1 - 0.499**2)
+    by_hand = math.pi**2 * plane * (12 * 0.625**3 / 12) / (4 * 25)
+    assert buckling_force(slender) == pytest.approx(by_hand, rel=1e-12)
+    assert math.isinf(buckling_force(yamada()))
 
 
 def test_a_crushing_force_is_refused() -> None:

@@ -1,0 +1,65 @@
+import math
+import re
+
+import pytest
+
+import skincad
+from skincad.design import Design
+from skincad.fabrication.meshes import manifold
+from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
+from skincad.solids.mold import mold
+from skincad.solids.plan import Part, box
+
+
+def sheet(design: Design) -> str:
+    return casting_sheet(design, mold(design), [], "Passes.", True)
+
+
+def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
+    """By booleans: a block around the cavity's space, less every part but the skin."""
+    closed = mold(yamada)
+    half, end = 37.0 / 2, 6.0 + 4.0
+    space = manifold(Part("block", (0, 0, 0), "made", box(half, (-end, end), (-13.4, 8.0))), 1e-4)
+    for part in closed.parts:
+        if part.name != "skin":
+            space = space - manifold(part, 1e-4)
+    void = [p.volume() for p in space.decompose() if p.bounding_box()[0] < 0 < p.bounding_box()[3]]
+    # clearances of the carrier's seat and the shims' slits are in the void too, 1 % of it; chords
+    assert poured_volume(yamada, closed) == pytest.approx(max(void), rel=0.015)
+
+
+def test_masses_follow_from_volume_density_and_mix(yamada: Design) -> None:
+    grams = poured_volume(yamada, mold(yamada)) * 1080e-6 + DEAD_VOLUME
+    a, b = map(float, re.findall(r"weigh ([\d.]+) g of A and ([\d.]+) g of B", sheet(yamada))[0])
+    assert a + b == pytest.approx(grams, abs=0.02)  # two roundings to 0.01 g
+    ten_to_one = sheet(yamada.with_(material={"name": "sylgard-184"}))
+    a, b = map(float, re.findall(r"weigh ([\d.]+) g of A and ([\d.]+) g of B", ten_to_one)[0])
+    assert a / b == pytest.approx(10.0, rel=0.02)
+
+
+def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:
+    own = sheet(yamada.with_(material={"name": None, "young_modulus": 0.5}))
+    assert "by its data sheet" in own
+    assert "of A" not in own
+
+
+def test_bolts_and_pins_are_long_and_short_enough(yamada: Design) -> None:
+    text = sheet(yamada)
+    along, upright = map(int, re.findall(r"of at least (\d+) mm", text))
+    assert along >= 12 + 2 * 4
+    assert upright >= math.ceil(4.5 + 9 + 4 + 4)
+    assert "4 of at most 8.8 mm, 2 of at most 9.9 mm" in text
+
+
+def test_a_failed_job_says_so_at_the_top(yamada: Design) -> None:
+    text = casting_sheet(yamada, mold(yamada), [], "Passes.", False)
+    assert text.splitlines()[2].startswith("**NOT PASSED")
+
+
+def test_platinum_silicone_on_resin_is_warned_of() -> None:
+    assert "does not cure against many SLA resins" in sheet(skincad.load("lab-bench"))
+    assert "SLA" not in sheet(skincad.load("yamada-2002"))
+
+
+def test_without_slots_there_is_no_word_of_shims() -> None:
+    assert "shim" not in sheet(skincad.load("plain-ridges"))
