@@ -181,7 +181,7 @@ def test_ridges_that_buckle_or_are_crushed_have_no_verdict() -> None:
     tall = check(filleted().with_(ridge={"height": 4.0}), force=4.0, tol=0.05)
     assert "buckles at" in tall.beyond
     assert not tall.passed
-    crushed = check(filleted().with_(skin={"curvature_radius": 12.0}), force=30.0, tol=0.05)
+    crushed = check(filleted().with_(skin={"curvature_radius": 9.0}), force=60.0, tol=0.05)
     assert "nominal strain" in crushed.beyond
     assert not crushed.passed
     assert check(filleted(), force=100.0, tol=0.05).beyond == ""  # all touch long before
@@ -207,7 +207,7 @@ def test_every_template_is_checked(name: str) -> None:
     assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(found.force, rel=1e-9)
 
 
-@pytest.mark.parametrize("tier", ["corrected", "finite-strain", "solid", "solid-finite-strain", "liner"])
+@pytest.mark.parametrize("tier", ["corrected", "solid", "solid-finite-strain", "liner"])
 def test_unavailable_tiers_say_what_to_do(tier: str) -> None:
     with pytest.raises(InputError, match=r"^--tier: .*; "):
         check(yamada(), tier=tier)
