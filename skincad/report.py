@@ -51,7 +51,7 @@ def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     seen = view([upright], 32.0, 28.0, (720, 350))
     axes.imshow(shaded([upright], [(0.93, 0.72, 0.62)], seen))
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
-    _show(axes, f"skin: {design.ridge.count} ridges, {size}")
+    _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
 
 
 def _draw_ridge(axes: Axes, design: Design) -> None:

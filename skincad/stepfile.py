@@ -37,6 +37,7 @@ def make_deterministic(path: Path, name: str) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
     moment = source_date()
     text = _TIME.sub(lambda m: m[1] + moment + m[2], text, count=1)
+    text = text.replace("'Open CASCADE Shape Model'", f"'{name}'", 1).replace("('Author')", "('skincad')", 1)
     text = _VERSION.sub(r"'\1'", text)
     text = _NAMELESS.sub(f"'{name}'", text)
     count = iter(range(1, text.count("NEXT_ASSEMBLY_USAGE_OCCURRENCE") + 1))

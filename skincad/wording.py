@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
     all_touch = check.all_touch_force
-    count = f"all {check.ridges} ridges touch" if check.ridges > 1 else "the ridge touches"
+    if check.ridges == 1:
+        return f"Passes: the one ridge touches a {check.plate} plate from the first contact on."
+    count = f"all {check.ridges} ridges touch"
     if check.beyond:
         return f"NO VERDICT: {check.beyond}."
     if all_touch.value is None:

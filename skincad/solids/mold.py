@@ -20,18 +20,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from skincad.curves import Loop, Point, Segment, flipped
+from skincad.curves import Point, Segment, flipped
 from skincad.design import Design
 from skincad.errors import InputError
-from skincad.section import Section, SlotPlace, concentric_hit, section
+from skincad.section import Section, section
 from skincad.solids.inserts import PIN_RADIUS, pin, shims
 from skincad.solids.plan import Axis, Body, Bore, Part, Prism, box
 from skincad.solids.skin import cast_skin
+from skincad.solids.split import closed, path, split_edges, split_height
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -130,7 +128,7 @@ def _layout(design: Design) -> _Layout:
     _at_least("mold.wall", choice.wall, need, "two rows of bolts beside the trough")
     _at_least("skin.length", skin.length, 9.0, "bolts and pins of a mold")
     top, bottom = choice.carrier_thickness, -shape.top - choice.floor
-    split = -_split_height(design, shape)[1]
+    split = -split_height(design, shape)[1]
     bolt = bottom + EDGE + BOLT_RADIUS
     pin_height = bolt + BOLT_RADIUS + EDGE + PIN_RADIUS
     _at_least("mold.floor", split - bottom, pin_height + PIN_RADIUS + EDGE - bottom, "bolt and pin of a comb")
@@ -178,7 +176,7 @@ def _cavity(design: Design, shape: Section, place: _Layout) -> Part:
         Segment(Point(s.start.x, -s.start.z), Point(s.end.x, -s.end.z), -s.bulge, s.kind, s.ridge)
         for s in top_edge
     ]
-    outline = (*_path([*rim, *trough]), *negative, *_path([*left, rim[0]]))
+    outline = (*path([*rim, *trough]), *negative, *path([*left, rim[0]]))
     half, depth = place.end, min(PIN_DEPTH, 0.4 * design.skin.length)
     bores = [
         Bore((x, -half, z), "y", 2 * half, BOLT_RADIUS)
@@ -199,41 +197,12 @@ def _cavity(design: Design, shape: Section, place: _Layout) -> Part:
     return Part("cavity", GREY, "made", body, (*bores, *holes, *upright, *sockets))
 
 
-def _path(points: list[Point]) -> list[Segment]:
-    return [Segment(a, b) for a, b in pairwise(points) if a != b]
-
-
 def _cover_bolts(place: _Layout) -> list[tuple[float, float]]:
     return [(place.outer, place.along), (-place.outer, -place.along)]
 
 
 def _cover_pins(place: _Layout) -> list[tuple[float, float]]:
     return [(place.outer, -place.along), (-place.outer, place.along - place.keying)]
-
-
-def _split_height(design: Design, shape: Section) -> tuple[float, float, float]:
-    """Split of the end plates in the design's frame: height over the base circle, z beside the arc, half
-    angle of the arc. A plain end plate is not split, its bolts sit as if it were at the base circle."""
-    radius, thickness = design.skin.curvature_radius, design.skin.thickness
-    corners = [p for s in shape.slots for p in _corners(s, design.mold.slit_clearance)]
-    if not corners:
-        return 0.0, thickness - 2 * radius * math.sin(design.lean(design.ridge.count) / 2) ** 2, 0.0
-    over = [_over_base(p, radius, thickness) for p in corners]
-    height = min(over)
-    angle = max(math.atan2(p.x, radius + p.z - thickness) for p in corners)
-    angle += design.slot.thickness / radius if design.slot else 0.0
-    level = thickness + height - 2 * (radius + height) * math.sin(angle / 2) ** 2
-    return height, level, angle
-
-
-def _corners(slot: SlotPlace, grown: float) -> list[Point]:
-    return [s.start for s in slot.loop(grown=grown)]
-
-
-def _over_base(point: Point, radius: float, thickness: float) -> float:
-    """Distance of a point from the base circle, outward, without forming the far centre."""
-    n = point.z - thickness
-    return (point.x**2 + n * n + 2 * radius * n) / (radius + math.hypot(point.x, radius + n))
 
 
 def _end_plates(design: Design, shape: Section, place: _Layout, end: str) -> list[Part]:
@@ -252,69 +221,20 @@ def _end_plates(design: Design, shape: Section, place: _Layout, end: str) -> lis
     if not shape.slots:
         body = box(place.half, (low, high), (place.bottom, place.top), "y")
         return [Part(f"end-{end}", DARK, "made", body, (*lower, *upper), lies_on_end=True)]
-    toothed, smooth = _split_edges(design, shape, place.half)
-    comb = _closed(toothed, -place.bottom)
-    keeper = _closed([s.reversed() for s in reversed(smooth)], -place.top)
+    toothed, smooth = split_edges(design, shape, place.half)
+    comb = closed(toothed, -place.bottom)
+    keeper = closed([s.reversed() for s in reversed(smooth)], -place.top)
     return [
         Part(f"end-{end}-comb", DARK, "made", Prism(flipped(comb), "y", low, high), tuple(lower), True),
         Part(f"end-{end}-keeper", GREEN, "made", Prism(flipped(keeper), "y", low, high), tuple(upper), True),
     ]
 
 
-def _closed(edge: list[Segment], z: float) -> Loop:
-    """Close an edge by straight sides over the level z."""
-    start, end = edge[0].start, edge[-1].end
-    return (*edge, *_path([end, Point(end.x, z), Point(start.x, z), start]))
-
-
-def _split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segment], list[Segment]]:
-    """The split from -x to x in the design's frame: the comb's edge, with a notch up to every slot's outer
-    end, and the keeper's, which runs straight over the notches' mouths."""
-    radius = design.skin.curvature_radius
-    height, level, angle = _split_height(design, shape)
-    reach = (radius + height) * math.sin(angle)
-
-    def arc(start: Point, end: Point) -> Segment:
-        turn = _angle(end, design) - _angle(start, design)
-        if turn <= 0:
-            gap = design.mold.slit_clearance
-            raise InputError("mold.slit_clearance", "neighbouring notches of the comb meet", gap, "reduce it")
-        return Segment(start, end, -math.tan(turn / 4))
-
-    here, last = Point(-reach, level), Point(reach, level)
-    comb = [Segment(Point(-half, level), here)]
-    keeper = list(comb)
-    for notch in sorted(_notch(design, slot, height) for slot in shape.slots):
-        between, mouth = arc(here, notch[0]), arc(notch[0], notch[-1])
-        comb += [between, *_path(notch)]
-        keeper += [between, mouth]
-        here = notch[-1]
-    rest = [arc(here, last), Segment(last, Point(half, level))]
-    return comb + rest, keeper + rest
-
-
-def _angle(point: Point, design: Design) -> float:
-    return math.atan2(point.x, design.skin.curvature_radius + point.z - design.skin.thickness)
-
-
-def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
-    """Corners of a comb's notch, from its mouth on the split circle round the slot's outer end."""
-    radius, gap = design.skin.curvature_radius, design.mold.slit_clearance
-    a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
-    along, mouth = np.array(slot.direction), []
-    for side in (-a, a):
-        foot = slot.at(side, -b)
-        start = np.array([foot.x, foot.z - design.skin.thickness])
-        u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
-        mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
-    return [mouth[0], slot.at(-a, b), slot.at(a, b), mouth[1]]
-
-
 def _gate(design: Design, shape: Section, low: float) -> Bore:
     """The pouring gate: along y through the upper end plate of end a, as low as the skin's body allows."""
     skin, radius = design.skin, design.mold.gate / 2
     fall = 2 * skin.curvature_radius * math.sin(math.asin(min(1.0, radius / skin.curvature_radius)) / 2) ** 2
-    body = skin.thickness + min(_split_height(design, shape)[0], 0.0) - fall
+    body = skin.thickness + min(split_height(design, shape)[0], 0.0) - fall
     most = min(body - 2 * GATE_SILL, skin.width - 2 * GATE_SILL)
     if 2 * radius > most:
         key = "mold.gate" if most > 0 else "skin.thickness"

@@ -1,0 +1,96 @@
+"""How an end plate is split: comb and keeper meet on a circle at the slits' back ends.
+
+In the design's frame: the split runs from -x to x, straight, then along a circle concentric with the base
+circle, then straight. The comb lies beyond it (towards the ridges) and has a notch for every slot.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from skincad.curves import Loop, Point, Segment
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.section import Section, SlotPlace, concentric_hit
+
+
+def split_height(design: Design, shape: Section) -> tuple[float, float, float]:
+    """Split of the end plates in the design's frame: height over the base circle, z beside the arc, half
+    angle of the arc. A plain end plate is not split, its bolts sit as if it were at the base circle."""
+    radius, thickness = design.skin.curvature_radius, design.skin.thickness
+    corners = [p for s in shape.slots for p in _corners(s, design.mold.slit_clearance)]
+    if not corners:
+        return 0.0, thickness - 2 * radius * math.sin(design.lean(design.ridge.count) / 2) ** 2, 0.0
+    over = [_over_base(p, radius, thickness) for p in corners]
+    height = min(over)
+    angle = max(math.atan2(p.x, radius + p.z - thickness) for p in corners)
+    angle += design.slot.thickness / radius if design.slot else 0.0
+    level = thickness + height - 2 * (radius + height) * math.sin(angle / 2) ** 2
+    return height, level, angle
+
+
+def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segment], list[Segment]]:
+    """The split from -x to x in the design's frame: the comb's edge, with a notch up to every slot's outer
+    end, and the keeper's, which runs straight over the notches' mouths."""
+    radius = design.skin.curvature_radius
+    height, level, angle = split_height(design, shape)
+    reach = (radius + height) * math.sin(angle)
+
+    def arc(start: Point, end: Point) -> Segment:
+        turn = _angle(end, design) - _angle(start, design)
+        if turn <= 0:
+            gap = design.mold.slit_clearance
+            raise InputError("mold.slit_clearance", "neighbouring notches of the comb meet", gap, "reduce it")
+        return Segment(start, end, -math.tan(turn / 4))
+
+    here, last = Point(-reach, level), Point(reach, level)
+    comb = [Segment(Point(-half, level), here)]
+    keeper = list(comb)
+    for notch in sorted(_notch(design, slot, height) for slot in shape.slots):
+        between, mouth = arc(here, notch[0]), arc(notch[0], notch[-1])
+        comb += [between, *path(notch)]
+        keeper += [between, mouth]
+        here = notch[-1]
+    rest = [arc(here, last), Segment(last, Point(half, level))]
+    return comb + rest, keeper + rest
+
+
+def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
+    """Corners of a comb's notch, from its mouth on the split circle round the slot's outer end."""
+    radius, gap = design.skin.curvature_radius, design.mold.slit_clearance
+    a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
+    along, mouth = np.array(slot.direction), []
+    for side in (-a, a):
+        foot = slot.at(side, -b)
+        start = np.array([foot.x, foot.z - design.skin.thickness])
+        u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
+        mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
+    return [mouth[0], slot.at(-a, b), slot.at(a, b), mouth[1]]
+
+
+def _angle(point: Point, design: Design) -> float:
+    return math.atan2(point.x, design.skin.curvature_radius + point.z - design.skin.thickness)
+
+
+def _over_base(point: Point, radius: float, thickness: float) -> float:
+    """Distance of a point from the base circle, outward, without forming the far centre."""
+    n = point.z - thickness
+    return (point.x**2 + n * n + 2 * radius * n) / (radius + math.hypot(point.x, radius + n))
+
+
+def _corners(slot: SlotPlace, grown: float) -> list[Point]:
+    return [s.start for s in slot.loop(grown=grown)]
+
+
+def closed(edge: list[Segment], z: float) -> Loop:
+    """Close an edge by straight sides over the level z."""
+    start, end = edge[0].start, edge[-1].end
+    return (*edge, *path([end, Point(end.x, z), Point(start.x, z), start]))
+
+
+def path(points: list[Point]) -> list[Segment]:
+    """Return straight segments from point to point, none without length."""
+    return [Segment(a, b) for a, b in pairwise(points) if a != b]
