@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
     all_touch = check.all_touch_force
+    if check.beyond:
+        return f"NO VERDICT: {check.beyond}."
     if check.ridges == 1:
         return f"Passes: the one ridge touches a {check.plate} plate from the first contact on."
     count = f"all {check.ridges} ridges touch"
-    if check.beyond:
-        return f"NO VERDICT: {check.beyond}."
     if all_touch.value is None:
         return (
             f"FAILS: {check.touching} of {check.ridges} ridges touch at {check.force:g} N; never all of them."
