@@ -50,6 +50,7 @@ class Rung:
     price: float
 
 
+NEVER = "no force makes all ridges touch: some stay clear however hard it is pressed"
 RUNGS = (
     Rung(0.5, 3, 6e-3, 1.0),
     Rung(1.0, 3, 2e-3, 1.2),
@@ -94,12 +95,13 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     are climbed until `tol` (relative; shares against the mean share) is met, or until the next one would
     overrun `budget`; a budget alone asks for the best it buys. A tolerance not met is said in a warning.
     """
-    return climb(pad, request, level, "linear", progress)
+    found = climb(pad, request, level, "linear", progress)
+    if found.all_touch_force.value is None:
+        found = replace(found, warnings=(*found.warnings, NEVER))
+    return found
 
 
-def climb(
-    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
-) -> Answer:
+def climb(pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None) -> Answer:
     """Return a tier's answer from its solver of one level, climbing the rungs as `solve` says."""
     check_pad(pad)
     _check_size(FEWEST_A_RIDGE * len(pad.ridges))
