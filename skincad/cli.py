@@ -170,7 +170,9 @@ def check(
     measured: Annotated[
         Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
     ] = None,
-    tier: Annotated[str, typer.Option("--tier", help="winkler, linear, finite-strain or auto.")] = "auto",
+    tier: Annotated[
+        str, typer.Option("--tier", help="winkler, linear, corrected, finite-strain, solid; auto: linear.")
+    ] = "auto",
     as_json: JsonOption = False,
 ) -> None:
     """Say from which force on all ridges touch a plate.

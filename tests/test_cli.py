@@ -130,7 +130,10 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
             ["check", "yamada-2002", "--tier", "wincler"],
             "--tier: unknown tier, got 'wincler'; did you mean 'winkler'?",
         ),
-        (["check", "yamada-2002", "--tier", "solid-finite-strain"], "--tier: is not available in this version"),
+        (
+            ["check", "yamada-2002", "--tier", "solid-finite-strain"],
+            "--tier: is not available in this version",
+        ),
         (["check", "yamada-2002", "--tol", "0"], "--tol: must be between 0 and 1"),
         (["new", "file"], "file: is there already"),
         (["mkae"], "No such command 'mkae'"),

@@ -1,4 +1,4 @@
-"""Finite elements on the triangles; only this file and neo_hooke.py name ngsolve.
+"""Finite elements on the triangles; only this file, prisms.py and neo_hooke.py name ngsolve.
 
 Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
 order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric

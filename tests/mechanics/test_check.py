@@ -207,7 +207,7 @@ def test_every_template_is_checked(name: str) -> None:
     assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(found.force, rel=1e-9)
 
 
-@pytest.mark.parametrize("tier", ["corrected", "solid", "solid-finite-strain", "liner"])
+@pytest.mark.parametrize("tier", ["solid-finite-strain", "liner"])
 def test_unavailable_tiers_say_what_to_do(tier: str) -> None:
     with pytest.raises(InputError, match=r"^--tier: .*; "):
         check(yamada(), tier=tier)

@@ -1,0 +1,190 @@
+"""One level of the solid: a pad meshed in three dimensions (or, on the same mesh, plane), and pressed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from skincad.errors import InputError
+from skincad.mechanics import elements, layers, prisms
+from skincad.mechanics.contact import press
+from skincad.mechanics.mesh import Sizes, triangles, unit_of
+from skincad.mechanics.problem import ContactError, Pad
+from skincad.mechanics.symmetry import half_of
+from skincad.mechanics.threshold import Ridges, all_touch_force
+
+Array = NDArray[np.float64]
+
+MOST_UNKNOWNS = 600_000  # about 6 GB of fronts
+MOST_CONTACT = 6000  # dense blocks of 0.3 GB each
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Layers along y: the last about `last` of the pad's height thick, each one inwards thicker by `growth`,
+    displacements of `order` in each."""
+
+    last: float
+    growth: float
+    order: int
+
+
+@dataclass(frozen=True)
+class Meshed:
+    """The part of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm."""
+
+    whole: Pad
+    part: Pad
+    mirrored: bool
+    unit: float
+    height: float
+    mesh: Any
+
+
+@dataclass(frozen=True)
+class Level:
+    """What the verdict asks, in mm and N, of the whole pad; `ridge_force` is `(ridges,)`.
+
+    `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the part that is meshed.
+    """
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    x: Array
+    y: Array
+    pressure: Array
+    unknowns: int
+    residual: float
+
+    @property
+    def touching(self) -> int:
+        """Number of ridges that carry force somewhere along y."""
+        return int(np.count_nonzero(self.ridge_force > 0))
+
+
+def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
+    """Return edge sizes for three dimensions: a few triangles a ridge, fast growth away from them."""
+    unit = unit_of(pad)
+    height = height_of(pad)
+    return Sizes(
+        contact=unit / 2 / fineness,
+        ridge=unit / fineness,
+        bulk=height / 2 / fineness,
+        corner=height / 4 / fineness**4,
+        slot=0.3 * unit / fineness,
+        grading=0.9 / fineness,
+    )
+
+
+def height_of(pad: Pad) -> float:
+    """Return the height of the pad's corners over its lowest, mm."""
+    heights = [s.start.z for s in pad.section.outline]
+    return max(heights) - min(heights)
+
+
+def meshed_part(pad: Pad, sizes: Sizes) -> Meshed:
+    """Return the mesh of the pad's half, or of all of it where it is not mirror-symmetric."""
+    half = half_of(pad)
+    part = pad if half is None else half
+    return Meshed(pad, part, half is not None, unit_of(part), height_of(pad), triangles(part, sizes))
+
+
+def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
+    """Return the section's integrals at an order."""
+    pad = meshed.part
+    materials = {"skin": (1.0, pad.poisson_ratio)}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
+    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials)
+
+
+def pressed(
+    meshed: Meshed,
+    forms: prisms.SectionForms,
+    along: Layers | None,
+    force: float,
+    seconds: dict[str, float],
+    *,
+    clamped_end: bool = False,
+) -> Level:
+    """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh."""
+    half = meshed.whole.length / 2 / meshed.unit
+    if along is None:
+        line = layers.constant()
+    else:
+        borders = layers.graded(half, along.last * meshed.height / meshed.unit, along.growth)
+        line = layers.line(borders, along.order)
+    _check_size(forms, line)
+    # more BLAS threads only wait for each other on blocks this small
+    with threadpool_limits(limits=1, user_api="blas"):
+        small = timed(
+            seconds,
+            "condense",
+            lambda: prisms.condensed(forms, line, plane=along is None, clamped_end=clamped_end),
+        )
+        length = 2 * half if along is None else 2.0
+        scale = meshed.whole.young_modulus * meshed.unit**2 * length * (2 if meshed.mirrored else 1)
+        found: Level = timed(seconds, "contact", lambda: _level(meshed, small, force, scale))
+    return found
+
+
+def _level(meshed: Meshed, small: prisms.Solid, force: float, scale: float) -> Level:
+    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the part, in its units."""
+    if not small.lifted <= BALANCE:
+        raise ContactError(
+            f"the clamped back carries the force to {small.lifted:.1e} only; take a smaller poisson_ratio"
+        )
+    unit = meshed.unit
+    ridges = Ridges.of(small.seen, small.flexibility, meshed.whole.top / unit)
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    threshold = all_touch_force(ridges, force / scale)
+    nodes = small.seen.nodes
+    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    return Level(
+        None if threshold is None else threshold * scale,
+        state.approach * unit,
+        _on_whole(meshed, shares),
+        nodes.position[:, 0] * unit,
+        small.along * unit,
+        state.force / nodes.weight * meshed.whole.young_modulus,
+        small.unknowns,
+        max(state.residual, small.lifted),
+    )
+
+
+def _on_whole(meshed: Meshed, shares: Array) -> Array:
+    """Each ridge's force; of a mirrored half, the sides share what its ridges carry."""
+    if not meshed.mirrored:
+        return shares
+    numbers = meshed.whole.ridges
+    found = np.zeros(len(numbers))
+    for ridge, share in zip(meshed.part.ridges, shares, strict=True):
+        found[numbers.index(ridge)] += share / 2
+    return found + found[::-1]
+
+
+def _check_size(forms: prisms.SectionForms, line: layers.Line) -> None:
+    unknowns, contact = 3 * forms.held.size * line.at.size, forms.plane.contact.size * line.at.size
+    if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
+        raise InputError(
+            "ridge.count",
+            f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
+            max(unknowns, contact),
+            "take fewer ridges, a shorter skin or --tier linear",
+        )
+
+
+def timed(seconds: dict[str, float], stage: str, work: Callable[[], Any]) -> Any:
+    """Return what `work` returns, its time added to the stage's."""
+    started = perf_counter()
+    found = work()
+    seconds[stage] = seconds.get(stage, 0.0) + perf_counter() - started
+    return found
