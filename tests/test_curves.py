@@ -32,6 +32,14 @@ def test_circle_has_its_area_perimeter_and_centroid() -> None:
     assert length(ring) == pytest.approx(5 * math.pi, rel=1e-14)
 
 
+def test_half_disk_has_its_centroid() -> None:
+    quarter = circle(2.0)[:2]
+    half = (*quarter, Segment(quarter[-1].end, quarter[0].start))
+    total, mx, mz = moments(half)
+    assert mx == pytest.approx(0.0, abs=1e-13)
+    assert mz / total == pytest.approx(4 * 2.0 / (3 * math.pi), rel=1e-13)  # rounding
+
+
 @pytest.mark.parametrize("radius", [1.0, 1e3, 1e6, 1e9])
 def test_circular_segment_keeps_its_digits_however_flat(radius: float) -> None:
     half = math.asin(0.5 / radius)  # chord 1 mm

@@ -56,6 +56,14 @@ def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
     assert np.isinf(rise(Plate(shape="cylinder", radius=2.0), x)[0])
 
 
+@pytest.mark.parametrize("tier", ["winkler", "linear"])
+def test_a_plate_that_is_higher_everywhere_is_the_flat_one(tier: str) -> None:
+    raised = PLAIN.with_(contact={"plate": {"shape": "step", "height": 0.3, "position": -100.0}})
+    found, flat = check(raised, tier=tier, tol=0.9), check(PLAIN, tier=tier, tol=0.9)
+    assert found.approach.value == pytest.approx(flat.approach.value, rel=1e-4)  # first touch is sampled
+    assert shares(found) == pytest.approx(shares(flat), abs=1e-4)
+
+
 def test_a_step_unloads_the_ridges_under_it() -> None:
     found, flat = on(shape="step", height=0.05, position=1.5), check(PLAIN, tol=0.01)
     assert (shares(found)[6:] < shares(flat)[6:]).all()
