@@ -138,16 +138,17 @@ def _edge(segment: Segment, axis: Axis, level: float) -> object:
     if segment.bulge == 0.0:
         return BRepBuilderAPI_MakeEdge(start, end).Edge()
     towards = math.copysign(1.0, segment.bulge)  # from the arc's middle to its centre: left of the chord
-    x = -(segment.end.z - segment.start.z) / segment.chord * towards
-    y = (segment.end.x - segment.start.x) / segment.chord * towards
-    reach = segment.radius - _rise(segment)  # from the chord's middle
-    middle = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
-    centre = _point(middle[0] + reach * x, middle[1] + reach * y, axis, level)
+    chord, radius = segment.chord, segment.radius
+    x = -(segment.end.z - segment.start.z) / chord * towards
+    y = (segment.end.x - segment.start.x) / chord * towards
+    reach = radius - abs(segment.bulge) * chord / 2  # from the chord's middle
+    middle_x, middle_y = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
+    centre = _point(middle_x + reach * x, middle_y + reach * y, axis, level)
     # A loop in (x, z) turns clockwise about +y. Angles count from behind the centre, so that no arc comes
     # near the seam at 0, where the kernel rounds an angle to its tolerance.
     up = gp_Dir(0, 0, towards) if axis == "z" else gp_Dir(0, -towards, 0)
     behind = gp_Dir(x, 0, y) if axis == "y" else gp_Dir(x, y, 0)
-    circle = gp_Circ(gp_Ax2(centre, up, behind), segment.radius)
+    circle = gp_Circ(gp_Ax2(centre, up, behind), radius)
     return BRepBuilderAPI_MakeEdge(circle, start, end).Edge()
 
 

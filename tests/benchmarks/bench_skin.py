@@ -55,24 +55,24 @@ def main() -> None:
     """Print the table."""
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     base = skincad.load("yamada-2002")
-    print("construction of the skin, s; booleans as multiples of it (their pieces are made beforehand)")
+    print("construction of the skin from its section's segments, s; booleans as multiples of it")
     print("ridges   direct  + checks  n-ary fuse and cut  pairwise  volume error")
     for count in (9, 45):
         skin = {"curvature_radius": 60.0 * count / 9, "width": 2.0 + count}
         design = base.with_(ridge={"count": count}, skin=skin)
-        plan = skin_part(design)
-        body, *ridges = [unchecked_solid(p) for p in pieces(design)]
-        slots = [
-            unchecked_solid(replace(plan, body=replace(plan.body, outline=h, holes=())))
-            for h in plan.body.holes
-        ]
+        plan, parts = skin_part(design), pieces(design)
+        slots = [replace(plan, body=replace(plan.body, outline=h, holes=())) for h in plan.body.holes]
+
+        def made(rows: list[Part]) -> list[cq.Solid]:
+            return [unchecked_solid(part) for part in rows]
 
         def booleans() -> cq.Shape:
-            return body.fuse(*ridges).cut(*slots)  # noqa: B023
+            body, *ridges = made(parts)  # noqa: B023
+            return body.fuse(*ridges).cut(*made(slots))  # noqa: B023
 
         def pairwise() -> cq.Shape:
-            whole = reduce(lambda a, b: a.fuse(b), ridges, body)  # noqa: B023
-            return reduce(lambda a, b: a.cut(b), slots, whole)  # noqa: B023
+            whole = reduce(lambda a, b: a.fuse(b), made(parts))  # noqa: B023
+            return reduce(lambda a, b: a.cut(b), made(slots), whole)  # noqa: B023
 
         direct = median(lambda p=plan: unchecked_solid(p), repeats)
         checked = median(lambda p=plan: solid(p), repeats)
