@@ -127,14 +127,6 @@ def rectangle(x_min: float, x_max: float, z_min: float, z_max: float) -> Loop:
     return loop([Point(x_min, z_min), Point(x_max, z_min), Point(x_max, z_max), Point(x_min, z_max)])
 
 
-def shifted(outline: Loop, dx: float, dz: float) -> Loop:
-    """Return the loop moved by (dx, dz) mm."""
-    return tuple(
-        replace(s, start=Point(s.start.x + dx, s.start.z + dz), end=Point(s.end.x + dx, s.end.z + dz))
-        for s in outline
-    )
-
-
 def flipped(outline: Loop) -> Loop:
     """Return the loop turned upside down (z to -z), still with the material on its left."""
     return tuple(

@@ -14,12 +14,12 @@ import skincad
 from skincad.design import Design
 from skincad.errors import InputError, did_you_mean
 from skincad.outfolder import MANIFEST, checked_folder, replaced
+from skincad.solids.mold import Mold, mold
 from skincad.stopwatch import Progress, Stopwatch
 
 if TYPE_CHECKING:
     from skincad.fabrication.findings import Finding
     from skincad.mechanics.check import ContactCheck
-    from skincad.solids.mold import Mold
     from skincad.solids.plan import Part
 
 FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md", "toml")
@@ -120,9 +120,10 @@ def make(
         raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))
     target = Path("out") / design.name if folder is None else Path(folder)
     checked_folder(target)
+    closed = mold(design)  # bad input is told before the CAD kernel loads
     _import_everything()
     watch = Stopwatch(progress)
-    job = _build(design, watch)
+    job = _build(design, closed, watch)
     with replaced(target) as staging:
         _write(job, formats, staging, watch)
         result = _result(job, target, staging, strict, watch)
@@ -154,16 +155,14 @@ class _Job:
         return self.check.passed and not any(f.severity in bad for f in self.findings)
 
 
-def _build(design: Design, watch: Stopwatch) -> _Job:
+def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
     from skincad.catalog import processes
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import FINER, interference
     from skincad.fabrication.meshes import mesh
     from skincad.mechanics.check import check
-    from skincad.solids.mold import mold
     from skincad.solids.occ import workplane
 
-    closed = mold(design)
     made = [part for part in closed.parts if part.made != "bought"]
     asked = processes()[design.mold.process].chord
     chord = asked / (1 + 1 / FINER)  # the reference mesh's own error is added to it
@@ -202,7 +201,7 @@ def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> Pa
 def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
     """File name to writer, by format."""
     from skincad import export
-    from skincad.fabrication.meshes import laid
+    from skincad.fabrication.meshes import laid, upright
     from skincad.fabrication.sheet import casting_sheet
     from skincad.report import write_picture
     from skincad.wording import verdict
@@ -211,10 +210,9 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
     printed = {p.name: p for p in closed.parts if p.made == "made"}
     flat = {name: laid(job.meshes[name], part.lies_on_end) for name, part in printed.items()}
     coloured = {name: (flat[name], part.colour) for name, part in printed.items()}
-    upright = job.meshes["skin"].copy()
-    upright.vertices = upright.vertices * [1.0, -1.0, -1.0]
+    turned = upright(job.meshes["skin"])
     skin = closed.part("skin")
-    stl = {"skin": upright, **flat}
+    stl = {"skin": turned, **flat}
     sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check), job.passed(False))
     text = tomlkit.dumps(design.model_dump(exclude_none=True))
     strips = {"strips.dxf": lambda p: export.write_strips_dxf(design, p)} if design.film else {}
@@ -228,7 +226,7 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
         "stl": {f"{name}.stl": _stl_writer(shape) for name, shape in stl.items()},
         "3mf": {
             "mold.3mf": lambda p: export.write_3mf(coloured, p),
-            "skin.3mf": lambda p: export.write_3mf({"skin": (upright, skin.colour)}, p),
+            "skin.3mf": lambda p: export.write_3mf({"skin": (turned, skin.colour)}, p),
         },
         "dxf": {"section.dxf": lambda p: export.write_section_dxf(design, p), **strips},
         "svg": {"section.svg": lambda p: export.write_section_svg(design, p)},

@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from skincad.catalog import load, template_text
 from skincad.design import Design
 from skincad.errors import InputError
-from skincad.tables import table_of
+from skincad.tables import Ranged, table_of
 
 _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
 
@@ -73,6 +73,10 @@ def commented_toml(template: str, name: str, schema: str) -> str:
         note = "  # optional" if optional else ""
         lines += ["", f"{absent}[{table}]{note}"]
         lines += _table_lines(model, given or {})
+        for key in model.model_fields:
+            inner = table_of(model, key)
+            if inner not in (None, Ranged) and key not in (given or {}):
+                lines += ["", f"# [{table}.{key}]  # optional", *_table_lines(inner, {})]
     return "\n".join(lines) + "\n"
 
 
@@ -83,7 +87,7 @@ def _safe(name: str) -> str:
 def _table_lines(model: type[BaseModel], given: Any) -> list[str]:
     lines = []
     for key, field in model.model_fields.items():
-        if table_of(model, key) is not None and key not in given and key != "young_modulus":
+        if table_of(model, key) not in (None, Ranged) and key not in given:
             continue
         if key in given:
             item = given.item(key)

@@ -14,10 +14,12 @@ from PIL import Image
 
 from skincad.curves import polygon
 from skincad.design import Design
+from skincad.fabrication.meshes import upright
 from skincad.render import shaded, view
 from skincad.section import section
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Prism
+from skincad.solids.skin import COLOUR
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
@@ -46,10 +48,9 @@ def _show(axes: Axes, title: str) -> None:
 
 
 def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
-    upright = skin.copy()
-    upright.vertices = upright.vertices * [1.0, -1.0, -1.0]
-    seen = view([upright], 32.0, 28.0, (720, 350))
-    axes.imshow(shaded([upright], [(0.93, 0.72, 0.62)], seen))
+    shown = upright(skin)
+    seen = view([shown], 32.0, 28.0, (720, 350))
+    axes.imshow(shaded([shown], [COLOUR], seen))
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
     _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
 

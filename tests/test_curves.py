@@ -13,7 +13,6 @@ from skincad.curves import (
     offset,
     polygon,
     rectangle,
-    shifted,
 )
 
 
@@ -68,10 +67,9 @@ def test_polygon_keeps_within_its_tolerance_and_uses_it(tolerance: float) -> Non
     assert sagitta > tolerance / 4  # no more than twice as many chords as are needed
 
 
-def test_reversing_flipping_and_shifting_keep_the_area() -> None:
+def test_reversing_and_flipping_keep_the_area() -> None:
     ring = circle(1.5, 0.2, 0.7)
     assert area(flipped(ring)) == pytest.approx(area(ring), rel=1e-14)
-    assert area(shifted(ring, 5.0, -2.0)) == pytest.approx(area(ring), rel=1e-13)
     assert area(tuple(s.reversed() for s in reversed(ring))) == pytest.approx(-area(ring), rel=1e-14)
 
 

@@ -17,7 +17,7 @@ def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, nam
     assert skincad.load(path) == skincad.load(name).with_(name="mine")
     text = path.read_text()
     assert text.startswith(f"#:schema ./{schema.name}\n")
-    for key in ("curvature_radius", "tip_fillet", "d33", "clearance"):
+    for key in ("curvature_radius", "tip_fillet", "d33", "clearance", "tilt", "radius"):
         line = next(i for i, row in enumerate(text.splitlines()) if row.lstrip("# ").startswith(f"{key} ="))
         assert any(row.startswith("# ") and "[" in row for row in text.splitlines()[line - 2 : line]), key
 

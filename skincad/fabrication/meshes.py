@@ -29,6 +29,13 @@ def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
     return trimesh.Trimesh(corners, faces, process=False, validate=False)
 
 
+def upright(shape: trimesh.Trimesh) -> trimesh.Trimesh:
+    """Return a mesh of the mold's frame turned into the design's: about x, so that the ridges point up."""
+    turned = shape.copy()
+    turned.vertices = turned.vertices * [1.0, -1.0, -1.0]
+    return turned
+
+
 def laid(shape: trimesh.Trimesh, on_end: bool) -> trimesh.Trimesh:
     """Return the mesh as it is printed: on the bed at z = 0, in the middle of x and y; on its y face where
     `on_end`."""
