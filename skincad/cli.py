@@ -17,6 +17,8 @@ import skincad
 from skincad.errors import InputError, RefusedError
 
 if TYPE_CHECKING:
+    from skincad.design import Design
+    from skincad.mechanics.film.answer import FilmStress
     from skincad.stopwatch import Progress
 
 app = typer.Typer(
@@ -162,17 +164,31 @@ def check(
         float | None, typer.Option("--force", metavar="N", help="Normal force; default the design's.")
     ] = None,
     tol: Annotated[
-        float | None, typer.Option("--tol", metavar="REL", help="Relative discretisation error to meet.")
+        float | None,
+        typer.Option("--tol", metavar="REL", help="Relative error to meet; the mesh's alone with --tier."),
     ] = None,
     budget: Annotated[
-        float | None, typer.Option("--budget", metavar="S", help="Seconds; alone: the best they buy.")
+        float | None, typer.Option("--budget", metavar="S", help="Seconds: the best that they buy.")
     ] = None,
     measured: Annotated[
         Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
     ] = None,
     tier: Annotated[
-        str, typer.Option("--tier", help="winkler, linear, corrected, finite-strain, solid; auto: linear.")
+        str,
+        typer.Option(
+            "--tier",
+            help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
+            "solid-finite-strain; auto: the cheapest that meets --tol, or else settles the verdict.",
+        ),
     ] = "auto",
+    stress: Annotated[
+        Path | None,
+        typer.Option("--stress", metavar="PNG", help="Draw the stress at S1 and S2 of each ridge."),
+    ] = None,
+    pull: Annotated[
+        float | None,
+        typer.Option("--pull", metavar="N", help="With --stress: tangential; default a quarter."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Say from which force on all ridges touch a plate.
@@ -180,15 +196,90 @@ def check(
     Also the approach and the force of each ridge, each with its error.
     """
     from skincad.mechanics.check import check as run
-    from skincad.wording import check_lines
+    from skincad.wording import check_lines, stress_lines
 
+    if pull is not None and stress is None:
+        raise InputError("--pull", "needs --stress", pull, "name the picture with --stress")
     loaded = skincad.load(design, settings)
     with _progress(4) as progress:
         result = run(
             loaded, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
         )
-    _print(result.as_json(), as_json, check_lines(result))
+        states = [] if stress is None else _stress(loaded, result.force, pull, stress, progress)
+    data = {**result.as_json(), **({"film_stress": [s.as_json() for s in states]} if states else {})}
+    _print(data, as_json, [*check_lines(result), *(stress_lines(states, str(stress)) if states else [])])
     raise typer.Exit(0 if result.passed else 1)
+
+
+def _stress(
+    design: Design, force: float, pull: float | None, file: Path, progress: Progress | None
+) -> list[FilmStress]:
+    """Draw the films' stress under the normal force and under normal and tangential force (Fig 8)."""
+    from skincad.figures import film_stress_picture
+    from skincad.freshfile import checked_fresh, fresh
+    from skincad.mechanics.film.stress import film_stresses
+
+    checked_fresh(file, ".png", "--stress")
+    middle = (design.ridge.count + 1) // 2
+    show = sorted({min(3, middle), middle})
+    pulls = (0.0, force / 4 if pull is None else pull)
+    states = film_stresses(design, force, pulls, show=show, progress=progress)
+    with fresh(file, "--stress") as staging:
+        film_stress_picture(states[0], states[1], staging)
+    return list(states)
+
+
+@app.command("fit-material")
+def fit_material(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CSV",
+            help="Columns approach_mm, force_N (a pad); strain, stress_MPa or extension_mm, force_N (a bar).",
+        ),
+    ],
+    design: Annotated[
+        str | None, typer.Option("--design", metavar="DESIGN", help="The pad that a flat plate pressed.")
+    ] = None,
+    settings: SetOption = [],  # noqa: B006
+    up_to: Annotated[
+        float | None,
+        typer.Option(
+            "--up-to", metavar="X", help="Largest strain (default 0.3) or, of a pad, force in N used."
+        ),
+    ] = None,
+    gauge_length: Annotated[
+        float | None, typer.Option("--gauge-length", metavar="MM", help="Of a bar, with extension_mm.")
+    ] = None,
+    area: Annotated[
+        float | None, typer.Option("--area", metavar="MM2", help="Cross-section of a bar, with extension_mm.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="FILE", help="Write the design with this modulus.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say the silicone's modulus, with its error, from a test.
+
+    The test is force against approach of a cast pad, or the stress of a bar pulled or squeezed.
+    """
+    from skincad.designcopy import write_with_modulus
+    from skincad.freshfile import checked_fresh
+    from skincad.material.fit import fit_material as run
+    from skincad.wording import material_lines
+
+    for option, given in (("--set", settings), ("-o", out)):
+        if given and design is None:
+            raise InputError(option, "needs --design", remedy="name the design with --design")
+    loaded = skincad.load(design, settings) if design else None
+    if out is not None:
+        checked_fresh(out, ".toml", "-o")
+    with _progress(6) as progress:
+        found = run(file, loaded, up_to=up_to, gauge_length=gauge_length, area=area, progress=progress)
+    if out is not None and design is not None:
+        write_with_modulus(out, design, settings, found.ranged, f"measured: {found.kind} test {file.name}")
+    data = {**found.as_json(), "file": str(out) if out else None}
+    _print(data, as_json, [*material_lines(found), *([f"written to {out}"] if out else [])])
 
 
 def _print(data: dict[str, Any], as_json: bool, lines: list[str]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from skincad.catalog import load, template_text
 from skincad.design import Design
-from skincad.errors import InputError
+from skincad.freshfile import checked_fresh, fresh
 from skincad.tables import Ranged, table_of
 
 _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
@@ -26,25 +25,11 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     Raises InputError for an unknown template, a file that is there already or cannot be written.
     """
     schema = path.with_suffix(".schema.json")
-    contents = {schema: design_schema(), path: commented_toml(template, path.stem, schema.name)}
-    staged = {target: target.with_name(f".{target.name}.new") for target in contents}
-    try:
-        for target in contents:
-            if target.exists():
-                raise InputError(str(target), "is there already", remedy="name another file, or remove it")
-        if path.suffix != ".toml":
-            raise InputError(str(path), "must end in .toml")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        for target, text in contents.items():
-            staged[target].write_text(text, encoding="utf-8")
-        for target in contents:
-            staged[target].replace(target)
-    except OSError as failure:
-        raise InputError(str(path)[:80], f"cannot be written ({failure.strerror})") from None
-    finally:
-        with suppress(OSError):
-            for staging in staged.values():
-                staging.unlink(missing_ok=True)
+    for target, suffix in ((path, ".toml"), (schema, ".json")):
+        checked_fresh(target, suffix, "FILE")
+    with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
+        first.write_text(design_schema(), encoding="utf-8")
+        second.write_text(commented_toml(template, path.stem, schema.name), encoding="utf-8")
     load(path)
     return [path, schema]
 

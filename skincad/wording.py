@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from skincad.job import MakeResult
+    from skincad.material.modulus import MaterialFit
     from skincad.mechanics.check import ContactCheck
+    from skincad.mechanics.film.answer import FilmStress
+    from skincad.quantities import Estimate
+    from skincad.tables import Ranged
 
 
 def verdict(check: ContactCheck) -> str:
@@ -37,24 +41,63 @@ def check_lines(check: ContactCheck) -> list[str]:
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [
         verdict(check),
+        *_margin_lines(check),
         f"  approach       {check.approach}",
         f"  ridge forces   {shares} (+- {error:.1g}) N",
-        f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s",
+        *_model_lines(check),
         *_manufacture_lines(check),
         *(f"  note           {warning}" for warning in check.warnings),
     ]
+
+
+def _margin_lines(check: ContactCheck) -> list[str]:
+    if check.margin is None or check.ridges == 1 or check.all_touch_force.error is None:
+        return []
+    mesh = check.all_touch_force.error - check.model_error
+    parts = [f"{mesh:.2g} N of mesh and method"]
+    value = check.all_touch_force.value or 0.0
+    parts += [f"{effect.threshold * value:.2g} N of {effect.effect} left out" for effect in check.left_out]
+    return [
+        f"  margin         {check.margin:.2f} N from the pessimistic end to {check.force:g} N",
+        f"  error          {', '.join(parts)}",
+    ]
+
+
+def _model_lines(check: ContactCheck) -> list[str]:
+    lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
+    lines += [f"  before it      {tier}: {force}, {spent:.2f} s" for tier, force, spent in check.climbed]
+    if check.next_tier:
+        tier, seconds = check.next_tier
+        lines.append(f"  next           --tier {tier}, about {seconds:.2g} s more")
+    return lines
 
 
 def _manufacture_lines(check: ContactCheck) -> list[str]:
     made = check.manufacture
     if made is None or made.passing.value is None or made.passing.error is None:
         return []
+    loss = f"largest loss: {made.largest}" if made.largest else "all that were sampled"
     crests = "  ".join(f"{slope:+.0f}" for slope in made.crest_sensitivity)
     return [
-        f"  yield          {made.passing.value:.1%} (+- {made.passing.error:.1%}) of parts pass; "
-        f"largest loss: {made.largest}",
+        f"  yield          {made.passing.value:.1%} (+- {made.passing.error:.1%}) of parts pass; {loss}",
         f"  per crest      {crests} N per mm that it is lower",
     ]
+
+
+def stress_lines(states: list[FilmStress], file: str) -> list[str]:
+    """Return what `check --stress` prints beneath the verdict."""
+
+    def row(name: str, values: tuple[Estimate, ...]) -> str:
+        error = max((v.error or 0.0) for v in values)
+        numbers = "  ".join(f"{v.value:+.4f}" for v in values)
+        return f"    {name:8} {numbers} (+- {error:.1g}) MPa"
+
+    lines = []
+    for state in states:
+        lines.append(f"  stress across the film at {state.force:g} N, pulled by {state.tangential:g} N")
+        lines += [row("S1", state.s1), row("S2", state.s2), row("S1 - S2", state.differential)]
+    notes = dict.fromkeys(note for state in states for note in state.warnings)
+    return [*lines, *(f"  note           {note}" for note in notes), f"  picture        {file}"]
 
 
 def make_lines(result: MakeResult) -> list[str]:
@@ -71,3 +114,26 @@ def make_lines(result: MakeResult) -> list[str]:
         f"{len(result.files)} files in {result.folder}, {result.seconds['total']:.1f} s",
         f"{result.name}: {'passed' if result.passed else 'FAILED'}",
     ]
+
+
+def material_lines(fit: MaterialFit) -> list[str]:
+    """Return what `fit-material` prints, with the TOML lines to paste into a design."""
+    unit = "N" if fit.kind == "pad" else "MPa"
+    halves = "  ".join(f"{part.young_modulus} from {part.start:.3g} to {part.end:.3g}" for part in fit.parts)
+    return [
+        f"The {fit.kind} test gives a Young's modulus of {fit.young_modulus} (95 %), "
+        f"by {fit.rows_used} of {fit.rows} rows.",
+        f"  error          scatter {fit.scatter:.2g}, model {fit.model:.2g}, misfit {fit.misfit:.2g} MPa",
+        *([f"  by halves      {halves}"] if halves else []),
+        *([f"  first touch    at {fit.offset} of approach"] if fit.offset else []),
+        f"  residual       {fit.rms:.2g} {unit} rms, {fit.rms / fit.largest_load:.1%} of the largest load",
+        *(f"  note           {warning}" for warning in fit.warnings),
+        "",
+        "[material]",
+        f"young_modulus = {ranged_toml(fit.ranged)}",
+    ]
+
+
+def ranged_toml(ranged: Ranged) -> str:
+    """Return a number with its range as a TOML value."""
+    return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"

@@ -6,6 +6,7 @@ from skincad import check
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.measurements import crest_drops
+from skincad.section import frame
 
 
 @pytest.mark.parametrize(
@@ -33,8 +34,14 @@ def test_a_bad_file_is_refused_with_its_row_and_remedy(
     assert "\n" not in str(refused.value)
 
 
+def as_designed(path: Path, design: Design) -> Path:
+    rows = [f"{r},{frame(design, r).at(0.0, design.ridge.height).z!r}" for r in range(1, 10)]
+    path.write_text("ridge,crest_mm\n" + "\n".join(rows))
+    return path
+
+
 def test_a_missing_file_and_a_wrong_tier_are_refused(tmp_path: Path, yamada: Design) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         check(yamada, measured=tmp_path / "none.csv")
-    with pytest.raises(InputError, match="--measured: is judged by the linear tier only"):
-        check(yamada, measured=tmp_path / "none.csv", tier="winkler")
+    with pytest.raises(InputError, match="--measured: is not judged by --tier winkler"):
+        check(yamada, measured=as_designed(tmp_path / "crests.csv", yamada), tier="winkler")

@@ -48,7 +48,7 @@ def test_the_commands_shown_work(tmp_path: Path, line: str) -> None:
 
 def test_every_command_is_shown() -> None:
     for command in app.registered_commands:
-        assert f"skincad {command.callback.__name__}" in README
+        assert f"skincad {command.name or command.callback.__name__}" in README
 
 
 def test_the_picture_is_what_the_program_draws(made: MakeResult) -> None:

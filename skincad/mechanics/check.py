@@ -3,62 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from skincad.catalog import processes, silicone
 from skincad.design import Design
-from skincad.errors import InputError, did_you_mean
+from skincad.errors import InputError
 from skincad.measurements import crest_drops
-from skincad.mechanics.plate import steepest
+from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.problem import Answer, Manufacture, Request, Spread
+from skincad.mechanics.tiers import AUTO, TIERS, able, run, tier_of
+from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
-TIERS = {
-    "winkler": "skincad.mechanics.winkler:answer",
-    "linear": "skincad.mechanics.linear:answer",
-    "corrected": "skincad.mechanics.corrected:answer",
-    "finite-strain": "skincad.mechanics.finite_strain:answer",
-    "solid": "skincad.mechanics.solid:answer",
-}
-PLANNED_TIERS = ("solid-finite-strain",)
 LARGEST_FORCE = 1e6  # N, as contact.force
-SHAPED_PLATES = ("winkler", "linear")
-STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
-LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
-STUB = 2.0  # heights in widths up to which a ridge is no column
-SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which the linear tier is meant
-
-# Sizes of what a tier leaves out, measured on plain-ridges: 12 mm long, 4 mm thick (FACTS.md; finite strain
-# by its own tier)
-FREE_ENDS = (
-    "free ends are left out: plain-ridges, 12 mm long, touches at 23 % less force, yamada-2002 with its "
-    "strips at 16 % less (--tier corrected computes it)"
-)
-FINITE_STRAIN = (
-    "finite strain is left out: plain-ridges touches at 5 % more force, its outer shares a quarter smaller "
-    "(--tier finite-strain computes it)"
-)
-LEFT_OUT = {
-    "linear": (FREE_ENDS, FINITE_STRAIN),
-    "corrected": (FINITE_STRAIN,),
-    "finite-strain": (FREE_ENDS,),
-    "solid": (FINITE_STRAIN,),
-}
-SMALL_STRAIN_TIERS = ("winkler", "linear", "corrected", "solid")
+FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
+MESH_SHARE = 0.3  # of an asked tolerance, what `auto` leaves to the mesh
+FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
 
 
 @dataclass(frozen=True)
 class ContactCheck:
     """The verdict at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
 
-    Errors are those of discretisation (of the model, for winkler); what the tier leaves out is in
-    `warnings`. `residual` is the largest relative violation of contact and equilibrium.
+    Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
+    model's, by effect. `residual` is the largest relative violation of contact and equilibrium. `climbed`
+    holds the tiers before with their F9 and seconds, `next_tier` the next with the seconds expected.
     """
 
     name: str
@@ -74,9 +47,23 @@ class ContactCheck:
     residual: float
     seconds: dict[str, float]
     warnings: tuple[str, ...]
+    left_out: tuple[LeftOut, ...] = ()
+    climbed: tuple[tuple[str, Estimate, float], ...] = ()
+    next_tier: tuple[str, float] | None = None
     manufacture: Manufacture | None = None
     plate: str = "flat"
     beyond: str = ""  # why the verdict is outside the model's range
+
+    @property
+    def margin(self) -> float | None:
+        """Newtons from the pessimistic end of the all-touch force to the asked one; negative where failed."""
+        upper = self.all_touch_force.upper
+        return None if upper is None else self.force - upper
+
+    @property
+    def model_error(self) -> float:
+        """The part of the all-touch force's error that is the model's, N."""
+        return math.fsum(effect.threshold for effect in self.left_out) * (self.all_touch_force.value or 0.0)
 
     def as_json(self) -> dict[str, Any]:
         """Return the `check` object of `--json`; the unit is the key's suffix."""
@@ -88,9 +75,20 @@ class ContactCheck:
             "ridges": self.ridges,
             "touching": self.touching,
             "all_touch_force_N": self.all_touch_force.as_json(),
+            "margin_N": self.margin,
+            "model_error_N": self.model_error,
+            "left_out": [
+                {"effect": effect.effect, "all_touch_force": effect.threshold, "approach": effect.approach}
+                for effect in self.left_out
+            ],
             "approach_mm": self.approach.as_json(),
             "ridge_force_N": [f.as_json() for f in self.ridge_force],
             "tier": self.tier,
+            "climbed": [
+                {"tier": name, "all_touch_force_N": force.as_json(), "seconds": seconds}
+                for name, force, seconds in self.climbed
+            ],
+            "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
             "unknowns": self.unknowns,
             "residual": self.residual,
             **self._manufacture(),
@@ -122,12 +120,14 @@ def check(
     measured: Path | str | None = None,
     progress: Progress | None = None,
 ) -> ContactCheck:
-    """Return whether all ridges touch a rigid flat plate at `force` N (the design's own if None).
+    """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
 
-    `tol` is the asked relative error of discretisation, `budget` the seconds that it may take (alone it
-    asks for the best that they buy); `measured` a CSV of a cast part's crest heights (columns ridge,
-    crest_mm), to judge that part. Passed means: all touch, and F9 with its error still lies at or below
-    the force. Raises InputError for a force, tolerance, budget or tier out of range.
+    `tier` names a model; `auto` climbs from the cheapest that may do, until the whole relative error of the
+    all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget` in seconds, no
+    further than it may last. With a tier named, `tol` and `budget` are asked of its mesh. `measured` is a
+    CSV of a cast part's crest heights (columns ridge, crest_mm), to judge that part. Passed means: all
+    touch, and the all-touch force with its error still lies at or below the force. Raises InputError for a
+    force, tolerance, budget or tier out of range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -135,146 +135,203 @@ def check(
     if not 0 < asked <= LARGEST_FORCE:
         raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
     if tol is not None and not 0 < tol < 1:
-        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.005")
+        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.05")
     if budget is not None and not (budget > 0 and math.isfinite(budget)):
         raise InputError("--budget", "must be above 0 s", budget)
-    name = _tier(tier)
-    plate_notes = _check_plate(design, name)
-    module, _, function = TIERS[name].partition(":")
-    solve: Callable[..., Answer] = getattr(import_module(module), function)
-    started = perf_counter()
-    found = solve(design, _request(design, name, asked, tol, budget, measured), progress)
-    total = perf_counter() - started
-    if (found.approach.value or 0.0) >= design.skin.thickness + design.ridge.height:
-        raise InputError(
-            "contact.force" if force is None else "--force",
-            f"presses the skin through its whole thickness in the {name} tier",
-            asked,
-            "take a smaller force",
+    drops = () if measured is None else crest_drops(measured, design)
+    notes = slope_warnings(design)
+    climb = _Climb(design, asked, drops, notes, progress)
+    if tier == "auto":
+        return climb.auto(tol, budget)
+    tier_of(tier)
+    if reason := able(tier, design, bool(drops)):
+        raise InputError("--tier", reason, tier, "leave --tier out")
+    found = climb.judged(tier, Request(asked, tol, budget, drops, parts=not drops))
+    return _with_shortfall(found, tol, found.model_error)
+
+
+class _Climb:
+    """One check: the tiers solved so far, and the verdict of each."""
+
+    def __init__(
+        self,
+        design: Design,
+        force: float,
+        drops: tuple[float, ...],
+        notes: tuple[str, ...],
+        progress: Progress | None,
+    ) -> None:
+        self.design, self.force, self.drops, self.notes = design, force, drops, notes
+        self.progress = progress
+        self.began = perf_counter()
+        self.done: dict[str, Answer] = {}
+        self.climbed: list[tuple[str, Estimate, float]] = []
+        self.ladder = [name for name in AUTO if not able(name, design, bool(drops))]
+
+    def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
+        """Climb until the error is met, the verdict clear or the budget used."""
+        mesh = FINEST if tol is None else min(FINEST, MESH_SHARE * tol)
+        request = Request(self.force, mesh, None, self.drops, parts=not self.drops)
+        name = self.ladder[self._start(tol)]
+        while True:
+            found = self.judged(name, request)
+            enough = budget is None and _decided(found) if tol is None else _relative(found, 0.0) <= tol
+            if found.beyond or enough or found.next_tier is None:
+                break
+            if budget is not None and self._spent() + found.next_tier[1] > budget:
+                break
+            name = found.next_tier[0]
+        if budget is not None and self._spent() > budget:
+            late = f"the cheapest model took {self._spent():.2g} s, more than the budget of {budget:g} s"
+            found = replace(found, warnings=(*found.warnings, late))
+        return _with_shortfall(found, tol, 0.0)
+
+    def _start(self, tol: float | None) -> int:
+        """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
+        first = self.ladder.index("linear")
+        if tol is None or self.drops:
+            return first
+        rough = run("winkler", self.design, Request(self.force), {}, None)
+        for i, name in enumerate(self.ladder):
+            bounds = left_out(TIERS[name].leaves_out, self.design, rough, self.force)
+            own = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
+            relative = (own.error or 0.0) / (own.value or 1.0) + math.fsum(b.threshold for b in bounds)
+            if relative <= tol:
+                return i
+        return len(self.ladder) - 1
+
+    def _spent(self) -> float:
+        return perf_counter() - self.began
+
+    def judged(self, name: str, request: Request) -> ContactCheck:
+        """Return the verdict by one tier, solved on what is solved already."""
+        started = self._spent()
+        found = run(name, self.design, request, self.done, self.progress)
+        self._refuse_crushed(name, found)
+        bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
+        made = None if self.drops or name == "winkler" else self._manufacture(found)
+        verdict = self._verdict(name, _with_model(found, bounds, self.force), bounds, made, started)
+        self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
+        return verdict
+
+    def _refuse_crushed(self, name: str, found: Answer) -> None:
+        skin, approach = self.design.skin.thickness + self.design.ridge.height, found.approach.value or 0.0
+        if approach >= skin:
+            most = self.force * skin / approach
+            words = f"must stay below about {most:.3g} N, which press the skin flat in the {name} tier"
+            raise InputError("--force", words, self.force, "take a smaller force")
+
+    def _manufacture(self, found: Answer) -> Manufacture | None:
+        """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
+        threshold = found.all_touch_force.value
+        if not threshold:
+            return None
+        parts = found.parts
+        if parts is None:  # the coarsest linear mesh is enough for a model that is scaled anyway
+            rough = Request(self.force, FINEST, parts=True)
+            parts = run("linear", self.design, rough, self.done, self.progress).parts
+        if parts is None:
+            return None
+        from skincad.mechanics.manufacture import manufacture
+
+        return manufacture(parts, self.force, threshold, spread_of(self.design))
+
+    def _verdict(
+        self,
+        name: str,
+        found: Answer,
+        bounds: tuple[LeftOut, ...],
+        made: Manufacture | None,
+        started: float,
+    ) -> ContactCheck:
+        design, force, small = self.design, self.force, FINITE_STRAIN in TIERS[name].leaves_out
+        beyond, warnings = "", (*found.warnings, *self.notes)
+        if small or name == "winkler":
+            beyond = beyond_small_strain(design, force, found)
+        beyond = beyond or (found.fault and f"at {force:g} N {found.fault}, which the model does not know")
+        if small:
+            warnings += strain_warnings(design, found)
+        upper, ridges = found.all_touch_force.upper, design.ridge.count
+        passed = found.touching == ridges and upper is not None and upper <= force and not beyond
+        return ContactCheck(
+            design.name,
+            passed,
+            force,
+            ridges,
+            found.touching,
+            found.all_touch_force,
+            found.approach,
+            found.ridge_force,
+            name,
+            found.unknowns,
+            found.residual,
+            {"total": self._spent(), **found.seconds},
+            warnings,
+            bounds,
+            tuple(self.climbed),
+            self._next(name, self._spent() - started),
+            made,
+            design.contact.plate.shape,
+            beyond,
         )
-    found = replace(found, warnings=(*found.warnings, *plate_notes))
-    return _verdict(design, asked, name, found, total)
+
+    def _next(self, name: str, seconds: float) -> tuple[str, float] | None:
+        """The next tier with less left out and its seconds, from what this one took."""
+        mine = TIERS[name]
+        better = [
+            other
+            for other in self.ladder
+            if TIERS[other].price > mine.price
+            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(mine.leaves_out))
+        ]
+        if not better:
+            return None
+        had = max((TIERS[n].price for n in self.done if n in TIERS[better[0]].on), default=0.0)
+        per_price = seconds / (mine.price - max((TIERS[n].price for n in mine.on), default=0.0))
+        return better[0], (TIERS[better[0]].price - had) * per_price
 
 
-def _check_plate(design: Design, tier: str) -> list[str]:
-    """Refuse a shaped plate where the tier has none; say what its slopes leave out."""
-    plate = design.contact.plate
-    if plate.shape == "flat":
-        return []
-    if tier not in SHAPED_PLATES:
-        raise InputError("contact.plate.shape", f"must be 'flat' for --tier {tier}", plate.shape)
-    slope = steepest(plate, design.skin.width / 2)
-    if slope > STEEPEST:
-        raise InputError(
-            "contact.plate",
-            f"must not slope by more than {STEEPEST:g} within the skin (contact is taken as vertical)",
-            slope,
-            "take a larger radius",
-        )
-    return [f"contact is taken as vertical: at the plate's slopes up to {slope:.2g}, {slope**2 / 2:.1%} off"]
-
-
-def _request(
-    design: Design,
-    tier: str,
-    force: float,
-    tol: float | None,
-    budget: float | None,
-    measured: Path | str | None,
-) -> Request:
-    if measured is None:
-        return Request(force, tol, budget, _spread(design))
-    if tier != "linear":
-        raise InputError("--measured", "is judged by the linear tier only", tier, "leave --tier out")
-    return Request(force, tol, budget, drops=crest_drops(measured, design))
-
-
-def _spread(design: Design) -> Spread:
+def spread_of(design: Design) -> Spread:
+    """Return how parts of a design differ: by its mold's process and its material's range."""
     process, modulus = design.mold.process, silicone(design.material).young_modulus
     sigma = processes()[process].crest_sigma
     return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))
 
 
-def _tier(tier: str) -> str:
-    if tier == "auto":
-        return "linear"
-    if tier in PLANNED_TIERS:
-        raise InputError("--tier", "is not available in this version", tier, "use linear or winkler")
-    if tier not in TIERS:
-        raise InputError("--tier", "unknown tier", tier, did_you_mean(tier, [*TIERS, *PLANNED_TIERS, "auto"]))
-    return tier
+def _relative(found: ContactCheck, spared: float) -> float:
+    """Error of the all-touch force, less what is spared of it, against its value or FLOOR."""
+    value, error = found.all_touch_force.value, found.all_touch_force.error
+    return (error - spared) / max(value, FLOOR * found.force) if value and error else 0.0
 
 
-def _verdict(design: Design, force: float, tier: str, found: Answer, total: float) -> ContactCheck:
-    ridges, upper = design.ridge.count, found.all_touch_force.upper
-    warnings, beyond = (
-        list(found.warnings),
-        _beyond(design, force, found) if tier in SMALL_STRAIN_TIERS else "",
+def _with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> ContactCheck:
+    """Say that the tolerance is not met, where no tier's own warning does."""
+    reached = _relative(found, spared)
+    if tol is None or reached <= tol or found.beyond or any("not met" in w for w in found.warnings):
+        return found
+    words = f"the all-touch force's error is {reached:.2g} of its value: the asked {tol:g} is not met"
+    return replace(found, warnings=(*found.warnings, words))
+
+
+def _decided(found: ContactCheck) -> bool:
+    """Whether the whole interval of the all-touch force lies on one side of the asked force."""
+    force = found.all_touch_force
+    if force.value is None or force.error is None:
+        return True
+    return force.value + force.error <= found.force or force.value - force.error > found.force
+
+
+def _with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:
+    """Add to each error what the model leaves out."""
+
+    def wider(estimate: Estimate, more: float) -> Estimate:
+        return replace(estimate, error=None if estimate.error is None else estimate.error + more)
+
+    threshold, approach, shares = found.all_touch_force, found.approach, found.ridge_force
+    mean = force / len(shares) if len(shares) > 1 else 0.0
+    return replace(
+        found,
+        all_touch_force=wider(threshold, (threshold.value or 0.0) * math.fsum(b.threshold for b in bounds)),
+        approach=wider(approach, (approach.value or 0.0) * math.fsum(b.approach for b in bounds)),
+        ridge_force=tuple(wider(f, mean * math.fsum(b.share for b in bounds)) for f in shares),
     )
-    warnings += LEFT_OUT.get(tier, ())
-    if tier in SMALL_STRAIN_TIERS and tier != "winkler":
-        warnings += _strain_warning(design, found)
-    return ContactCheck(
-        design.name,
-        found.touching == ridges and upper is not None and upper <= force and not beyond,
-        force,
-        ridges,
-        found.touching,
-        found.all_touch_force,
-        found.approach,
-        found.ridge_force,
-        tier,
-        found.unknowns,
-        found.residual,
-        {"total": total, **found.seconds},
-        tuple(warnings),
-        found.manufacture,
-        design.contact.plate.shape,
-        beyond,
-    )
-
-
-def _plane_modulus(design: Design) -> float:
-    stuff = silicone(design.material)
-    return stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
-
-
-def ridge_strain(design: Design, found: Answer) -> float:
-    """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
-    width = (design.ridge.root_width + design.ridge.tip_width) / 2
-    largest = max(f.value or 0.0 for f in found.ridge_force)
-    return largest / (_plane_modulus(design) * width * design.skin.length)
-
-
-def buckling_force(design: Design) -> float:
-    """Return the force, N, at which a slender ridge buckles: a column clamped at its root, free at its tip.
-
-    pi^2 E' I / (4 h^2) with I = L w^3 / 12, w the mean width; a stub no higher than `STUB` widths gives way
-    otherwise, infinite. Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., sec. 2.2.
-    """
-    ridge = design.ridge
-    width = (ridge.root_width + ridge.tip_width) / 2
-    if ridge.height <= STUB * width:
-        return math.inf
-    inertia = design.skin.length * width**3 / 12
-    return math.pi**2 * _plane_modulus(design) * inertia / (4 * ridge.height**2)
-
-
-def _beyond(design: Design, force: float, found: Answer) -> str:
-    """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
-    threshold = found.all_touch_force.value
-    at = 1.0 if threshold is None else min(1.0, threshold / force)
-    strain = ridge_strain(design, found) * at
-    if strain > LARGEST_STRAIN:
-        return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
-    largest, critical = max(f.value or 0.0 for f in found.ridge_force) * at, buckling_force(design)
-    if largest > critical:
-        return f"a ridge buckles at {critical:.3g} N and would carry {largest:.3g} N"
-    return ""
-
-
-def _strain_warning(design: Design, found: Answer) -> list[str]:
-    strain = ridge_strain(design, found)
-    if strain <= SMALL_STRAIN:
-        return []
-    return [f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"]

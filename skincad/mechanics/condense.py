@@ -74,12 +74,14 @@ def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
     natural = np.arange(order.size)
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
-    schur = factor.L[-k:, -k:].toarray() @ factor.U[-k:, -k:].toarray()
-    try:
-        root = linalg.cho_factor((schur + schur.T) / 2)
-    except linalg.LinAlgError:
+    # symmetric without pivots: the trailing block is L D L^T with D the diagonal of U
+    pivots = factor.U.diagonal()[-k:]
+    if not (pivots > 0).all():
         raise ContactError(
             "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
-        ) from None
-    flexibility = linalg.cho_solve(root, np.eye(k))
-    return Condensed((flexibility + flexibility.T) / 2, order, factor)
+        )
+    root = factor.L[-k:, -k:].toarray(order="F") * np.sqrt(pivots)
+    lower, failed = linalg.lapack.dpotri(root, lower=True, overwrite_c=True)
+    if failed:
+        raise ContactError(f"the condensed stiffness has no inverse (dpotri {failed}); take a coarser mesh")
+    return Condensed(np.tril(lower) + np.tril(lower, -1).T, order, factor)

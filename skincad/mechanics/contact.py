@@ -34,11 +34,17 @@ class Contact:
     residual: float
 
 
-def press(flexibility: Array, gap: Array, force: float, start: Mask | None = None) -> Contact:
+Solved = dict[bytes, tuple[Array, Array]]  # of one pad: active points to what they carry by gaps and by one
+
+
+def press(
+    flexibility: Array, gap: Array, force: float, start: Mask | None = None, solved: Solved | None = None
+) -> Contact:
     """Return the contact state at a total force by a primal-dual active set.
 
     `flexibility` `(m, m)` symmetric positive definite, `gap` `(m,)` at approach 0. Hintermueller, Ito and
-    Kunisch, SIAM J. Optim. 13 (2002) 865. When the sweeps cycle, a primal active set finishes, which
+    Kunisch, SIAM J. Optim. 13 (2002) 865. `solved` remembers the sets factorised so far, for the same pad
+    under another force. When the sweeps cycle, a primal active set finishes, which
     ends by itself because its objective falls. Raises ContactError rather than return a state whose
     complementarity is worse than 1e-10 of scale.
     """
@@ -48,7 +54,7 @@ def press(flexibility: Array, gap: Array, force: float, start: Mask | None = Non
     if active is None or not active.any():
         active = gap <= gap.min() + _first_approach(flexibility, gap, force)
     for _ in range(SWEEPS):
-        nodal, approach = _equilibrium(flexibility, gap, force, active)
+        nodal, approach = _equilibrium(flexibility, gap, force, active, {} if solved is None else solved)
         open_gap = gap - approach + flexibility @ nodal
         small_force, small_gap = ROUNDING * force, ROUNDING * _length(gap, approach)
         wanted = (active & (nodal >= -small_force)) | (~active & (open_gap < -small_gap))
@@ -69,20 +75,30 @@ def _length(gap: Array, approach: float) -> float:
     return float(abs(approach) + np.ptp(gap)) or 1.0
 
 
-def _equilibrium(flexibility: Array, gap: Array, force: float, active: Mask) -> tuple[Array, float]:
+def _equilibrium(
+    flexibility: Array, gap: Array, force: float, active: Mask, solved: Solved
+) -> tuple[Array, float]:
     """Forces and approach that close exactly the active points under the total force."""
-    inside = np.flatnonzero(active)
-    try:
-        root = linalg.cho_factor(flexibility[np.ix_(inside, inside)], check_finite=False)
-    except linalg.LinAlgError:
-        raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
+    inside, key = np.flatnonzero(active), active.tobytes()
     first = gap[inside].min()  # counted from here, so that a tiny force loses no digits
-    sides = np.column_stack([gap[inside] - first, np.ones(inside.size)])
-    by_gap, by_one = linalg.cho_solve(root, sides, check_finite=False).T
+    if key not in solved:
+        solved[key] = _carried(flexibility[np.ix_(inside, inside)], gap[inside] - first)
+    by_gap, by_one = solved[key]
     beyond = (force + by_gap.sum()) / by_one.sum()
     nodal = np.zeros_like(gap)
     nodal[inside] = beyond * by_one - by_gap
     return nodal, float(first + beyond)
+
+
+def _carried(flexibility: Array, gap: Array) -> tuple[Array, Array]:
+    """Forces that move points by their gaps, and all by one."""
+    try:
+        root = linalg.cho_factor(flexibility, check_finite=False)
+    except linalg.LinAlgError:
+        raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
+    sides = np.column_stack([gap, np.ones(gap.size)])
+    by_gap, by_one = linalg.cho_solve(root, sides, check_finite=False).T
+    return by_gap, by_one
 
 
 def _descend(flexibility: Array, gap: Array, force: float) -> Contact:
@@ -95,7 +111,7 @@ def _descend(flexibility: Array, gap: Array, force: float) -> Contact:
     first = int(np.argmin(gap + force * np.diag(flexibility)))
     nodal[first], active[first] = force, True
     for _ in range(20 * gap.size + 100):
-        target, approach = _equilibrium(flexibility, gap, force, active)
+        target, approach = _equilibrium(flexibility, gap, force, active, {})
         if (target[active] >= 0).all():
             nodal = target
             open_gap = np.where(active, 0.0, gap - approach + flexibility @ nodal)

@@ -42,30 +42,27 @@ class Ends:
     solid: Level
 
 
-def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
-    """Return the linear tier's verdict on a design, corrected for its free ends.
+def answer(
+    design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
+) -> Answer:
+    """Return the linear tier's answer `fine`, solved here where not at hand, corrected for its free ends.
 
     Errors are the linear tier's discretisation error plus that of the change. The change is meant for
     strains as small as the linear tier's.
     """
     started = perf_counter()
-    fine = linear.solve(pad_of(design), replace(request, spread=None), progress)
+    if fine is None:
+        fine = linear.answer(design, request, progress)
     if progress:
         progress("corrected tier: coarse solid with free ends")
-    seconds = dict(fine.seconds)
     spent: dict[str, float] = {}
-    ends = free_ends(plain_pad(design), request.force, spent)
-    seconds["solid"] = math.fsum(spent.values())
-    found = _corrected(fine, ends, request.force)
+    ends = free_ends(plain_pad(design), request.force, spent, drops=request.drops)
+    errors = Errors(APPROACH_ERROR, THRESHOLD_ERROR, SHARE_ERROR)
+    found = changed(fine, ends.plane, ends.solid, request.force, errors)
     warnings = list(fine.warnings)
-    wanted = request.tol or 0.0
-    reached = max(APPROACH_ERROR, THRESHOLD_ERROR, SHARE_ERROR)
-    if 0 < wanted < reached:
-        warnings.append(
-            f"the free ends' change is known to {reached:g}: the asked {wanted:.1e} needs --tier solid"
-        )
     if request.budget is not None and perf_counter() - started > request.budget:
         warnings.append(f"the coarse solid overran the budget of {request.budget:g} s")
+    seconds = {**fine.seconds, "solid": math.fsum(spent.values())}
     return replace(found, warnings=tuple(warnings), seconds=seconds)
 
 
@@ -80,46 +77,66 @@ def plain_pad(design: Design) -> Pad:
         return pad_of(design)
 
 
-def free_ends(pad: Pad, force: float, seconds: dict[str, float], along: Layers = LAYERS) -> Ends:
-    """Return the coarse answers at `force` N in plane strain and with free ends."""
-    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, 1.0)))
+def free_ends(
+    pad: Pad,
+    force: float,
+    seconds: dict[str, float],
+    along: Layers = LAYERS,
+    drops: tuple[float, ...] = (),
+) -> Ends:
+    """Return the coarse answers at `force` N in plane strain and with free ends; `drops` as in Request."""
+    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, 1.0), whole=bool(drops)))
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, ORDER))
-    plane = pressed(meshed, forms, None, force, seconds)
-    return Ends(plane, pressed(meshed, forms, along, force, seconds))
+    plane = pressed(meshed, forms, None, force, seconds, drops=drops)
+    return Ends(plane, pressed(meshed, forms, along, force, seconds, drops=drops))
 
 
-def _corrected(fine: Answer, ends: Ends, force: float) -> Answer:
-    """Approach and F9 change by a factor; shares by a difference, so that they still sum to the force."""
-    approach = ends.solid.approach / ends.plane.approach
+@dataclass(frozen=True)
+class Errors:
+    """Errors of a change: relative of approach and F9, and of a share in mean shares."""
+
+    approach: float
+    threshold: float
+    share: float
+
+
+def changed(fine: Answer, before: Level, after: Level, force: float, errors: Errors) -> Answer:
+    """Return a fine answer with what changes from one coarse level to another on the same mesh.
+
+    Approach and F9 change by a factor; shares by a difference, so that they still sum to the force.
+    """
+    approach = after.approach / before.approach
     value, error = fine.approach.value or 0.0, fine.approach.error or 0.0
-    shares = _shares(fine, ends)
-    share_error = (fine.ridge_force[0].error or 0.0) + SHARE_ERROR * force / len(shares)
+    shares = _shares(fine, before, after)
+    share_error = (fine.ridge_force[0].error or 0.0) + errors.share * force / len(shares)
     return Answer(
         int(np.count_nonzero(shares > 0)),
-        _threshold(fine, ends, force),
-        Estimate(value * approach, (error + APPROACH_ERROR * value) * approach, "mm"),
+        _threshold(fine, before, after, force, errors.threshold),
+        Estimate(value * approach, (error + errors.approach * value) * approach, "mm"),
         tuple(Estimate(float(f), share_error, "N") for f in shares),
-        max(fine.unknowns, ends.solid.unknowns),
-        max(fine.residual, ends.plane.residual, ends.solid.residual),
+        max(fine.unknowns, after.unknowns),
+        max(fine.residual, before.residual, after.residual),
         {},
+        fault=fine.fault,
+        parts=fine.parts,
     )
 
 
-def _threshold(fine: Answer, ends: Ends, force: float) -> Estimate:
-    """F9 times its ratio; where it is next to nothing, the solid's own value, known to FLOOR of the force."""
-    value, plane, solid = fine.all_touch_force.value, ends.plane.all_touch_force, ends.solid.all_touch_force
-    if value is None or plane is None or solid is None:
+def _threshold(fine: Answer, before: Level, after: Level, force: float, relative: float) -> Estimate:
+    """F9 times its ratio; where it is next to nothing, the level's own value, known to FLOOR of the force."""
+    value, first, last = fine.all_touch_force.value, before.all_touch_force, after.all_touch_force
+    if value is None or first is None or last is None:
         return Estimate(None, None, "N")
-    if min(value, plane) <= FLOOR * force:
-        return Estimate(solid, FLOOR * force if solid else 0.0, "N")
-    ratio = solid / plane
-    error = (fine.all_touch_force.error or 0.0) + THRESHOLD_ERROR * value
+    if min(value, first) <= FLOOR * force:
+        return Estimate(last, FLOOR * force if last else 0.0, "N")
+    ratio = last / first
+    error = (fine.all_touch_force.error or 0.0) + relative * value
     return Estimate(value * ratio, error * ratio, "N")
 
 
-def _shares(fine: Answer, ends: Ends) -> Array:
-    """Shares with free ends: none where the solid's ridge is clear, never a pull, in sum the force."""
-    before = np.array([f.value or 0.0 for f in fine.ridge_force])
-    after = before + ends.solid.ridge_force - ends.plane.ridge_force
-    after = np.where(ends.solid.ridge_force > 0, np.maximum(after, 0.0), 0.0)
-    return np.asarray(after * (before.sum() / after.sum()))
+def _shares(fine: Answer, before: Level, after: Level) -> Array:
+    """Changed shares: none where the last level's ridge is clear, never a pull, in sum the force."""
+    known = np.array([f.value or 0.0 for f in fine.ridge_force])
+    found = known + after.ridge_force - before.ridge_force
+    found = np.where(after.ridge_force > 0, np.maximum(found, 0.0), 0.0)
+    return np.asarray(found * (known.sum() / found.sum()))

@@ -1,13 +1,15 @@
 """Nested dissection on the section's triangles: the Schur complement of a solid extruded from them.
 
 All unknowns above one point of the section are eliminated together, so the fronts are dense and large:
-ten times faster than a general sparse factorisation, of which nothing but the last block is wanted.
+ten times faster than a general sparse factorisation, of which nothing but the last block is wanted. Where
+the other unknowns are wanted too, the fronts are kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +21,39 @@ from skincad.mechanics.problem import ContactError
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+NOT_DEFINITE = "the stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
 LEAF = 3  # triangles; smaller leaves cost more calls, larger ones more arithmetic
 
 
 @dataclass(frozen=True)
 class Front:
-    """Functions `own` that it eliminates, `border` that it leaves coupled; `children` come before it."""
+    """Functions `own` that it eliminates, `border` that it leaves coupled; `children` come before it.
+
+    `triangles` are a leaf's, none of a front with children.
+    """
 
     own: Index
     border: Index
     children: tuple[int, ...]
+    triangles: Index
+
+
+@dataclass(frozen=True)
+class Eliminated:
+    """A front's unknowns `own` `(k,)` and `border` `(m,)`, its Cholesky factors `root` `(k, k)`, lower, and
+    `side` `(m, k)`, and the lower triangle `rest` `(m, m)` that it leaves."""
+
+    own: Index
+    border: Index
+    root: Array
+    side: Array
+    rest: Array
+
+
+Unknowns = Callable[[Index], Index]  # the free unknowns of functions, in their order
+# Adds to a front's block `(n, n)`, lower triangle, what it assembles itself: of the front, at `where` each
+# unknown is, -1 outside; with its `own` and `border` unknowns
+Fill = Callable[[Array, Front, Index, Index, Index], None]
 
 
 def dissection(functions: list[Index], centres: Array, last: Index) -> list[Front]:
@@ -51,7 +76,8 @@ def dissection(functions: list[Index], centres: Array, last: Index) -> list[Fron
             beyond = np.union1d(outside, own)
             children = tuple(visit(half, beyond) for half in halves)
         border = np.intersect1d(here, outside, assume_unique=True)
-        fronts.append(Front(own, border, children))
+        leaf = triangles[:0] if children else triangles
+        fronts.append(Front(own, border, children, leaf))
         return len(fronts) - 1
 
     visit(np.arange(len(functions)), np.sort(last))
@@ -80,32 +106,82 @@ def _separator(
 
 
 def schur(
-    matrix: sparse.csr_matrix, fronts: list[Front], unknowns: Callable[[Index], Index], load: Array
+    matrix: sparse.csr_matrix, fronts: list[Front], unknowns: Unknowns, load: Array
 ) -> tuple[Array, Array]:
     """Return the Schur complement `(k, k)` on the root's border, and the load `(k,)` condensed to it.
 
-    `unknowns` gives the free unknowns of functions, in their order; `load` is `(n,)`. Duff and Reid, ACM
-    Trans. Math. Softw. 9 (1983) 302; fronts hold their lower triangle only. Raises ContactError when the
-    matrix is not positive definite.
+    `load` is `(n,)`. Raises ContactError when the matrix is not positive definite.
     """
-    where = np.full(matrix.shape[0], -1)
     load = load.copy()
+
+    def fill(block: Array, front: Front, own: Index, border: Index, where: Index) -> None:
+        _add_rows(block, matrix, own, where)
+        if front is fronts[-1]:
+            _add_rows(block, matrix, border, where, own.size)
+
+    for step in eliminated(fronts, unknowns, fill, load.size):
+        _forward(step, load)
+    return step.rest + np.tril(step.rest, -1).T, load[step.border]
+
+
+def eliminated(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -> Iterator[Eliminated]:
+    """Yield front after front of a matrix `(size, size)`, eliminated; the last leaves the Schur complement.
+
+    Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302; fronts hold their lower triangle only. Raises
+    ContactError when the matrix is not positive definite.
+    """
+    where = np.full(size, -1)
     left: dict[int, tuple[Index, Array]] = {}
     for number, front in enumerate(fronts):
         own, border = unknowns(front.own), unknowns(front.border)
         rows = np.concatenate([own, border])
         where[rows] = np.arange(rows.size)
         block = np.zeros((rows.size, rows.size), order="F")
-        _add_rows(block, matrix, own, where)
+        fill(block, front, own, border, where)
         for child in front.children:
             theirs, rest = left.pop(child)
             _add_runs(block, rest, where[theirs])
-        if number == len(fronts) - 1:
-            _add_rows(block, matrix, border, where, own.size)
         where[rows] = -1
-        left[number] = border, _eliminate(block, own, border, load)
-    border, rest = left[len(fronts) - 1]
-    return rest + np.tril(rest, -1).T, load[border]
+        step = _eliminate(block, own, border)
+        left[number] = border, step.rest
+        yield step
+
+
+@dataclass(frozen=True)
+class Factored:
+    """Kept fronts of a positive definite matrix; `flexibility` `(k, k)` is the inverse's block on the root's
+    border `(k,)`."""
+
+    steps: tuple[Eliminated, ...]
+    border: Index
+    complement: Any
+    flexibility: Array
+
+    def solve(self, load: Array) -> Array:
+        """Return the unknowns `(n,)` under a load `(n,)`, 0 where they are not free."""
+        found, load = np.zeros_like(load), load.copy()
+        parts = [_forward(step, load) for step in self.steps]
+        found[self.border] = linalg.cho_solve(self.complement, load[self.border], check_finite=False)
+        for step, part in zip(reversed(self.steps), reversed(parts), strict=True):
+            side = part - found[step.border] @ step.side
+            found[step.own] = linalg.solve_triangular(
+                step.root, side, trans=1, lower=True, check_finite=False
+            )
+        return found
+
+
+def factored(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -> Factored:
+    """Return the matrix factored; ContactError when it is not positive definite."""
+    steps = []
+    for step in eliminated(fronts, unknowns, fill, size):
+        steps.append(replace(step, rest=np.empty((0, 0))))  # the parent has it; only factors are kept
+        rest = step.rest
+    try:
+        root = linalg.cho_factor(rest, lower=True, check_finite=False)
+    except linalg.LinAlgError:
+        raise ContactError(NOT_DEFINITE) from None
+    flexibility = linalg.cho_solve(root, np.eye(len(rest)), check_finite=False)
+    return Factored(tuple(steps), steps[-1].border, root, (flexibility + flexibility.T) / 2)
 
 
 def _add_rows(block: Array, matrix: sparse.csr_matrix, rows: Index, where: Index, first: int = 0) -> None:
@@ -125,17 +201,23 @@ def _add_runs(block: Array, rest: Array, at: Index) -> None:
             block[row : row + b - a, column : column + d - c] += rest[a:b, c:d]
 
 
-def _eliminate(block: Array, own: Index, border: Index, load: Array) -> Array:
-    """Eliminate the first unknowns of a front; the load's border part is updated in place."""
+def _eliminate(block: Array, own: Index, border: Index) -> Eliminated:
+    """Eliminate the first unknowns of a front."""
     k = own.size
     if k == 0:
-        return block
+        return Eliminated(own, border, block[:0, :0], block[:, :0], block)
     root, failed = lapack.dpotrf(block[:k, :k], lower=1, clean=0)
     if failed:
-        raise ContactError(
-            "the stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
-        )
+        raise ContactError(NOT_DEFINITE)
     side = blas.dtrsm(1.0, root, block[k:, :k], side=1, lower=1, trans_a=1)
-    own_load = linalg.solve_triangular(root, load[own], lower=True, check_finite=False)
-    load[border] -= side @ own_load
-    return np.asarray(blas.dsyrk(-1.0, side, beta=1.0, c=block[k:, k:], lower=1))
+    rest = np.asarray(blas.dsyrk(-1.0, side, beta=1.0, c=block[k:, k:], lower=1))
+    return Eliminated(own, border, root, side, rest)
+
+
+def _forward(step: Eliminated, load: Array) -> Array:
+    """Return the load of a front's own unknowns behind its factor; its border's is updated in place."""
+    if step.own.size == 0:
+        return np.empty(0)
+    part = linalg.solve_triangular(step.root, load[step.own], lower=True, check_finite=False)
+    load[step.border] -= step.side @ part
+    return np.asarray(part)

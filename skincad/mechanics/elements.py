@@ -1,4 +1,5 @@
-"""Finite elements on the triangles; only this file, prisms.py and neo_hooke.py name ngsolve.
+"""Finite elements on the triangles; only this file, strip_field.py, prisms.py, section_points.py and
+neo_hooke.py name ngsolve.
 
 Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
 order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric
@@ -19,6 +20,7 @@ from scipy import sparse
 
 Array = NDArray[np.float64]
 FINE = 16  # intervals an edge in the fine sampling of gaps
+EDGE_POINTS = np.linspace(0.0, 1.0, 9)  # of the deformed outline, on each edge
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,8 @@ class Assembled:
 
     `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the
     free unknowns, the contact ones (vertical, on the contact boundary) apart; `lift` `(n,)` is the
-    vertical rigid translation by 1. `nodes` are Gauss-Lobatto points, `fine` a dense even sampling.
+    vertical rigid translation by 1. `nodes` are Gauss-Lobatto points, `fine` a dense even sampling; `mesh`
+    and `space` (displacements times pressures) are what was assembled.
     """
 
     matrix: sparse.csr_matrix
@@ -51,6 +54,8 @@ class Assembled:
     lift: Array
     nodes: Sample
     fine: Sample
+    mesh: Any
+    space: Any
 
     @property
     def unknowns(self) -> int:
@@ -71,7 +76,13 @@ def contact_unknowns(mesh: Any, order: int) -> int:
 
 
 def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Assembled:
-    """Return the condensed small-strain stiffness in plane strain.
+    """Return the condensed small-strain stiffness in plane strain, see `small_strain`."""
+    form, both = small_strain(mesh, order, materials)
+    return with_contact(as_csr(form.mat), mesh, both, order)
+
+
+def small_strain(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
+    """Return NGSolve's assembled form of small strain in plane strain, and its space.
 
     `materials` maps a domain to (Young's modulus, Poisson's ratio), the ratio from 0 to below 0.5. The
     split is 2 G dev(e):dev(e) plus a pressure q with q = K div u, which holds at nu = 0 as well (the
@@ -91,7 +102,7 @@ def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
         - q * r / bulk
     ) * ng.dx
     form.Assemble()
-    return with_contact(as_csr(form.mat), mesh, both, order)
+    return form, both
 
 
 def as_csr(matrix: Any) -> sparse.csr_matrix:
@@ -120,6 +131,8 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
         _lift(mesh, space, both.ndof),
         _merged(_sample(edges, contact, *lobatto(order))),
         _sample(edges, contact, even, np.full(FINE + 1, 1 / FINE)),
+        mesh,
+        both,
     )
 
 
@@ -199,3 +212,41 @@ def _lift(mesh: Any, space: Any, size: int) -> Array:
     lift = np.zeros(size)
     lift[space.Range(1).start + np.arange(mesh.nv)] = 1.0
     return lift
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A closed loop of the boundary at rest and `moved`, `(points, 2)` in units; `touches` `(points,)` marks
+    what of it may meet the plate."""
+
+    rest: Array
+    moved: Array
+    touches: NDArray[np.bool_]
+
+
+def outlines(system: Assembled, values: Array) -> list[Outline]:
+    """Return the loops of the boundary under displacements `values` `(n,)`; strips are left out."""
+    field = ng.GridFunction(system.space)
+    field.vec.FV().NumPy()[:] = values
+    along = ng.IntegrationRule([(float(t),) for t in EDGE_POINTS], [0.0] * EDGE_POINTS.size)
+    points = system.mesh.MapToAllElements(along, ng.BND)
+    shape = (-1, EDGE_POINTS.size, 2)
+    # along an edge the parameter runs from its second vertex to its first
+    at_rest = ng.CF((ng.x, ng.y))(points).reshape(shape)[:, ::-1]
+    shift = field.components[0](points).reshape(shape)[:, ::-1]
+    edges = {}
+    for i, element in enumerate(system.mesh.Elements(ng.BND)):
+        if element.mat != "strip":
+            first, last = (v.nr for v in element.vertices)
+            touches = np.full(EDGE_POINTS.size - 1, element.mat.startswith("contact"))
+            edges[first] = last, at_rest[i, :-1], shift[i, :-1], touches
+    loops = []
+    while edges:
+        following, *parts = edges.popitem()[1]
+        loop = [parts]
+        while following in edges:
+            following, *parts = edges.pop(following)
+            loop.append(parts)
+        rest, moves, touches = (np.concatenate(columns) for columns in zip(*loop, strict=True))
+        loops.append(Outline(rest, rest + moves, touches))
+    return loops

@@ -22,11 +22,18 @@ from threadpoolctl import threadpool_limits
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.mechanics import elements
-from skincad.mechanics.folding import fault
 from skincad.mechanics.linear import Level, climb
 from skincad.mechanics.mesh import unit_of
-from skincad.mechanics.neo_hooke import transferred
-from skincad.mechanics.newton import DivergedError, Pressed, State, press_to, press_until_all_touch, pressed
+from skincad.mechanics.neo_hooke import Body, transferred
+from skincad.mechanics.newton import (
+    DivergedError,
+    Elastic,
+    Pressed,
+    State,
+    press_to,
+    press_until_all_touch,
+    pressed,
+)
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
@@ -56,7 +63,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
             "contact.plate.shape", "must be 'flat' for the finite-strain tier", pad.plate.shape, remedy
         )
     levels = Levels()
-    found = climb(pad, replace(request, spread=None), levels, "finite-strain", progress)
+    found, _ = climb(pad, request, levels, "finite-strain", progress)
     return _with_edge(replace(found, warnings=(*found.warnings, *levels.warnings())), request.force)
 
 
@@ -82,7 +89,7 @@ class _Solved:
 
     triangles: object
     mesh: Any
-    pad: Pressed
+    pad: Pressed[Body]
     pressed: State
     touching: State | None
     beyond: str
@@ -122,7 +129,8 @@ def _level(
     low = np.array(drops) / unit if drops else None
     what = pressed(mesh, order, materials, pad.top / unit, low)
     clock.append(perf_counter())
-    state = _at_force(what, force / scale, scale, before)
+    guess = None if before is None else transferred(before.pad.body, before.pressed.values, what.body)
+    state = at_force(what, force / scale, scale, guess)
     clock.append(perf_counter())
     touching, beyond = _all_touch(what, state, scale, before)
     clock.append(perf_counter())
@@ -131,13 +139,12 @@ def _level(
     return solved, _found(pad, solved, unit, scale, stages)
 
 
-def _at_force(what: Pressed, force: float, scale: float, before: _Solved | None) -> State:
-    """The state at the asked force, refused where it is beyond the model's range."""
-    guess = None if before is None else transferred(before.pad.body, before.pressed.values, what.body)
+def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | None = None) -> State:
+    """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
     reached = 0.0
     try:
         state = press_to(what, force, guess)
-        wrong = fault(what.body, state.values, what.top - state.approach)
+        wrong = what.body.fault(state.values, what.top - state.approach)
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached
     if wrong is None:
@@ -151,10 +158,10 @@ def _at_force(what: Pressed, force: float, scale: float, before: _Solved | None)
     )
 
 
-def _all_touch(what: Pressed, state: State, scale: float, before: _Solved | None) -> tuple[State | None, str]:
-    """The state at which all ridges touch, or None and why; None too for a single ridge, which needs none."""
-    if state.ridges.numbers.size == 1:
-        return None, ""
+def _all_touch(
+    what: Pressed[Body], state: State, scale: float, before: _Solved | None
+) -> tuple[State | None, str]:
+    """`all_touch`, guessed from the order before."""
     if before is not None and before.beyond:
         return None, before.beyond  # a higher order would only search for longer
     guess = None
@@ -162,10 +169,20 @@ def _all_touch(what: Pressed, state: State, scale: float, before: _Solved | None
         # the step between two forces is smooth; what the orders differ by at the corners is in `state`
         step = before.touching.values - before.pressed.values
         guess = state.values + transferred(before.pad.body, step, what.body)
+    return all_touch(what, state, scale, guess)
+
+
+def all_touch(
+    what: Pressed[Elastic], state: State, scale: float, guess: Array | None = None
+) -> tuple[State | None, str]:
+    """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
+    none. `state` is one nearby."""
+    if state.ridges.numbers.size == 1:
+        return None, ""
     reached = state.force
     try:
         found = press_until_all_touch(what, state, guess)
-        wrong = fault(what.body, found.values, what.top - found.approach)
+        wrong = what.body.fault(found.values, what.top - found.approach)
         if wrong is None:
             return found, ""
     except DivergedError as failure:

@@ -34,6 +34,25 @@ class Line:
     fine: Array
 
 
+@dataclass(frozen=True)
+class Inside:
+    """A layer of thickness 1 at its Gauss points `(g,)` of these weights: displacement functions `value`,
+    their `slope`, both `(g, order + 1)`, and the pressure functions `test` `(g, order - 1)`."""
+
+    weight: Array
+    value: Array
+    slope: Array
+    test: Array
+
+
+def inside(order: int) -> Inside:
+    """Return a layer's functions; exact for what `line` integrates."""
+    gauss, weight = legendre.leggauss(order + 1)
+    value, slope = _lagrange(lobatto(order)[0], (gauss + 1) / 2)
+    test: Array = legendre.legvander(gauss, order - 2).astype(np.float64)
+    return Inside(weight / 2, value, slope, test)
+
+
 def constant() -> Line:
     """Return the line of plane strain: one function, 1, over a length of 1."""
     one, zero = np.ones((1, 1)), np.zeros((1, 1))
@@ -63,15 +82,13 @@ def line(borders: Array, order: int, samples: int = 4) -> Line:
     mass, slope, stiff = (np.zeros((count, count)) for _ in range(3))
     mean, rise, inverse = np.zeros((total, count)), np.zeros((total, count)), np.zeros((total, total))
     fine = []
-    gauss, gauss_weight = legendre.leggauss(order + 1)
-    inside = (gauss + 1) / 2
-    value, derivative = _lagrange(points, inside)
-    test = legendre.legvander(gauss, pressures - 1)
+    layer = inside(order)
+    w, value, derivative, test = layer.weight, layer.value, layer.slope, layer.test
     for i, (low, high) in enumerate(pairwise(borders.tolist())):
         size = high - low
         here = slice(i * order, i * order + order + 1)
         there = slice(i * pressures, (i + 1) * pressures)
-        at[here], w = low + size * points, gauss_weight / 2
+        at[here] = low + size * points
         weight[here] += size * weights
         mass[here, here] += size * (value.T * w) @ value
         slope[here, here] += (value.T * w) @ derivative

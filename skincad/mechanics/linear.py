@@ -19,12 +19,12 @@ from skincad.errors import InputError
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed, condense
 from skincad.mechanics.contact import Contact, press
-from skincad.mechanics.manufacture import manufacture
+from skincad.mechanics.folding import fault
 from skincad.mechanics.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.plate import rise
-from skincad.mechanics.problem import Answer, ContactError, Manufacture, Pad, Request, check_pad, pad_of
+from skincad.mechanics.problem import Answer, ContactError, Pad, Request, RidgeModel, check_pad, pad_of
 from skincad.mechanics.ridge_model import ridge_model
 from skincad.mechanics.threshold import Ridges, all_touch_force
+from skincad.mechanics.under_plate import height_above, seen_by_plate
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
@@ -78,6 +78,7 @@ class Level:
     seconds: dict[str, float]
     ridges: Ridges
     scale: float  # N for a force of 1 in the pad's units
+    fault: str = ""  # parts that go through each other or the plate unseen
 
 
 LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], Level]
@@ -95,14 +96,18 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     are climbed until `tol` (relative; shares against the mean share) is met, or until the next one would
     overrun `budget`; a budget alone asks for the best it buys. A tolerance not met is said in a warning.
     """
-    found = climb(pad, request, level, "linear", progress)
+    found, best = climb(pad, request, level, "linear", progress)
     if found.all_touch_force.value is None:
         found = replace(found, warnings=(*found.warnings, NEVER))
+    if request.parts and best.all_touch_force:
+        found = replace(found, parts=_parts(pad, best, request.force, found.seconds))
     return found
 
 
-def climb(pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None) -> Answer:
-    """Return a tier's answer from its solver of one level, climbing the rungs as `solve` says."""
+def climb(
+    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
+) -> tuple[Answer, Level]:
+    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
     check_pad(pad)
     _check_size(FEWEST_A_RIDGE * len(pad.ridges))
     began = perf_counter()
@@ -133,21 +138,16 @@ def climb(pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Prog
             break
     spent = perf_counter() - began
     warnings = tuple(_shortfalls(reached, wanted, spent, budget))
-    made = _manufacture(best, request, unit_of(pad), seconds)
-    return replace(result, warnings=warnings, manufacture=made, seconds=seconds)
+    return replace(result, warnings=warnings, seconds=seconds), best
 
 
-def _manufacture(best: Level, request: Request, unit: float, seconds: dict[str, float]) -> Manufacture | None:
-    """Yield and sensitivities on the best level's condensed contact; its time goes into `seconds`."""
-    if request.spread is None or not best.all_touch_force:
-        return None
+def _parts(pad: Pad, best: Level, force: float, seconds: dict[str, float]) -> RidgeModel:
+    """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
-    force, scale = request.force, best.scale
     with threadpool_limits(limits=1, user_api="blas"):
-        model = ridge_model(best.ridges, max(force, best.all_touch_force) / scale)
-        made = manufacture(model, unit, scale, force, best.all_touch_force, request.spread)
+        model = ridge_model(best.ridges, max(force, best.all_touch_force or 0.0), unit_of(pad), best.scale)
     _add(seconds, {"yield": perf_counter() - started})
-    return made
+    return model
 
 
 def _affordable(done: Rung, ladder: tuple[Rung, ...], spent: float, budget: float | None) -> bool:
@@ -195,12 +195,14 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     clock.append(perf_counter())
     small = condense(system.matrix, system.interior, system.contact)
     clock.append(perf_counter())
-    ridges = _seen_by_plate(pad, system, small, unit)
+    ridges = seen_by_plate(pad, system, small.flexibility, unit)
     if drops:
         ridges = ridges.lowered(np.array(drops) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
     threshold = all_touch_force(ridges, force / scale)
-    residual = max(state.residual, _balance(system, small, state, force / scale))
+    moved = _moved(system, small, state)
+    residual = max(state.residual, _balance(system, moved, force / scale))
+    wrong = fault(elements.outlines(system, moved), height_above(pad, ridges, system, state.approach, unit))
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
     return Level(
@@ -215,13 +217,8 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
         dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
         ridges,
         scale,
+        wrong or "",
     )
-
-
-def _seen_by_plate(pad: Pad, system: elements.Assembled, small: Condensed, unit: float) -> Ridges:
-    if pad.plate.shape == "flat":
-        return Ridges.of(system, small.flexibility, pad.top / unit)
-    return Ridges.of(system, small.flexibility, pad.top / unit, lambda x: rise(pad.plate, x * unit) / unit)
 
 
 def _check_size(contact: int) -> None:
@@ -234,13 +231,18 @@ def _check_size(contact: int) -> None:
         )
 
 
-def _balance(system: elements.Assembled, small: Condensed, state: Contact, force: float) -> float:
-    """Relative difference between the plate's force and what the clamped back carries."""
+def _moved(system: elements.Assembled, small: Condensed, state: Contact) -> Array:
+    """Displacements `(n,)` under the contact forces."""
     load = np.zeros(system.lift.size)
     load[system.contact] = -(system.nodes.rows.T @ state.force)
+    return small.solve(load)
+
+
+def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
+    """Relative difference between the plate's force and what the clamped back carries."""
     held = system.lift.copy()
     held[system.interior] = held[system.contact] = 0.0
-    carried = float(held @ (system.matrix @ small.solve(load)))
+    carried = float(held @ (system.matrix @ moved))
     balance = abs(carried / force - 1)
     if not balance <= BALANCE:
         raise ContactError(
@@ -277,6 +279,7 @@ def _estimated(
         best.unknowns,
         best.residual,
         dict(seconds),
+        fault=best.fault,
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
+from netgen.meshing import NgException
 
 from skincad.curves import Loop, Point, Segment
 from skincad.errors import InputError
@@ -21,7 +22,8 @@ from skincad.section import CONTACT_KINDS
 
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
 WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
-SHORTEST = 1e-7  # in units; shorter segments are closed up, they would only breed needles
+SHORTEST = 1e-5  # in units; shorter segments (nanometres) are closed up: netgen fails on them below 1e-6
+GENTLER = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)  # of the asked grading, until netgen finds a mesh
 SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between two points
 
 
@@ -29,8 +31,8 @@ SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between
 class Sizes:
     """Largest edges, in mm: on contact segments, the ridges' sides, elsewhere, the back's corners.
 
-    Long sides of slots and strips may have edges of `slot` mm; `grading` is the growth of neighbouring
-    triangles, netgen's default 0.3.
+    Long sides of slots and strips may have edges of `slot` mm, their corners of `tip` mm if it is not 0;
+    `grading` is the growth of neighbouring triangles, netgen's default 0.3.
     """
 
     contact: float
@@ -39,6 +41,7 @@ class Sizes:
     corner: float
     slot: float = 0.0
     grading: float = 0.3
+    tip: float = 0.0
 
 
 def unit_of(pad: Pad) -> float:
@@ -71,6 +74,19 @@ def triangles(pad: Pad, sizes: Sizes) -> Any:
     Raises InputError when netgen finds no mesh.
     """
     unit = unit_of(pad)
+    failure: Exception | None = None
+    for share in GENTLER:
+        try:
+            return _geometry(pad, sizes).GenerateMesh(maxh=sizes.bulk / unit, grading=share * sizes.grading)
+        except NgException as caught:
+            failure = caught
+    text = f"netgen finds no mesh ({failure})"
+    raise InputError("section", text, remedy="make thin parts thicker")
+
+
+def _geometry(pad: Pad, sizes: Sizes) -> Any:
+    """Return netgen's geometry of the pad."""
+    unit = unit_of(pad)
     geometry = SplineGeometry()
     geometry.SetMaterial(SKIN, "skin")
     geometry.SetMaterial(FILM, "film")
@@ -79,11 +95,7 @@ def triangles(pad: Pad, sizes: Sizes) -> Any:
         _add(geometry, strip, (FILM, SKIN), sizes, unit)
     for void in pad.voids:
         _add(geometry, void, (0, SKIN), sizes, unit)
-    try:
-        return geometry.GenerateMesh(maxh=sizes.bulk / unit, grading=sizes.grading)
-    except Exception as failure:  # netgen raises its own untyped exceptions
-        text = f"netgen finds no mesh ({failure})"
-        raise InputError("section", text, remedy="make thin parts thicker") from None
+    return geometry
 
 
 def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit: float) -> None:
@@ -91,12 +103,10 @@ def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit
     segments = list(_pieces(loop, SHORTEST * unit))
     if len(segments) < 2:
         raise InputError("section", "a loop has no area", remedy="leave it out")
-    corners = [_corner(a, b) for a, b in pairwise([segments[-1], *segments])]
+    corners = [_corner(a, b, sizes) for a, b in pairwise([segments[-1], *segments])]
     ids = [
-        geometry.AppendPoint(
-            s.start.x / unit, s.start.z / unit, **({"maxh": sizes.corner / unit} if corner else {})
-        )
-        for s, corner in zip(segments, corners, strict=True)
+        geometry.AppendPoint(s.start.x / unit, s.start.z / unit, **({"maxh": size / unit} if size else {}))
+        for s, size in zip(segments, corners, strict=True)
     ]
     shortest = min(s.length for s in segments)
     for s, first, last in zip(segments, ids, [*ids[1:], ids[0]], strict=True):
@@ -145,8 +155,11 @@ def _control(arc: Segment) -> Point:
     )
 
 
-def _corner(before: Segment, after: Segment) -> bool:
-    return (before.kind == "back") != (after.kind == "back")
+def _corner(before: Segment, after: Segment, sizes: Sizes) -> float:
+    """Largest edge at a singular corner, mm; 0 for the sizes of its segments."""
+    if (before.kind == "back") != (after.kind == "back"):
+        return sizes.corner
+    return sizes.tip if after.kind == "slot" else 0.0
 
 
 def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:

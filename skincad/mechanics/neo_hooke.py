@@ -6,8 +6,10 @@ A state is the vector of all unknowns, displacements and pressures, `(n,)`, in t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import Any
 
 import ngsolve as ng
@@ -15,20 +17,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from skincad.mechanics.elements import Assembled, as_csr, with_contact
+from skincad.mechanics.condense import Condensed, factorise, fill_order
+from skincad.mechanics.elements import Assembled, as_csr, outlines, with_contact
+from skincad.mechanics.folding import fault
 from skincad.mechanics.problem import ContactError
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
+PLANE = 2  # dimensions
 CLAMPED_EDGE = 0.005  # of the height, see `body`
-EDGE_POINTS = np.linspace(0.0, 1.0, 9)  # of the deformed outline, on each edge
 
 
 @dataclass(frozen=True)
 class Body:
     """A meshed pad at one order. `rest` is its tangent at rest with the contact's rows.
 
-    `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them.
+    `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
+    them as they are eliminated, contact unknowns last, in all steps. Newton takes it as an `Elastic`.
     """
 
     mesh: Any
@@ -36,21 +42,55 @@ class Body:
     form: Any
     rest: Assembled
     free: Mask
+    order: Index
+
+    def residual(self, state: Array) -> Array:
+        """Return `residual`."""
+        return residual(self, state)
+
+    def energy(self, state: Array) -> float:
+        """Return `energy`."""
+        return energy(self, state)
+
+    def linearised(self, state: Array, residual: Array) -> Linearised:
+        """Return the tangent factorised; ContactError or RuntimeError (SuperLU's) where it is singular."""
+        at = tangent(self, state, residual)
+        small = factorise(at.matrix, self.order, self.rest.contact.size)
+        return Linearised(at, small, small.flexibility)
+
+    def fault(self, state: Array, plate: float) -> str | None:
+        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
+        return fault(outlines(self.rest, state), lambda x: np.full_like(x, plate))
 
 
 def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
     """Return the energy density, in terms of the displacement gradient `h[i, j]` and the pressure q.
 
-    G/2 (F:F - 2 - 2 ln J) + q (J - 1) - q^2 / (2 K) - G/3 (J - 1)^2, so that with q eliminated the
+    In n = 2 (plane strain) or 3 dimensions
+    G/2 (F:F - n - 2 ln J) + q (J - 1) - q^2 / (2 K) - G/3 (J - 1)^2, so that with q eliminated the
     volume's part is (K - 2 G/3)/2 (J - 1)^2: neo-Hookean with Lame's constants. Split at the bulk modulus
     K and not at lambda, as in elements.py, it holds at nu = 0 too. Bonet and Wood, Nonlinear Continuum
     Mechanics for Finite Element Analysis, 2nd ed., eq. (6.27), with (J - 1)^2 in place of (ln J)^2.
     """
-    trace = h[0, 0] + h[1, 1]
-    squares = h[0, 0] * h[0, 0] + h[0, 1] * h[0, 1] + h[1, 0] * h[1, 0] + h[1, 1] * h[1, 1]
-    swell = trace + h[0, 0] * h[1, 1] - h[0, 1] * h[1, 0]  # J - 1, without its cancellation at rest
-    shape = squares + 2 * trace - 2 * log(1 + swell)  # F:F - 2 - 2 ln J
+    axes = range(h.shape[0])
+    trace = reduce(add, [h[i, i] for i in axes])
+    squares = reduce(add, [h[i, j] * h[i, j] for i in axes for j in axes])
+    swell = swelling(h)
+    shape = squares + 2 * trace - 2 * log(1 + swell)  # F:F - n - 2 ln J
     return shear / 2 * shape - shear / 3 * swell * swell + q * swell - q * q / (2 * bulk)
+
+
+def swelling(h: Any) -> Any:
+    """Return J - 1 of a displacement gradient in two or three dimensions, without cancellation at rest."""
+
+    def minor(i: int, j: int) -> Any:
+        return h[i, i] * h[j, j] - h[i, j] * h[j, i]
+
+    if h.shape[0] == PLANE:
+        return h[0, 0] + h[1, 1] + minor(0, 1)
+    turned = h[1, 2] * h[2, 0] - h[1, 0] * h[2, 2], h[1, 0] * h[2, 1] - h[1, 1] * h[2, 0]
+    determinant = h[0, 0] * minor(1, 2) + h[0, 1] * turned[0] + h[0, 2] * turned[1]
+    return h[0, 0] + h[1, 1] + h[2, 2] + minor(0, 1) + minor(0, 2) + minor(1, 2) + determinant
 
 
 def _small_strain_energy(h: Any, q: Any, shear: Any) -> Any:
@@ -94,7 +134,9 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     form += ng.Variation(density.Compile() * ng.dx)
     form.AssembleLinearization(ng.GridFunction(both).vec)
     rest = with_contact(as_csr(form.mat), mesh, both, order)
-    return Body(mesh, both, form, rest, np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof))
+    free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
+    elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
+    return Body(mesh, both, form, rest, free, elimination)
 
 
 @dataclass(frozen=True)
@@ -117,6 +159,24 @@ class Tangent:
         all_of_it.data += self.form.harmonic_extension * all_of_it
         all_of_it.data -= self.form.inner_solve * self.whole
         return np.array(all_of_it.FV().NumPy())
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """The body's tangent, condensed onto the contact unknowns."""
+
+    tangent: Tangent
+    small: Condensed
+    flexibility: Array
+
+    @property
+    def stable(self) -> bool:
+        """Whether the tangent is positive definite."""
+        return bool(self.small.factor.U.diagonal().min() > 0)
+
+    def move(self, push: Array) -> Array:
+        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+        return self.tangent.recover(self.small.solve(-self.tangent.residual - push))
 
 
 def tangent(body: Body, state: Array, residual: Array) -> Tangent:
@@ -151,35 +211,6 @@ def transferred(coarse: Body, state: Array, fine: Body) -> Array:
     for part, finer in zip(source.components, target.components, strict=True):
         finer.Set(part)
     return np.array(target.vec.FV().NumPy())
-
-
-def outline(body: Body, state: Array) -> Iterator[tuple[Array, Array, Mask]]:
-    """Yield each closed loop of the boundary, at rest and deformed, and what of it may touch.
-
-    The loops are `(points, 2)` in units, the mask `(points,)`; strips are left out.
-    """
-    moved = ng.GridFunction(body.space)
-    moved.vec.FV().NumPy()[:] = state
-    along = ng.IntegrationRule([(float(t),) for t in EDGE_POINTS], [0.0] * EDGE_POINTS.size)
-    points = body.mesh.MapToAllElements(along, ng.BND)
-    shape = (-1, EDGE_POINTS.size, 2)
-    # along an edge the parameter runs from its second vertex to its first
-    at_rest = ng.CF((ng.x, ng.y))(points).reshape(shape)[:, ::-1]
-    shift = moved.components[0](points).reshape(shape)[:, ::-1]
-    edges = {}
-    for i, element in enumerate(body.mesh.Elements(ng.BND)):
-        if element.mat != "strip":
-            first, last = (v.nr for v in element.vertices)
-            touches = np.full(EDGE_POINTS.size - 1, element.mat.startswith("contact"))
-            edges[first] = last, at_rest[i, :-1], shift[i, :-1], touches
-    while edges:
-        following, *parts = edges.popitem()[1]
-        loop = [parts]
-        while following in edges:
-            following, *parts = edges.pop(following)
-            loop.append(parts)
-        rest, moves, touches = (np.concatenate(columns) for columns in zip(*loop, strict=True))
-        yield rest, rest + moves, touches
 
 
 def _vector(body: Body, values: Array) -> Any:

@@ -1,5 +1,7 @@
 """Newton on a neo-Hookean pad under a flat plate, contact solved exactly in each step.
 
+The body is plane (neo_hooke.py) or solid (solid_body.py); what is asked of it is `Elastic`.
+
 The plate is flat and without friction, so the contact condition is linear in the vertical displacement:
 the step's contact problem has the true gaps and *total* nodal forces, and only the body is linearised.
 """
@@ -8,20 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skincad.mechanics import neo_hooke
-from skincad.mechanics.condense import Condensed, factorise, fill_order
 from skincad.mechanics.contact import Contact, press
-from skincad.mechanics.neo_hooke import Body, Tangent
+from skincad.mechanics.elements import Assembled
+from skincad.mechanics.neo_hooke import Body
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.threshold import Ridges, all_touch_force
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above
@@ -42,17 +44,58 @@ class DivergedError(ContactError):
         self.reached = reached
 
 
+class Linear(Protocol):
+    """A body linearised at a state, seen by its contact unknowns: their `flexibility` `(k, k)`."""
+
+    @property
+    def flexibility(self) -> Array: ...  # noqa: D102
+
+    @property
+    def stable(self) -> bool:
+        """Whether the tangent is positive definite."""
+
+    def move(self, push: Array) -> Array:
+        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+
+
+class Elastic(Protocol):
+    """An elastic body; a state is the vector of all its unknowns `(n,)`, of which `free` are not held.
+
+    Of `rest` the contact unknowns and the sampled contact boundary are used.
+    """
+
+    @property
+    def rest(self) -> Assembled: ...  # noqa: D102
+
+    @property
+    def free(self) -> Mask: ...  # noqa: D102
+
+    def residual(self, state: Array) -> Array:
+        """Return the energy's derivative `(n,)` by all unknowns, held ones included."""
+
+    def energy(self, state: Array) -> float:
+        """Return the energy; infinite where a point of the elements is turned inside out."""
+
+    def linearised(self, state: Array, residual: Array) -> Linear:
+        """Return the body at a state whose `residual` is at hand; ContactError where it is singular."""
+
+    def fault(self, state: Array, plate: float) -> str | None:
+        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
+
+
+AnyBody_co = TypeVar("AnyBody_co", bound=Elastic, covariant=True)
+
+
 @dataclass(frozen=True)
-class Pressed:
-    """What is pressed: a body, the order of its unknowns kept over all steps, its highest point `top`.
+class Pressed(Generic[AnyBody_co]):
+    """What is pressed: a body, its highest point `top`.
 
     `drops` `(ridges,)` is how much lower each crest is than meshed. Lengths in units.
     """
 
-    body: Body
-    order: Index
+    body: AnyBody_co
     top: float
-    drops: Array | None
+    drops: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -78,14 +121,12 @@ def pressed(
     materials: Mapping[str, tuple[float, float]],
     top: float,
     drops: Array | None = None,
-) -> Pressed:
+) -> Pressed[Body]:
     """Return the pad of a curved mesh at one order of displacements."""
-    body = neo_hooke.body(mesh, order, materials)
-    rest = body.rest
-    return Pressed(body, np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact]), top, drops)
+    return Pressed(neo_hooke.body(mesh, order, materials), top, drops)
 
 
-def newton(pad: Pressed, start: Array, load: Load) -> State:
+def newton(pad: Pressed[Elastic], start: Array, load: Load) -> State:
     """Return the equilibrium near `start` `(n,)` at the force that `load` asks for.
 
     A step is halved while it turns a point of an element inside out. Raises DivergedError when the residual
@@ -94,43 +135,42 @@ def newton(pad: Pressed, start: Array, load: Load) -> State:
     body, values = pad.body, start
     history: list[float] = []
     contact: Contact | None = None
-    unbalanced = neo_hooke.residual(body, values)
+    unbalanced = body.residual(values)
     for _ in range(STEPS):
-        linear, small = _tangent(pad, values, unbalanced)
-        ridges, base = _linearised(pad, values, linear, small)
+        linear = _linearised(body, values, unbalanced)
+        ridges, base = _seen_by_plate(pad, values, linear)
         force = load(ridges)
         contact = press(ridges.flexibility, ridges.gap, force, None if contact is None else contact.active)
         push = np.zeros_like(values)
         push[body.rest.contact] = body.rest.nodes.rows.T @ contact.force
-        move = linear.recover(small.solve(-linear.residual - push))
+        move = linear.move(push)
         share = _share(body, values, move)
         values = values + share * move
-        unbalanced = neo_hooke.residual(body, values)
+        unbalanced = body.residual(values)
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
         if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale):
-            if small.factor.U.diagonal().min() <= 0:
+            if not linear.stable:
                 raise DivergedError(UNSTABLE)
             return State(values, force, contact.approach + base, contact, ridges, history[-1], tuple(history))
     raise DivergedError(f"the residual is {history[-1]:.1e} of the contact force after {STEPS} steps")
 
 
-def _tangent(pad: Pressed, values: Array, unbalanced: Array) -> tuple[Tangent, Condensed]:
+def _linearised(body: Elastic, values: Array, unbalanced: Array) -> Linear:
     try:
-        linear = neo_hooke.tangent(pad.body, values, unbalanced)
-        return linear, factorise(linear.matrix, pad.order, pad.body.rest.contact.size)
+        return body.linearised(values, unbalanced)
     except (ContactError, RuntimeError):  # SuperLU's own error for a singular matrix
         raise DivergedError(UNSTABLE) from None
 
 
-def _linearised(pad: Pressed, values: Array, linear: Tangent, small: Condensed) -> tuple[Ridges, float]:
+def _seen_by_plate(pad: Pressed[Elastic], values: Array, linear: Linear) -> tuple[Ridges, float]:
     """The contact as the plate sees it, its gaps those of the linearised body without contact forces.
 
     Gaps count from the lowest one, which is returned too.
     """
     rest = pad.body.rest
-    unloaded = (values - small.solve(linear.residual))[rest.contact]
-    ridges = Ridges.of(rest, small.flexibility, pad.top)
+    unloaded = (values + linear.move(np.zeros_like(values)))[rest.contact]
+    ridges = Ridges.of(rest, linear.flexibility, pad.top)
     if pad.drops is not None:
         ridges = ridges.lowered(pad.drops)
     gap = ridges.gap - rest.nodes.rows @ unloaded
@@ -139,10 +179,10 @@ def _linearised(pad: Pressed, values: Array, linear: Tangent, small: Condensed) 
     return replace(ridges, gap=gap - base, fine_gap=fine_gap - base), base
 
 
-def _share(body: Body, values: Array, move: Array) -> float:
+def _share(body: Elastic, values: Array, move: Array) -> float:
     """How much of a step to take: all of it, or the largest half, quarter, ... that inverts no element."""
     share = 1.0
-    while not np.isfinite(neo_hooke.energy(body, values + share * move)):
+    while not np.isfinite(body.energy(values + share * move)):
         share /= 2
         if share < SHORTEST:
             raise DivergedError("an element turns inside out")
@@ -153,7 +193,7 @@ def _given(force: float) -> Load:
     return lambda _: force
 
 
-def press_to(pad: Pressed, force: float, guess: Array | None = None) -> State:
+def press_to(pad: Pressed[Elastic], force: float, guess: Array | None = None) -> State:
     """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes.
 
     From rest the first step is the small-strain solution. Raises DivergedError with the largest force
@@ -179,7 +219,7 @@ def press_to(pad: Pressed, force: float, guess: Array | None = None) -> State:
         values, done = state.values, target
 
 
-def press_until_all_touch(pad: Pressed, near: State, guess: Array | None = None) -> State:
+def press_until_all_touch(pad: Pressed[Elastic], near: State, guess: Array | None = None) -> State:
     """Return the state at the smallest force at which every ridge touches, found from a state nearby.
 
     In each step that force is the linearised contact's own (threshold.py), so that the force converges

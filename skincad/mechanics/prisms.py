@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
 
-from skincad.mechanics.dissect import Front, dissection, schur
+from skincad.mechanics.dissect import Front, Unknowns, dissection, schur
 from skincad.mechanics.elements import Assembled, Sample, assemble
 from skincad.mechanics.layers import Line
 from skincad.mechanics.problem import ContactError
@@ -162,19 +162,9 @@ def condensed(forms: SectionForms, line: Line, *, plane: bool = False, clamped_e
     """
     matrix = stiffness(forms, line)
     count, layers = forms.held.size, line.at.size
-    free = ~np.tile(forms.held, 3).repeat(layers).reshape(3, count, layers)
-    free[0, forms.cut] = False
-    free[2, :, 0] = False
-    free[2, :, -1] &= not clamped_end
-    free[2] &= not plane
-    numbers = np.arange(free.size).reshape(3 * count, layers)
-    mask = free.reshape(3 * count, layers)
+    free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
     flat = forms.plane.contact
-
-    def unknowns(functions: Index) -> Index:
-        return np.asarray(numbers[functions][mask[functions]])
-
-    fronts = _fronts(forms, flat, np.asarray(mask.any(axis=1)))
+    fronts, unknowns = fronts_of(forms, free)
     held = np.zeros((3, count, layers))
     held[1] = (forms.plane.lift[count : 2 * count] * forms.held)[:, None]
     complement, load = schur(matrix, fronts, unknowns, matrix @ held.ravel())
@@ -187,22 +177,42 @@ def condensed(forms: SectionForms, line: Line, *, plane: bool = False, clamped_e
     flexibility = linalg.cho_solve(root, np.eye(load.size), check_finite=False)
     expected = np.repeat(forms.plane.lift[flat], layers)
     lifted = float(np.abs(flexibility @ load + expected).max())
-    seen = _seen(forms.plane, line)
+    seen = seen_by_plate(forms.plane, line)
     along = np.repeat(line.at, forms.plane.nodes.weight.size)
     return Solid(seen, (flexibility + flexibility.T) / 2, along, lifted, int(free.sum()))
 
 
-def _fronts(forms: SectionForms, contact: Index, wanted: NDArray[np.bool_]) -> list[Front]:
-    """Fronts over (component, section function), contact functions last, held ones left out."""
+def free_unknowns(
+    forms: SectionForms, line: Line, *, plane: bool = False, clamped_end: bool = False
+) -> NDArray[np.bool_]:
+    """Return which unknowns `(component, section function, function along y)` are free, see `condensed`."""
+    count, layers = forms.held.size, line.at.size
+    free = ~np.tile(forms.held, 3).repeat(layers).reshape(3, count, layers)
+    free[0, forms.cut] = False
+    free[2, :, 0] = False
+    free[2, :, -1] &= not clamped_end
+    free[2] &= not plane
+    return np.asarray(free)
+
+
+def fronts_of(forms: SectionForms, free: NDArray[np.bool_]) -> tuple[list[Front], Unknowns]:
+    """Return fronts over (component, section function), contact functions last, held ones left out."""
     count = forms.held.size
+    mask = free.reshape(3 * count, -1)
+    numbers = np.arange(mask.size).reshape(mask.shape)
+    wanted = np.asarray(mask.any(axis=1))
     functions = []
     for f in forms.functions:
         three = np.concatenate([f, f + count, f + 2 * count])
         functions.append(three[wanted[three]])
-    return dissection(functions, forms.centres, contact)
+
+    def unknowns(functions: Index) -> Index:
+        return np.asarray(numbers[functions][mask[functions]])
+
+    return dissection(functions, forms.centres, forms.plane.contact), unknowns
 
 
-def _seen(plane: Assembled, line: Line) -> Assembled:
+def seen_by_plate(plane: Assembled, line: Line) -> Assembled:
     """The section's contact points repeated along y; the contact unknowns run along y first."""
     return replace(
         plane,

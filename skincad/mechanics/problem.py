@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from skincad.catalog import silicone
 from skincad.curves import Loop
 from skincad.design import Design, Plate
@@ -12,6 +15,7 @@ from skincad.errors import InputError, RefusedError
 from skincad.quantities import Estimate
 from skincad.section import CONTACT_KINDS, Section, section
 
+Array = NDArray[np.float64]
 FLAT = Plate()
 
 
@@ -59,6 +63,22 @@ class Spread:
 
 
 @dataclass(frozen=True)
+class RidgeModel:
+    """A pad reduced to one force a ridge (ridge_model.py).
+
+    `gap` `(n,)`, `coupling` `(n, n)` with zero diagonal, and per ridge a table of `force` `(t,)` against
+    `indentation` `(n, t)`, in the pad's units: `unit` mm and `scale` N.
+    """
+
+    gap: Array
+    coupling: Array
+    force: Array
+    indentation: Array
+    unit: float
+    scale: float
+
+
+@dataclass(frozen=True)
 class Manufacture:
     """Share of parts in which all ridges touch at the asked force, and what it hangs on.
 
@@ -76,22 +96,23 @@ class Manufacture:
 class Request:
     """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s.
 
-    `spread` says how parts differ, where the yield is asked; `drops` by how much each crest of one measured
-    part is lower than designed, mm.
+    `drops` says by how much each crest of one measured part is lower than designed, mm; `parts` whether the
+    ridge model for the yield is wanted too.
     """
 
     force: float
     tol: float | None = None
     budget: float | None = None
-    spread: Spread | None = None
     drops: tuple[float, ...] = ()
+    parts: bool = False
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a tier found at `force` N: estimates with their error, work and residual.
+    """What a tier found at `force` N: estimates with their error of discretisation, work and residual.
 
-    `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form.
+    `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form; `fault`
+    says what goes through each other or the plate unseen, "" where nothing does.
     """
 
     touching: int
@@ -102,7 +123,8 @@ class Answer:
     residual: float
     seconds: dict[str, float]
     warnings: tuple[str, ...] = ()
-    manufacture: Manufacture | None = None
+    fault: str = ""
+    parts: RidgeModel | None = None
 
 
 def pad_of(design: Design) -> Pad:

@@ -11,40 +11,31 @@ condensed model takes half a millisecond, ten thousand of these together about a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from skincad.mechanics.contact import press
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.problem import ContactError, RidgeModel
 from skincad.mechanics.threshold import Ridges
 
 Array = NDArray[np.float64]
 
 TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where the patch is small
 SWEEPS = 400
+BATCH = 500  # parts swept together: their forces stay in a processor's cache
 SETTLED = 1e-9  # relative, of the force; Gauss-Seidel ends there
 ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it has lost its digits
 
 
-@dataclass(frozen=True)
-class RidgeModel:
-    """`gap` `(n,)`, `coupling` `(n, n)` with zero diagonal, and per ridge a table of force `(t,)` against
-    indentation `(n, t)`, in the units of the condensed model."""
+def ridge_model(ridges: Ridges, largest: float, unit: float, scale: float) -> RidgeModel:
+    """Return the reduced model of a condensed pad, its tables up to the force `largest` N on one ridge.
 
-    gap: Array
-    coupling: Array
-    force: Array
-    indentation: Array
-
-
-def ridge_model(ridges: Ridges, largest: float) -> RidgeModel:
-    """Return the reduced model of a condensed pad, its tables up to the force `largest` on one ridge."""
+    `unit` mm and `scale` N are the pad's units.
+    """
     numbers = ridges.numbers
     inside = [np.flatnonzero(ridges.of_point == number) for number in numbers]
     gap = np.array([ridges.gap[points].min() for points in inside])
-    force = np.concatenate([[0.0], TABLE * largest])
+    force = np.concatenate([[0.0], TABLE * largest / scale])
     spread = np.zeros((ridges.gap.size, numbers.size))
     table = np.zeros((numbers.size, force.size))
     for i, points in enumerate(inside):
@@ -58,7 +49,7 @@ def ridge_model(ridges: Ridges, largest: float) -> RidgeModel:
                 spread[points, i] = state.force / force[column]
     coupling = spread.T @ ridges.flexibility @ spread
     np.fill_diagonal(coupling, 0.0)
-    return RidgeModel(gap, coupling, force, table)
+    return RidgeModel(gap, coupling, force, table, unit, scale)
 
 
 def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
@@ -67,24 +58,40 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
     Projected Gauss-Seidel over the ridges; the approach is corrected along with it. Raises ContactError
     when a part does not settle.
     """
-    count = model.gap.size
     stiffness = model.force[-1] / model.indentation[:, -1]
-    whole = np.linalg.inv(np.diag(1 / stiffness) + model.coupling)
-    together = float(whole.sum())
+    whole: Array = np.asarray(np.linalg.inv(np.diag(1 / stiffness) + model.coupling), dtype=np.float64)
     low = model.gap + drop
-    carried = np.tile(np.maximum(whole.sum(axis=1), 0) / together, (len(drop), 1)) * force[:, None]
-    approach = low.mean(axis=1) + force / together
-    rounding = ROUNDING * together * float(np.ptp(low))
+    rounding = ROUNDING * float(whole.sum()) * float(np.ptp(low))
+    found = np.empty_like(low)
+    for first in range(0, len(low), BATCH):
+        some = slice(first, first + BATCH)
+        found[some] = _settled(model, whole, low[some].T, force[some], rounding).T
+    return found
+
+
+def _settled(model: RidgeModel, whole: Array, low: Array, force: Array, rounding: float) -> Array:
+    """Forces `(n, s)` of parts with crests at `low` `(n, s)`; `whole` `(n, n)` is all ridges' stiffness.
+
+    A ridge's parts lie together in memory; parts that have settled are swept no further.
+    """
+    together = float(whole.sum())
+    low, found, waiting = low.copy(), np.empty_like(low), np.arange(force.size)
+    carried = np.outer(np.maximum(whole.sum(axis=1), 0) / together, force)
+    approach = low.mean(axis=0) + force / together
     for _ in range(SWEEPS):
         before = carried.copy()
-        for i in range(count):
-            indent = approach - low[:, i] - carried @ model.coupling[i]
-            carried[:, i] = _self_force(model, i, indent)
-        missing = force - carried.sum(axis=1)
+        for i, row in enumerate(model.coupling):
+            carried[i] = _self_force(model, i, approach - low[i] - row @ carried)
+        missing = force - carried.sum(axis=0)
         approach = approach + 0.7 * missing / together
-        moved = np.abs(carried - before).max(axis=1) + np.abs(missing)
-        if (moved <= SETTLED * force + rounding).all():
-            return carried
+        moved = np.abs(carried - before).max(axis=0) + np.abs(missing)
+        still = ~(moved <= SETTLED * force + rounding)
+        found[:, waiting[~still]] = carried[:, ~still]
+        if not still.any():
+            return found
+        if not still.all():
+            low, carried, waiting = low[:, still], carried[:, still], waiting[still]
+            approach, force, moved = approach[still], force[still], moved[still]
     raise ContactError(f"the ridge model does not settle ({(moved / force).max():.1e}); ask for fewer ridges")
 
 

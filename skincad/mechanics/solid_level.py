@@ -13,11 +13,12 @@ from threadpoolctl import threadpool_limits
 
 from skincad.errors import InputError
 from skincad.mechanics import elements, layers, prisms
-from skincad.mechanics.contact import press
+from skincad.mechanics.contact import Contact, press
 from skincad.mechanics.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.problem import ContactError, Pad
 from skincad.mechanics.symmetry import half_of
-from skincad.mechanics.threshold import Ridges, all_touch_force
+from skincad.mechanics.threshold import all_touch_force
+from skincad.mechanics.under_plate import seen_by_plate
 
 Array = NDArray[np.float64]
 
@@ -90,20 +91,24 @@ def height_of(pad: Pad) -> float:
     return max(heights) - min(heights)
 
 
-def meshed_part(pad: Pad, sizes: Sizes) -> Meshed:
-    """Return the mesh of the pad's half, or of all of it where it is not mirror-symmetric."""
-    half = half_of(pad)
+def meshed_part(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
+    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
+    half = None if whole else half_of(pad)
     part = pad if half is None else half
     return Meshed(pad, part, half is not None, unit_of(part), height_of(pad), triangles(part, sizes))
 
 
 def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
     """Return the section's integrals at an order."""
-    pad = meshed.part
+    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials_of(meshed.part))
+
+
+def materials_of(pad: Pad) -> dict[str, tuple[float, float]]:
+    """Return Young's modulus in E and Poisson's ratio of each domain."""
     materials = {"skin": (1.0, pad.poisson_ratio)}
     if pad.strips:
         materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
-    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials)
+    return materials
 
 
 def pressed(
@@ -113,9 +118,28 @@ def pressed(
     force: float,
     seconds: dict[str, float],
     *,
+    drops: tuple[float, ...] = (),
     clamped_end: bool = False,
 ) -> Level:
-    """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh."""
+    """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh.
+
+    Crests lower than the section's by `drops` mm need the whole pad's mesh.
+    """
+    small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
+    with threadpool_limits(limits=1, user_api="blas"):
+        found: Level = timed(seconds, "contact", lambda: _level(meshed, small, force, scale, drops))
+    return found
+
+
+def condensed_pad(
+    meshed: Meshed,
+    forms: prisms.SectionForms,
+    along: Layers | None,
+    seconds: dict[str, float],
+    *,
+    clamped_end: bool = False,
+) -> tuple[prisms.Solid, float]:
+    """Return the condensed part, for many forces, and what N on the whole pad is a force of 1 on it."""
     half = meshed.whole.length / 2 / meshed.unit
     if along is None:
         line = layers.constant()
@@ -125,38 +149,66 @@ def pressed(
     _check_size(forms, line)
     # more BLAS threads only wait for each other on blocks this small
     with threadpool_limits(limits=1, user_api="blas"):
-        small = timed(
+        small: prisms.Solid = timed(
             seconds,
             "condense",
             lambda: prisms.condensed(forms, line, plane=along is None, clamped_end=clamped_end),
         )
-        length = 2 * half if along is None else 2.0
-        scale = meshed.whole.young_modulus * meshed.unit**2 * length * (2 if meshed.mirrored else 1)
-        found: Level = timed(seconds, "contact", lambda: _level(meshed, small, force, scale))
-    return found
-
-
-def _level(meshed: Meshed, small: prisms.Solid, force: float, scale: float) -> Level:
-    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the part, in its units."""
     if not small.lifted <= BALANCE:
         raise ContactError(
             f"the clamped back carries the force to {small.lifted:.1e} only; take a smaller poisson_ratio"
         )
+    length = 2 * half if along is None else 2.0
+    return small, meshed.whole.young_modulus * meshed.unit**2 * length * (2 if meshed.mirrored else 1)
+
+
+def _level(
+    meshed: Meshed, small: prisms.Solid, force: float, scale: float, drops: tuple[float, ...]
+) -> Level:
+    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the part, in its units."""
     unit = meshed.unit
-    ridges = Ridges.of(small.seen, small.flexibility, meshed.whole.top / unit)
+    ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, unit)
+    if drops:
+        ridges = ridges.lowered(np.array(drops) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
     threshold = all_touch_force(ridges, force / scale)
-    nodes = small.seen.nodes
-    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    residual = max(state.residual, small.lifted)
+    return level_of(
+        meshed,
+        small.seen.nodes,
+        small.along,
+        state,
+        state.approach,
+        threshold,
+        scale,
+        small.unknowns,
+        residual,
+    )
+
+
+def level_of(
+    meshed: Meshed,
+    nodes: elements.Sample,
+    along: Array,
+    state: Contact,
+    approach: float,
+    threshold: float | None,
+    scale: float,
+    unknowns: int,
+    residual: float,
+) -> Level:
+    """Return in mm and N what was found in the part's units, of the contact `nodes` at y = `along`."""
+    unit = meshed.unit
+    shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
     return Level(
         None if threshold is None else threshold * scale,
-        state.approach * unit,
+        approach * unit,
         _on_whole(meshed, shares),
         nodes.position[:, 0] * unit,
-        small.along * unit,
+        along * unit,
         state.force / nodes.weight * meshed.whole.young_modulus,
-        small.unknowns,
-        max(state.residual, small.lifted),
+        unknowns,
+        residual,
     )
 
 

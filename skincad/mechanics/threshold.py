@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, sparse
 
-from skincad.mechanics.contact import Contact, press
+from skincad.mechanics.contact import Contact, Solved, press
 from skincad.mechanics.elements import Assembled
 
 Array = NDArray[np.float64]
@@ -91,35 +91,38 @@ def all_touch_force(ridges: Ridges, guess: float) -> float | None:
     candidate = max(first_gap, key=lambda r: first_gap[r])
     found = 0.0
     waiting = set(first_gap)
+    touching = np.zeros(ridges.gap.size, dtype=bool)
     while True:
         waiting.remove(candidate)
-        outsider = _Outsider(ridges, candidate)
+        outsider = _Outsider(ridges, candidate, touching)
         # a mirror ridge touches a rounding error later: look close above the last one's force
         force = outsider.touch_force(found, guess if found == 0.0 else 1e-3 * found)
         if force is None:
             return None
         found = max(found, force)
         late = waiting.intersection(outsider.not_touching(found))
+        touching[outsider.inside] = outsider.start
         if not late:
             return found
         candidate = max(late, key=lambda r: first_gap[r])
 
 
 class _Outsider:
-    """One ridge out of contact while the others are pressed."""
+    """One ridge out of contact while the others are pressed, first from the points `touching` `(m,)`."""
 
-    def __init__(self, ridges: Ridges, ridge: int) -> None:
+    def __init__(self, ridges: Ridges, ridge: int, touching: Mask) -> None:
         self.ridges, self.ridge = ridges, ridge
         self.inside = ridges.of_point != ridge
         self.points = np.flatnonzero(ridges.fine_of_point == ridge)
         self.flexibility = ridges.flexibility[np.ix_(self.inside, self.inside)]
         self.gap = ridges.gap[self.inside]
-        self.rows = ridges.fine_rows[self.points]
-        self.start: Mask | None = None
+        self.rows = ridges.fine_rows[self.points] @ ridges.moved[:, self.inside]
+        self.start = touching[self.inside]
+        self.solved: Solved = {}
         self.at_rest = self._least(ridges.fine_gap[self.points])
 
     def press(self, force: float) -> Contact:
-        state = press(self.flexibility, self.gap, force, self.start)
+        state = press(self.flexibility, self.gap, force, self.start, self.solved)
         self.start = state.active
         return state
 
@@ -128,7 +131,7 @@ class _Outsider:
         if force <= 0:
             return self.at_rest
         state = self.press(force)
-        moved = self.rows @ (self.ridges.moved[:, self.inside] @ state.force)
+        moved = self.rows @ state.force
         return self._least(self.ridges.fine_gap[self.points] - state.approach + moved)
 
     def _least(self, gaps: Array) -> float:

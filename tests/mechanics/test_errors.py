@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from skincad.design import Design
-from skincad.mechanics.check import ContactCheck, check
+from skincad.mechanics import linear
 from skincad.mechanics.linear import Level, level
 from skincad.mechanics.mesh import default_sizes, triangles
-from skincad.mechanics.problem import pad_of
+from skincad.mechanics.problem import Answer, Request, pad_of
 from tests.mechanics.designs import filleted, reference, void_slots, yamada
 
 DESIGNS = {
@@ -29,7 +29,7 @@ def truth(name: str) -> Level:
     return level(pad, triangles(pad, default_sizes(pad, 3.0)), 4, 4.0)
 
 
-def assert_inside(found: ContactCheck, exact: Level) -> None:
+def assert_inside(found: Answer, exact: Level) -> None:
     force, approach = found.all_touch_force, found.approach
     assert abs((force.value or 0.0) - (exact.all_touch_force or 0.0)) <= (force.error or 0.0)
     assert abs((approach.value or 0.0) - exact.approach) <= (approach.error or 0.0)
@@ -40,13 +40,13 @@ def assert_inside(found: ContactCheck, exact: Level) -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 @pytest.mark.parametrize("tol", [1e-2, 5e-3])
 def test_truth_lies_inside(name: str, tol: float) -> None:
-    assert_inside(check(DESIGNS[name](), tol=tol), truth(name))
+    assert_inside(linear.answer(DESIGNS[name](), Request(4.0, tol)), truth(name))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["reference", "yamada"])
 def test_truth_lies_inside_on_higher_rungs(name: str) -> None:
-    assert_inside(check(DESIGNS[name](), tol=6e-4), truth(name))
+    assert_inside(linear.answer(DESIGNS[name](), Request(4.0, 6e-4)), truth(name))
 
 
 VARIANTS: dict[str, dict[str, dict[str, float]]] = {
@@ -63,9 +63,9 @@ def test_variants_errors(name: str) -> None:
     design: Design = yamada().with_(**VARIANTS[name])
     pad = pad_of(design)
     exact = level(pad, triangles(pad, default_sizes(pad, 2.0)), 4, 4.0)
-    assert_inside(check(design), exact)
+    assert_inside(linear.answer(design, Request(4.0)), exact)
 
 
 def test_a_tolerance_out_of_reach_is_said() -> None:
-    found = check(reference().with_(ridge={"count": 3}), tol=1e-9)
+    found = linear.answer(reference().with_(ridge={"count": 3}), Request(4.0, 1e-9))
     assert any("not met" in w for w in found.warnings)

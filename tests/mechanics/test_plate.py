@@ -9,12 +9,13 @@ from skincad import check, load
 from skincad.design import Plate
 from skincad.errors import InputError
 from skincad.mechanics.plate import rise
+from tests.mechanics.designs import linear_check
 
 PLAIN = load("plain-ridges")
 
 
 def on(**plate: object) -> object:
-    return check(PLAIN.with_(contact={"plate": plate}), tol=0.01)
+    return linear_check(PLAIN.with_(contact={"plate": plate}), tol=0.01)
 
 
 def shares(found) -> np.ndarray:
@@ -22,7 +23,7 @@ def shares(found) -> np.ndarray:
 
 
 def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
-    flat = check(PLAIN, tol=0.01)
+    flat = linear_check(PLAIN, tol=0.01)
     for plate in (
         {"shape": "tilted", "tilt": 0.0},
         {"shape": "cylinder", "radius": 1e8},
@@ -52,7 +53,10 @@ def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
     x = np.array([-4.0, 0.0, 4.0])
     height = rise(Plate(shape="cylinder", radius=60.5), x)
     assert height == pytest.approx(60.5 - np.sqrt(60.5**2 - x**2), rel=1e-9)  # closed form, cancelling
-    assert on(shape="cylinder", radius=60.5).all_touch_force.value > 1.9 * check(PLAIN).all_touch_force.value
+    assert (
+        on(shape="cylinder", radius=60.5).all_touch_force.value
+        > 1.9 * linear_check(PLAIN).all_touch_force.value
+    )
     assert np.isinf(rise(Plate(shape="cylinder", radius=2.0), x)[0])
 
 
@@ -65,7 +69,7 @@ def test_a_plate_that_is_higher_everywhere_is_the_flat_one(tier: str) -> None:
 
 
 def test_a_step_unloads_the_ridges_under_it() -> None:
-    found, flat = on(shape="step", height=0.05, position=1.5), check(PLAIN, tol=0.01)
+    found, flat = on(shape="step", height=0.05, position=1.5), linear_check(PLAIN, tol=0.01)
     assert (shares(found)[6:] < shares(flat)[6:]).all()
     assert shares(found)[:6].sum() > shares(flat)[:6].sum()
 

@@ -12,8 +12,7 @@ from scipy.sparse.linalg import splu
 
 from skincad.design import Design
 from skincad.errors import InputError
-from skincad.mechanics import linear, reference, solid, solid_level
-from skincad.mechanics.check import check
+from skincad.mechanics import corrected, linear, reference, solid, solid_level
 from skincad.mechanics.contact import COMPLEMENTARITY
 from skincad.mechanics.dissect import dissection, schur
 from skincad.mechanics.layers import graded, line
@@ -234,8 +233,8 @@ def test_truth_lies_inside_for_templates(name: str) -> None:
     pad, force = pad_of(design), design.contact.force
     meshed = meshed_part(pad, coarse_sizes(pad, 1.5))
     exact = pressed(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), force, {})
-    for tier in ("solid", "corrected"):
-        assert_inside(check(design, tier=tier), exact)
+    for answer in (solid.answer, corrected.answer):
+        assert_inside(answer(design, Request(force)), exact)
 
 
 def test_one_ridge_touches_at_once() -> None:

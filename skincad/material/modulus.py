@@ -1,0 +1,180 @@
+"""What a material test says: the modulus with its error in parts, and when it says nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from skincad.errors import RefusedError
+from skincad.material.regression import Regression
+from skincad.measurements import FEWEST_ROWS, MaterialTest
+from skincad.quantities import Estimate
+from skincad.tables import Ranged
+
+LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse is not this model's
+LARGEST_ERROR = 0.5  # of the modulus; a wider interval says nothing of use
+FIRM = 0.05  # of the largest load, from which a row counts as one under load
+
+Fit = Callable[[MaterialTest], Regression]
+
+
+@dataclass(frozen=True)
+class Part:
+    """Young's modulus, MPa, fitted to the rows of a part of the test, its error the 95 % scatter.
+
+    The part is that of deformations from `start` to `end`: strain, or mm of approach as in the file.
+    """
+
+    start: float
+    end: float
+    young_modulus: Estimate
+
+
+@dataclass(frozen=True)
+class MaterialFit:
+    """Young's modulus at small strain, MPa, with the half-width of its 95 % interval.
+
+    The half-width is the sum of `scatter` (of the rows), `model` (what it leaves open) and `misfit` (what
+    the `parts` say of how it changes over the test), all MPa. `offset` is a pad's approach, mm, at the first
+    touch, None for a bar. `rms` is that of the residual, `largest_load` the largest used, N of a pad or MPa.
+    """
+
+    kind: str
+    rows: int
+    rows_used: int
+    young_modulus: Estimate
+    scatter: float
+    model: float
+    misfit: float
+    parts: tuple[Part, ...]
+    offset: Estimate | None
+    rms: float
+    largest_load: float
+    correlation: float
+    seconds: dict[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def ranged(self) -> Ranged:
+        """The modulus as a design's `[material]` takes it, low and high rounded outwards."""
+        value, error = self.young_modulus.value or 0.0, self.young_modulus.error or 0.0
+        digits = min(10, max(1 - int(np.floor(np.log10(max(error, 1e-4 * value)))), 0))
+        tenth = 10.0**-digits
+        low = np.floor((value - error) / tenth * (1 + 1e-12)) * tenth
+        high = np.ceil((value + error) / tenth * (1 - 1e-12)) * tenth
+        return Ranged(
+            value=round(value, digits), low=round(float(low), digits), high=round(float(high), digits)
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the `fit-material` object of `--json`; the unit is the key's suffix."""
+        load = "N" if self.kind == "pad" else "MPa"
+        deformation = "approach_mm" if self.kind == "pad" else "strain"
+        written = self.ranged
+        return {
+            "passed": True,
+            "kind": self.kind,
+            "rows": self.rows,
+            "rows_used": self.rows_used,
+            "young_modulus_MPa": self.young_modulus.as_json(),
+            "low_MPa": written.low,
+            "high_MPa": written.high,
+            "scatter_MPa": self.scatter,
+            "model_MPa": self.model,
+            "misfit_MPa": self.misfit,
+            "parts": [
+                {f"{deformation}": [p.start, p.end], "young_modulus_MPa": p.young_modulus.as_json()}
+                for p in self.parts
+            ],
+            "offset_mm": self.offset.as_json() if self.offset else {"value": None, "error": None},
+            f"rms_residual_{load}": self.rms,
+            f"largest_load_{load}": self.largest_load,
+            "residual_correlation": self.correlation,
+            "seconds": dict(self.seconds),
+            "warnings": list(self.warnings),
+        }
+
+
+def finished(
+    test: MaterialTest, whole: Regression, modulus: float, model: float, fit: Fit, per_value: float
+) -> MaterialFit:
+    """Return the result with the parts of its error; `fit(rows).values[0] * per_value` is E, MPa.
+
+    Raises RefusedError for a residual, an interval or a modulus that is no good.
+    """
+    modulus, largest = float(modulus), float(np.abs(test.load).max())
+    unit = "N" if test.kind == "pad" else "MPa"
+    if whole.rms > LARGEST_RMS * largest:
+        share = f"{whole.rms / largest:.0%} of the largest load ({LARGEST_RMS:.0%} is the most)"
+        raise RefusedError(
+            f"the {test.kind} test does not follow the model: the residual is {whole.rms:.3g} {unit} rms, "
+            f"{share}; try a smaller --up-to"
+        )
+    scatter = float(whole.half_width[0]) * per_value
+    parts = tuple(_halves(test, whole, fit, per_value))
+    misfit = _misfit(test, parts, modulus)
+    error = scatter + model + misfit
+    if not error <= LARGEST_ERROR * modulus:
+        raise RefusedError(f"the rows do not determine the modulus: {Estimate(modulus, error, 'MPa')}")
+    limits = Ranged.model_json_schema()["properties"]["value"]
+    smallest, most = limits["exclusiveMinimum"], limits["maximum"]
+    if not (smallest < modulus - error and modulus + error < most):
+        raise RefusedError(
+            f"the modulus {modulus:.3g} MPa is outside what a design takes, {smallest:g} to {most:g}"
+        )
+    return MaterialFit(
+        test.kind,
+        test.rows,
+        test.load.size,
+        Estimate(modulus, error, "MPa"),
+        scatter,
+        model,
+        misfit,
+        parts,
+        None,
+        whole.rms,
+        largest,
+        whole.correlation,
+        {},
+        (),
+    )
+
+
+def _misfit(test: MaterialTest, parts: tuple[Part, ...], modulus: float) -> float:
+    """How far the halves say that the modulus may be off, MPa.
+
+    A bar's modulus changes with strain where rubber leaves the neo-Hookean law: the difference to the line
+    through the halves at no strain, their centres of weight being at 3/8 and 7/9 of the range. A pad's halves
+    determine two numbers each and scatter: what they differ by beyond that.
+    """
+    if not parts:
+        return 0.0
+    values = [part.young_modulus.value or 0.0 for part in parts]
+    if test.kind != "pad":
+        return abs(values[0] - (values[1] - values[0]) - modulus)
+    return max(
+        0.0, *(abs(v - modulus) - (p.young_modulus.error or 0.0) for v, p in zip(values, parts, strict=True))
+    )
+
+
+def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -> list[Part]:
+    """The modulus over the first and the second half of the deformation under load."""
+    touch = float(whole.values[1]) if whole.values.size > 1 else 0.0
+    end = float(test.deformation[np.argmax(np.abs(test.deformation))])
+    middle = (touch + end) / 2
+    first = np.abs(test.deformation - touch) <= abs(middle - touch)
+    parts = []
+    for side, start, stop in ((first, touch, middle), (~first, middle, end)):
+        rows = replace(test, deformation=test.deformation[side], load=test.load[side])
+        if np.count_nonzero(np.abs(rows.load) >= FIRM * np.abs(test.load).max()) < FEWEST_ROWS:
+            return []
+        try:
+            found = fit(rows)
+        except RefusedError:
+            return []
+        value, error = float(found.values[0]) * per_value, float(found.half_width[0]) * per_value
+        parts.append(Part(start, stop, Estimate(value, error, "MPa")))
+    return parts

@@ -1,0 +1,1 @@
+"""The films in their slots: what stress reaches them."""

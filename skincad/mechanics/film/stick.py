@@ -1,0 +1,256 @@
+"""Press, then pull with full stick: one mesh and one order, in small strain and plane strain.
+
+First the plate presses without friction, as in the linear tier. Then every point that carries load is bonded
+to it, and it moves without turning until the tangential force is there and the normal force as before. What
+sticks, and how much shear it has locked in, depends on the path: this is the path press, then pull.
+
+A mirror-symmetric pad is solved on its half at x >= 0: pressing is even in x (u_x = 0 on the cut), pulling
+odd (u_z = 0 on the cut). That is the solution on a mesh mirrored about x = 0, at half the price.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+from threadpoolctl import threadpool_limits
+
+from skincad.mechanics import elements
+from skincad.mechanics.condense import Condensed, condense
+from skincad.mechanics.contact import press
+from skincad.mechanics.film import strip_field
+from skincad.mechanics.film.strip_field import Body
+from skincad.mechanics.mesh import unit_of
+from skincad.mechanics.plate import rise
+from skincad.mechanics.problem import ContactError, Pad
+from skincad.mechanics.symmetry import half_of
+from skincad.section import SlotPlace
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+SAME = 1e-9  # of the pad's width; centres of mirrored strips agree to that
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is meshed of a pad: its half where `mirrored`. `slots` are the places of the meshed strips, mm."""
+
+    whole: Pad
+    pad: Pad
+    mirrored: bool
+    slots: tuple[SlotPlace, ...]
+    thickness: float
+    unit: float
+
+
+@dataclass(frozen=True)
+class State:
+    """What a load does to the whole pad; `moved` `(n,)` are the part's condensed unknowns, for views.
+
+    `strips` `(strips, 3)`: mean stress across a film, along it in the section and along y, in the order
+    of the section's slots. `normal` and `tangential` `(ridges,)`: the plate's force on each ridge, positive
+    in compression and to +x. `node` `(m,)`: compressive force at the meshed contact points.
+    """
+
+    strips: Array
+    normal: Array
+    tangential: Array
+    node: Array
+    moved: Array
+
+
+@dataclass(frozen=True)
+class Level:
+    """`pressed` at the normal force, in MPa and N; `pulled` what 1 N of tangential force adds, in MPa / N
+    and 1, or None where it was not asked. `bonded` `(m,)` marks the meshed contact points that stick."""
+
+    pressed: State
+    pulled: State | None
+    bonded: Mask
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+    body: Body
+
+
+def part_of(pad: Pad, thickness: float) -> Part:
+    """Return what is to be meshed of a pad with strips of this thickness, mm, in its section's slots."""
+    half, slots = half_of(pad), pad.section.slots
+    if half is None:
+        return Part(pad, pad, False, slots, thickness, unit_of(pad))
+    right = tuple(s for s in slots if s.centre.x > 0)
+    return Part(pad, half, True, right, thickness, unit_of(half))
+
+
+def level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Level:
+    """Solve one order on netgen's mesh of the part: pressed by `force` N, and pulled if asked."""
+    with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+        return _level(part, mesh, order, force, pull)
+
+
+def _level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Level:
+    clock = [perf_counter()]
+    pad = part.pad
+    stiff = pad.film_modulus / pad.young_modulus, pad.film_ratio
+    curved = elements.curved(mesh, order)
+    body = strip_field.body(curved, order, {"skin": (1.0, pad.poisson_ratio), "film": stiff})
+    clock.append(perf_counter())
+    even, odd = body.held if part.mirrored else (np.empty(0, np.int64),) * 2
+    small = _condensed(body, even)
+    loose = small if not part.mirrored else _condensed(body, odd) if pull else None
+    clock.append(perf_counter())
+    pressed, bonded, residual = _press(part, body, small, force)
+    pulled = None
+    if pull and loose is not None:
+        pulled, balance = _pull(part, body, loose, bonded)
+        residual = max(residual, balance)
+    clock.append(perf_counter())
+    stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
+    return Level(pressed, pulled, bonded, body.system.unknowns, residual, stages, body)
+
+
+def _condensed(body: Body, held: Index) -> Condensed:
+    """Factorise with the contact unknowns of both directions last, those in `held` left out."""
+    system = body.system
+    contact = np.setdiff1d(_contact(body), held)
+    free = np.concatenate([system.interior, system.contact])
+    return condense(system.matrix, np.setdiff1d(free, np.concatenate([contact, held])), contact)
+
+
+def _contact(body: Body) -> Index:
+    return np.concatenate([body.along_x, body.system.contact])
+
+
+def _rows(body: Body, small: Condensed) -> sparse.csr_matrix:
+    """Rows `(2 m, k)`: contact points' displacements in x, then in z, of the condensed contact unknowns."""
+    rows = body.system.nodes.rows
+    both = sparse.csr_matrix(sparse.block_diag([rows, rows]))
+    last = small.order[-small.flexibility.shape[0] :]
+    number = np.full(body.system.lift.size, -1)
+    number[last] = np.arange(last.size)
+    local = number[_contact(body)]
+    kept = np.flatnonzero(local >= 0)
+    select = (np.ones(kept.size), (kept, local[kept]))
+    return both @ sparse.csr_matrix(select, shape=(local.size, last.size))
+
+
+def _scale(part: Part) -> tuple[float, float]:
+    """N on the whole pad for a force of 1 on the part in its units, and the part's share of a force."""
+    share = 0.5 if part.mirrored else 1.0
+    return part.pad.young_modulus * part.unit * part.pad.length / share, share
+
+
+def _press(part: Part, body: Body, small: Condensed, force: float) -> tuple[State, Mask, float]:
+    rows = _rows(body, small)
+    nodes, unit, plate = body.system.nodes, part.unit, part.whole.plate
+    m = nodes.weight.size
+    up = rows[m:]
+    flexibility = up @ np.asarray(up @ small.flexibility).T
+    x, z = nodes.position.T
+    gap = (part.whole.top / unit - z) + rise(plate, x * unit) / unit
+    wanted = force / _scale(part)[0]
+    found = press((flexibility + flexibility.T) / 2, gap - gap.min(), wanted)
+    load = np.concatenate([np.zeros(m), -found.force])
+    moved = _moved(body, small, rows, load)
+    balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if part.mirrored else None)
+    state = _state(part, body, moved, load, 1)
+    return state, found.force > 0, max(found.residual, balance)
+
+
+def _pull(part: Part, body: Body, small: Condensed, bonded: Mask) -> tuple[State, float]:
+    """Move the bonded points as one until the plate's tangential force is 1 N, its normal one unchanged.
+
+    C p = M a and M^T p = (force, 0): M has the plate's translations in x and z, of a mirrored pad in x only.
+    """
+    rows = _rows(body, small)
+    m = bonded.size
+    flexibility = rows @ np.asarray(rows @ small.flexibility).T
+    held = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
+    modes = np.column_stack([held < m, held >= m]).astype(float)[:, : 1 if part.mirrored else 2]
+    block = flexibility[np.ix_(held, held)]
+    try:
+        by_mode = linalg.solve((block + block.T) / 2, modes, assume_a="pos")
+    except linalg.LinAlgError:
+        raise ContactError("the bonded flexibility is singular; take a coarser contact mesh") from None
+    wanted = np.array([1.0, 0.0]) / _scale(part)[0]
+    load = np.zeros(2 * m)
+    load[held] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
+    moved = _moved(body, small, rows, load)
+    balance = _balance(body, moved, wanted, 0 if part.mirrored else None)
+    return _state(part, body, moved, load, -1), balance
+
+
+def _moved(body: Body, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
+    """Displacements `(n,)` under forces `(2 m,)` at the contact points."""
+    whole = np.zeros(body.system.lift.size)
+    whole[small.order[-small.flexibility.shape[0] :]] = rows.T @ load
+    return small.solve(whole)
+
+
+def _balance(body: Body, moved: Array, force: Array, only: int | None) -> float:
+    """Largest difference, relative to the force `(2,)`, between the plate's force and the clamped back's.
+
+    On a half, `only` one direction is: the cut carries the other.
+    """
+    system = body.system
+    held = system.lift.copy()
+    held[system.interior] = held[system.contact] = 0.0
+    reaction = system.matrix @ moved
+    shift = int(system.contact[0] - body.along_x[0])
+    carried = np.array([np.roll(held, -shift) @ reaction, held @ reaction])
+    wrong = np.abs(carried + force) / np.abs(force).max()
+    balance = float(wrong.max() if only is None else wrong[only])
+    if not balance <= BALANCE:
+        raise ContactError(f"the clamped back is off the load by {balance:.1e}; take a smaller poisson_ratio")
+    return balance
+
+
+def _state(part: Part, body: Body, moved: Array, load: Array, parity: int) -> State:
+    strip_field.set_state(body, moved)
+    stress = strip_field.averages(body, part.slots, part.thickness, part.unit) * part.pad.young_modulus
+    nodes, (scale, share) = body.system.nodes, _scale(part)
+    m = nodes.weight.size
+    numbers = part.whole.ridges
+    pull, push = np.zeros(len(numbers)), np.zeros(len(numbers))
+    at = np.searchsorted(numbers, nodes.ridge)
+    np.add.at(pull, at, load[:m] * scale * share)
+    np.add.at(push, at, -load[m:] * scale * share)
+    if part.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
+        push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
+    strips = _on_whole(part, _resolved(stress, part.slots), parity)
+    return State(strips, push, pull, -load[m:] * scale * share, moved)
+
+
+def _resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
+    """Stresses xx, xz, zz, yy `(strips, 4)` as across, along the strip in the section, along y."""
+    xx, xz, zz, yy = stress.T
+
+    def towards(axes: Array) -> Array:
+        x, z = axes.T
+        return np.asarray(xx * x * x + 2 * xz * x * z + zz * z * z)
+
+    across, along = np.array([s.across for s in slots]), np.array([s.direction for s in slots])
+    return np.column_stack([towards(across), towards(along), yy])
+
+
+def _on_whole(part: Part, values: Array, parity: int) -> Array:
+    """Values of all strips: those of the half and, times the parity, their mirror images'."""
+    if not part.mirrored:
+        return values
+    here = np.array([s.centre for s in part.slots])
+    whole = np.array([s.centre for s in part.whole.section.slots])
+    found = np.empty((len(whole), values.shape[1]))
+    for i, centre in enumerate(whole):
+        mirrored = centre[0] < 0
+        away = np.hypot(*(here - [abs(centre[0]), centre[1]]).T)
+        j = int(away.argmin())
+        if away[j] > SAME * np.ptp(whole[:, 0]):
+            raise ContactError("a strip has no mirror image")
+        found[i] = values[j] * (parity if mirrored else 1)
+    return found

@@ -1,0 +1,124 @@
+"""The stress in every film strip, S1 and S2 of each ridge, under a normal and a tangential force (Fig 8).
+
+Paper: S1 and S2 bear the same stress under a normal force, and differ under a tangential one. Small strain,
+plane strain; first the normal force without friction, then the tangential one with full stick (stick.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from skincad.catalog import silicone
+from skincad.design import Design
+from skincad.errors import InputError, RefusedError
+from skincad.mechanics.check import LARGEST_FORCE
+from skincad.mechanics.film.answer import FilmStress
+from skincad.mechanics.film.rungs import solve
+from skincad.mechanics.problem import Pad, pad_of
+from skincad.mechanics.validity import LARGEST_STRAIN, SMALL_STRAIN, slope_warnings
+from skincad.stopwatch import Progress
+
+DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (FACTS.md)
+LONG = "the pad is taken as long and strains as small: free ends and finite strain are left out"
+
+
+def film_stress(
+    design: Design, force: float | None = None, tangential: float = 0.0, **options: Any
+) -> FilmStress:
+    """Return `film_stresses` for one tangential force."""
+    return film_stresses(design, force, (tangential,), **options)[0]
+
+
+def film_stresses(
+    design: Design,
+    force: float | None = None,
+    tangential: Sequence[float] = (0.0,),
+    *,
+    tol: float | None = None,
+    show: Sequence[int] = (),
+    progress: Progress | None = None,
+) -> tuple[FilmStress, ...]:
+    """Return the films' stresses at a normal force and each tangential one, N, from one solution.
+
+    `force` is the design's own if None, `tol` relative to the largest stress; `show` names ridges whose
+    stress field comes as `views`. Where the film is `ignored`, the stress is the silicone's in the film's
+    place (the slot's, without a film). Raises InputError without slots, where they are empty, or for bad
+    numbers; RefusedError where ridges strain beyond the model's range.
+    """
+    normal = design.contact.force if force is None else force
+    wanted = DEFAULT_TOLERANCE if tol is None else tol
+    _check_request(design, normal, tangential, wanted, show)
+    pad, thickness = filled_pad(design)
+    found = solve(pad, thickness, normal, tangential, wanted, show, progress)
+    notes = [LONG, *slope_warnings(design)]
+    if design.film_state == "ignored":
+        notes.append("the film is ignored: this is the silicone's stress in its place")
+    results = [
+        replace(each, name=design.name, film=design.film_state, warnings=(*each.warnings, *notes))
+        for each in found
+    ]
+    return tuple(_in_range(design, each) for each in results)
+
+
+def filled_pad(design: Design) -> tuple[Pad, float]:
+    """Return the pad with a strip in each slot, and the strips' thickness in mm.
+
+    An ignored film is a strip of the skin's own moduli.
+    """
+    pad = pad_of(design)
+    if design.slot is None:
+        raise InputError(
+            "slot", "is missing: a film's stress needs its place", remedy="add [slot] and [film]"
+        )
+    if design.film_state == "loose":
+        raise InputError(
+            "contact.film",
+            "leaves the slots empty, and no stress crosses an empty slot",
+            design.film_state,
+            "add a [film] and say 'bonded', or say 'ignored'",
+        )
+    thickness = design.film.thickness if design.film else design.slot.thickness
+    if pad.strips:
+        return pad, thickness
+    strips = tuple(slot.loop(thickness) for slot in pad.section.slots)
+    return replace(
+        pad, strips=strips, film_modulus=pad.young_modulus, film_ratio=pad.poisson_ratio
+    ), thickness
+
+
+def _check_request(
+    design: Design, force: float, tangential: Sequence[float], tol: float, show: Sequence[int]
+) -> None:
+    if not 0 < force <= LARGEST_FORCE:
+        raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", force)
+    for pull in tangential:
+        if not abs(pull) <= LARGEST_FORCE:
+            raise InputError("--tangential", f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N", pull)
+    if not 0 < tol < 1:
+        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
+    for ridge in show:
+        if not 1 <= ridge <= design.ridge.count:
+            raise InputError("show", f"must be a ridge from 1 to {design.ridge.count}", ridge)
+
+
+def _in_range(design: Design, found: FilmStress) -> FilmStress:
+    """Say nominal strains beyond the small-strain range, refuse those beyond the model's (check.py)."""
+    ridge, stuff = design.ridge, silicone(design.material)
+    area = (ridge.root_width + ridge.tip_width) / 2 * design.skin.length
+    squeeze = (1 - stuff.poisson_ratio**2) / stuff.young_modulus.value / area
+    shear = (1 + stuff.poisson_ratio) / stuff.young_modulus.value / area  # tensor component, half the angle
+    strain = max(
+        max(abs(n.value or 0.0) * squeeze, abs(t.value or 0.0) * shear)
+        for n, t in zip(found.ridge_force, found.ridge_tangential, strict=True)
+    )
+    if strain > LARGEST_STRAIN:
+        raise RefusedError(
+            f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}; "
+            "take smaller forces"
+        )
+    if strain <= SMALL_STRAIN:
+        return found
+    note = f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"
+    return replace(found, warnings=(*found.warnings, note))

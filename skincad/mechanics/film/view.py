@@ -1,0 +1,89 @@
+"""The stress field of one ridge in its deformed section, to be drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.film import strip_field
+from skincad.mechanics.film.stick import Level, Part, State
+from skincad.mechanics.film.strip_field import Patch
+
+Array = NDArray[np.float64]
+REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A ridge and what is around it: `place` and `shift` `(p, 2)` mm, `stress` `(p,)` MPa across the ridge,
+    from one strip's middle towards the other's, `triangles` `(t, 3)` of the points, `film` `(t,)` the film's.
+    `middle` mm is the place half-way between the two strips.
+    """
+
+    ridge: int
+    middle: tuple[float, float]
+    place: Array
+    shift: Array
+    stress: Array
+    triangles: NDArray[np.int64]
+    film: NDArray[np.bool_]
+
+
+def view(part: Part, found: Level, ridge: int, tangential: float) -> View:
+    """Return the field around a ridge with both strips, under the normal force and `tangential` N."""
+    pressed = _around(part, found, ridge, found.pressed, 1)
+    shift, stress = pressed.shift, pressed.stress
+    if found.pulled is not None and tangential:
+        pulled = _around(part, found, ridge, found.pulled, -1)
+        shift, stress = shift + tangential * pulled.shift, stress + tangential * pulled.stress
+    x, z = _across(part, ridge)
+    xx, xz, zz, _ = stress.T * part.pad.young_modulus
+    first, second = _middles(part, ridge)
+    return View(
+        ridge,
+        ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
+        pressed.place * part.unit,
+        shift * part.unit,
+        xx * x * x + 2 * xz * x * z + zz * z * z,
+        pressed.triangles,
+        pressed.film,
+    )
+
+
+def _middles(part: Part, ridge: int) -> Array:
+    return np.array([slot.centre for slot in part.whole.section.slots if slot.ridge == ridge])
+
+
+def _across(part: Part, ridge: int) -> Array:
+    """Unit vector from a ridge's first strip to its second."""
+    first, second = _middles(part, ridge)
+    return np.asarray((second - first) / np.hypot(*(second - first)))
+
+
+def _around(part: Part, found: Level, ridge: int, state: State, parity: int) -> Patch:
+    """The field around a ridge, in units; of a half, what lies at x < 0 is the mirror image of x > 0."""
+    strip_field.set_state(found.body, state.moved)
+    x, z = _middles(part, ridge).mean(axis=0) / part.unit
+    here = strip_field.field(found.body, (x, z), REACH)
+    if not part.mirrored:
+        return here
+    image = _mirrored(strip_field.field(found.body, (-x, z), REACH), parity)
+    return Patch(
+        np.concatenate([here.place, image.place]),
+        np.concatenate([here.shift, image.shift]),
+        np.concatenate([here.stress, image.stress]),
+        np.concatenate([here.triangles, image.triangles + len(here.place)]),
+        np.concatenate([here.film, image.film]),
+    )
+
+
+def _mirrored(patch: Patch, parity: int) -> Patch:
+    return Patch(
+        patch.place * [-1, 1],
+        parity * patch.shift * [-1, 1],
+        parity * patch.stress * [1, -1, 1, 1],
+        patch.triangles,
+        patch.film,
+    )

@@ -1,0 +1,386 @@
+"""The verification table: finite elements against closed forms, and the orders at which they get there.
+
+A row is tested by being listed. Hertz and the column are in test_elements.py and test_solid.py, the solid's
+plane-strain limit and its own refinement in test_solid.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import ngsolve as ng
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.sparse.linalg import splu
+
+from skincad.curves import Loop, Point, Segment
+from skincad.design import Plate
+from skincad.mechanics import elements, neo_hooke, reference
+from skincad.mechanics.contact import press
+from skincad.mechanics.linear import level
+from skincad.mechanics.mesh import Sizes, triangles, unit_of
+from skincad.mechanics.problem import Pad
+from skincad.section import Section
+from tests.mechanics.test_elements import block, cylinder
+
+Array = np.ndarray
+STRAIN = np.array([[0.3, 0.7], [0.7, -0.9]])
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the elements give, what is exact, how far apart they may be (relative to the largest), and why."""
+
+    found: Callable[[], object]
+    exact: Callable[[], object]
+    within: float
+    why: str
+
+
+@dataclass(frozen=True)
+class Order:
+    """An observed order of convergence, the theory's, how far apart they may be, and what limits it."""
+
+    observed: Callable[[], float]
+    theory: float
+    within: float
+    limit: str
+
+
+def everywhere(space: object, mesh: object) -> Array:
+    """Which unknowns `(n,)` belong to the boundary."""
+    marks = np.zeros(space.ndof, dtype=bool)
+    marks[: space.components[0].ndof] = list(space.components[0].GetDofs(mesh.Boundaries(".*")))
+    return marks
+
+
+def patch(ratio: float, order: int) -> Array:
+    """Energy of STRAIN in a block of area 1.5 on an irregular mesh, and the largest force inside."""
+    mesh = elements.curved(triangles(block(2.0, 3.0, ratio), Sizes(0.9, 0.9, 0.9, 0.05)), order)
+    body = neo_hooke.body(mesh, order, {"skin": (1.0, ratio)})
+    system = elements.assemble(mesh, order, {"skin": (1.0, ratio)})
+    vertical = np.flatnonzero(system.lift)
+    moved = np.zeros(system.lift.size)
+    places = np.array([v.point for v in mesh.vertices]) @ STRAIN
+    moved[vertical - vertical[0]], moved[vertical] = places.T
+    force = system.matrix @ moved
+    inside = ~everywhere(body.space, mesh)
+    return np.array([moved @ force / 2, np.abs(force[inside]).max()])
+
+
+def patch_exact(ratio: float) -> Array:
+    return np.array([np.sum(reference.uniform_stress(STRAIN, 1.0, ratio) * STRAIN) / 2 * 1.5, 0.0])
+
+
+def uniform(ratio: float, gradient: Array) -> tuple[Array, Array, float]:
+    """The neo-Hookean block of 1 by 2 units under a uniform displacement gradient `(2, 2)`.
+
+    Nominal stress `(2,)` on its top, shear first; the force on each unknown inside or on free sides; the
+    largest force of all.
+    """
+    pad = block(2.0, 4.0, ratio)
+    mesh = elements.curved(triangles(pad, Sizes(0.9, 0.9, 0.9, 0.3)), 2)
+    body = neo_hooke.body(mesh, 2, {"skin": (1.0, ratio)})
+    state = ng.GridFunction(body.space)
+    displacement, pressure = state.components
+    displacement.Set(ng.CF(tuple(row[0] * ng.x + row[1] * ng.y for row in gradient.tolist())))
+    bulk = 1 / (3 * (1 - 2 * ratio))
+    pressure.Set(ng.CF(bulk * (np.linalg.det(np.eye(2) + gradient) - 1)))
+    force = neo_hooke.residual(body, np.array(state.vec.FV().NumPy()))
+    vertical = body.rest.contact
+    start = body.space.components[0].Range(1).start
+    lift = body.rest.lift[vertical]
+    top = np.array([lift @ force[vertical - start], lift @ force[vertical]])
+    sides = body.free.copy()
+    sides[vertical] = False
+    inside = sides & ~everywhere(body.space, mesh)
+    return (
+        top,
+        np.array([np.abs(force[inside]).max(), np.abs(force[sides]).max()]),
+        float(np.abs(force).max()),
+    )
+
+
+def compressed(ratio: float, stretch: float) -> Array:
+    """Stress on top and the largest force anywhere but on top and back."""
+    width, _ = reference.neo_hookean_compression(stretch, *reference.lame(1.0, ratio))
+    top, rest, _ = uniform(ratio, np.diag([width - 1, stretch - 1]))
+    return np.array([top[1], rest[1]])
+
+
+def sheared(ratio: float, shift: float) -> Array:
+    """Stress on top, shear and normal, and the largest force inside."""
+    top, rest, _ = uniform(ratio, np.array([[0.0, shift], [0.0, 0.0]]))
+    return np.array([*top, rest[0]])
+
+
+def no_edge(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the small-strain law at the clamped ends, which is no part of the closed forms."""
+    monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", -1.0)
+
+
+ROWS: dict[str, Row] = {
+    **{
+        f"patch nu {ratio} order {order}": Row(
+            lambda ratio=ratio, order=order: patch(ratio, order),
+            lambda ratio=ratio: patch_exact(ratio),
+            1e-9,
+            "rounding, at a condition of 1e7 for the largest nu",
+        )
+        for ratio in (0.0, 0.3, 0.4999999)
+        for order in (2, 3)
+    },
+    **{
+        f"neo-Hookean compression nu {ratio} to {stretch:g}": Row(
+            lambda ratio=ratio, stretch=stretch: compressed(ratio, stretch),
+            lambda ratio=ratio, stretch=stretch: np.array(
+                [reference.neo_hookean_compression(stretch, *reference.lame(1.0, ratio))[1], 0.0]
+            ),
+            1e-7 if ratio > 0.4999 else 1e-12,
+            "rounding, at nu 0.4999999 of pressures at a bulk modulus of 2e6",
+        )
+        for ratio in (0.0, 0.3, 0.499, 0.4999999)
+        for stretch in (0.5, 0.9, 1.5)
+    },
+    **{
+        f"neo-Hookean shear by {shift:g}": Row(
+            lambda shift=shift: sheared(0.499, shift),
+            lambda shift=shift: np.array(
+                [reference.neo_hookean_shear(shift, reference.lame(1.0, 0.499)[0]), 0.0, 0.0]
+            ),
+            1e-10,
+            "rounding, at a bulk modulus of 170",
+        )
+        for shift in (-0.8, 1e-3, 2.0)
+    },
+}
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_closed_form(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    no_edge(monkeypatch)
+    row = ROWS[name]
+    found, exact = np.asarray(row.found()), np.asarray(row.exact())
+    assert np.abs(found - exact).max() <= row.within * np.abs(exact).max(), row.why
+
+
+INNER, OUTER = 1.0, 2.0
+
+
+def circle(radius: float, kind: str, ridge: int | None = None) -> Loop:
+    ends = [Point(radius, 0.0), Point(0.0, radius), Point(-radius, 0.0), Point(0.0, -radius)]
+    quarter = math.tan(math.pi / 8)
+    return tuple(Segment(a, b, quarter, kind, ridge) for a, b in zip(ends, ends[1:] + ends[:1], strict=True))
+
+
+@cache
+def ring_errors(ratio: float, order: int, refined: int) -> tuple[float, float]:
+    """L2 errors of displacement and stress of a ring that spins on a rigid core, relative."""
+    pad = Pad(Section(circle(OUTER, "crown", 1)), 1.0, 1.0, ratio, voids=(circle(INNER, "back"),))
+    mesh = triangles(pad, Sizes(0.7, 0.7, 0.7, 0.7))
+    for _ in range(refined):
+        mesh.Refine()
+    mesh, unit = elements.curved(mesh, order), unit_of(pad)
+    body = neo_hooke.body(mesh, order, {"skin": (1.0, ratio)})
+    load = ng.LinearForm(body.space)
+    load += -ng.InnerProduct(body.space.TestFunction()[0], ng.CF((ng.x, ng.y))) * ng.dx
+    at = neo_hooke.tangent(body, np.zeros(body.free.size), np.array(load.Assemble().vec.FV().NumPy()))
+    free = np.concatenate([body.rest.interior, body.rest.contact])
+    step = np.zeros(body.free.size)
+    step[free] = splu(at.matrix[free][:, free].tocsc()).solve(-at.residual[free])
+    found = ng.GridFunction(body.space)
+    found.vec.FV().NumPy()[:] = at.recover(step)
+    u, q = found.components
+    shear, rest = reference.lame(1.0, ratio)
+    a, b, c = reference.spinning_ring(INNER / unit, OUTER / unit, 1.0, shear, rest)
+    square = ng.x**2 + ng.y**2
+    swell = a + b / square - c * square
+    turned = -2 * (b / square**2 + c)
+    wanted = swell * ng.CF((ng.x, ng.y))
+    cross = turned * ng.x * ng.y
+    strain = ng.CF((swell + turned * ng.x**2, cross, cross, swell + turned * ng.y**2), dims=(2, 2))
+    one = ng.Id(2)
+    stress = 2 * shear * strain + rest * (2 * a - 4 * c * square) * one
+    has = 2 * shear * (ng.Sym(ng.Grad(u)) - ng.div(u) / 3 * one) + q * one
+
+    def norm(of: object) -> float:
+        return math.sqrt(ng.Integrate(ng.InnerProduct(of, of) * ng.dx(bonus_intorder=6), mesh))
+
+    return norm(u - wanted) / norm(wanted), norm(has - stress) / norm(stress)
+
+
+def ring_order(ratio: float, order: int, of: int) -> float:
+    """Order over the last halving. Near nu = 1/2 the ring hardly moves, and errors still fall faster."""
+    errors = [ring_errors(ratio, order, refined)[of] for refined in (2, 3)]
+    return reference.observed_order([1.0, 0.5], errors)
+
+
+@cache
+def corner_errors(ratio: float, order: int) -> tuple[float, ...]:
+    """Of a clamped block's approach on uniform meshes, against order 6 on one graded into its corners."""
+    pad = block(2.0, 2.0, ratio)
+    exact = level(pad, triangles(pad, Sizes(0.1, 0.1, 0.1, 1e-5)), 6, 0.01)
+    assert (exact.pressure > 0).all()  # all of the top touches, so that no edge of contact is in play
+    errors = []
+    for refined in (2, 3, 4):
+        mesh = triangles(pad, Sizes(0.5, 0.5, 0.5, 0.5))
+        for _ in range(refined):
+            mesh.Refine()
+        errors.append(abs(level(pad, mesh, order, 0.01).approach / exact.approach - 1))
+    return tuple(errors)
+
+
+def edge_errors(order: int, sizes: tuple[float, ...]) -> list[float]:
+    """L2 error of Hertz's pressure: the mean over 16 half-widths from 0.08 to 0.12 mm.
+
+    The contact's edge falls anywhere between the mesh's points; a single load would show that more than the
+    order.
+    """
+    pad = cylinder(50.0, 0.3)
+    errors = []
+    for size in sizes:
+        mesh = triangles(pad, Sizes(contact=size, ridge=0.3, bulk=0.7, corner=0.05))
+        found = level(pad, mesh, order, 1e-3)
+        weight = elements.assemble(elements.curved(mesh, order), order, {"skin": (1.0, 0.3)}).nodes.weight
+        squares = []
+        for half_width in np.linspace(0.08, 0.12, 16):
+            load = math.pi * pad.young_modulus / (1 - 0.3**2) * half_width**2 / (4 * 50.0)
+            exact = reference.hertz(load, 50.0, pad.young_modulus, 0.3).elliptic(found.x)
+            state = press(found.ridges.flexibility, found.ridges.gap, load * pad.length / found.scale)
+            pressure = state.force / weight * pad.young_modulus
+            squares.append(weight @ (pressure - exact) ** 2 / (weight @ exact**2))
+        errors.append(math.sqrt(float(np.mean(squares))))
+    return errors
+
+
+@cache
+def layer_errors(ratio: float) -> tuple[float, float, float]:
+    """Peak pressure, approach and half-width of a cylinder on a bonded layer of thickness a / ratio."""
+    thickness, radius, poisson = 1.0, 1e3 * ratio, 0.4999999
+    shear = reference.lame(0.7, poisson)[0]
+    load = 2 * shear * ratio**5 / (15 * radius)
+    exact = reference.bonded_layer(load, radius, thickness, shear)
+    assert exact.half_width == pytest.approx(ratio, rel=1e-12)  # rounding
+    pad = block(2 * ratio + 12 * thickness, thickness, poisson)
+    pad = replace(pad, plate=Plate(shape="cylinder", radius=radius))
+    found = level(pad, triangles(pad, Sizes(0.25, 0.25, 0.25, 0.02)), 3, load * pad.length)
+    half_width = float(np.abs(found.x[found.pressure > 0]).max())
+    return (
+        abs(float(found.pressure.max()) / exact.peak_pressure - 1),
+        abs(found.approach / exact.approach - 1),
+        abs(half_width / exact.half_width - 1),
+    )
+
+
+def layer_order(of: int) -> float:
+    return reference.observed_order([1 / 8, 1 / 16], [layer_errors(ratio)[of] for ratio in (8.0, 16.0)])
+
+
+ORDERS: dict[str, Order] = {
+    **{
+        f"ring nu {ratio} order {k}: {name}": Order(
+            lambda ratio=ratio, k=k, of=of: ring_order(ratio, k, of),
+            k + 1 - of,
+            0.2,
+            "smooth: the order alone",
+        )
+        for ratio in (0.0, 0.3, 0.45)
+        for k in (2, 3, 4)
+        for of, name in enumerate(("displacement", "stress"))
+    },
+    **{
+        f"clamped corner nu {ratio} order {k}": Order(
+            lambda ratio=ratio, k=k: reference.observed_order([4.0, 2.0, 1.0], corner_errors(ratio, k)),
+            2 * reference.corner_exponent(ratio),
+            0.03,
+            "the clamped corner; towards nu = 1/2 the next exponents are near",
+        )
+        for ratio in (0.3, 0.499, 0.4999999)
+        for k in (3, 4)
+    },
+    **{
+        f"contact edge order {k}": Order(
+            lambda k=k: reference.observed_order([4.0, 2.0, 1.0], edge_errors(k, (0.04, 0.02, 0.01))),
+            1.0,
+            0.1,
+            "the pressure's root at the contact's edge",
+        )
+        for k in (2, 3, 4)
+    },
+    "bonded layer: peak pressure": Order(lambda: layer_order(0), 2.0, 0.1, "the closed form's next term"),
+    "bonded layer: approach": Order(lambda: layer_order(1), 2.0, 0.25, "the closed form's next terms"),
+    "bonded layer: half-width": Order(lambda: layer_order(2), 1.0, 0.1, "the edge, a layer of width h"),
+}
+
+
+@pytest.mark.parametrize("name", ORDERS)
+def test_order(name: str) -> None:
+    row = ORDERS[name]
+    assert row.observed() == pytest.approx(row.theory, abs=row.within), row.limit
+
+
+def test_thin_layer_is_near_its_limit() -> None:
+    """At a / h = 16 the peak pressure and approach differ by 1.4 % and 1.9 % as measured, 5 (h / a)^2."""
+    assert max(layer_errors(16.0)[:2]) <= 5 / 16**2
+
+
+def test_observed_order_of_a_power() -> None:
+    sizes = np.array([1.0, 0.3, 0.1])
+    assert reference.observed_order(sizes, 7 * sizes**2.5) == pytest.approx(2.5, rel=1e-12)  # rounding
+
+
+def test_corner_exponents_of_the_literature() -> None:
+    """Williams' figure and tables since: 1 at nu 0, 0.7112 at 0.3, 0.5946 at 1/2; digits as given."""
+    found = [reference.corner_exponent(ratio) for ratio in (0.0, 0.3, 0.5)]
+    assert found == pytest.approx([1.0, 0.7112, 0.5946], abs=5e-5)
+
+
+def test_neo_hookean_compression_has_the_known_limits() -> None:
+    """G (l - 1 / l) without lateral coupling, G (l - l^-3) without volume change: 1e-6, K is 1e7 G there."""
+    for stretch in (0.5, 0.8, 0.999, 1.5):
+        width, free = reference.neo_hookean_compression(stretch, 0.35, 0.0)
+        assert (width, free) == pytest.approx((1.0, 0.35 * (stretch - 1 / stretch)), rel=1e-12)
+        width, kept = reference.neo_hookean_compression(stretch, 0.35, 3.5e6)
+        assert width * stretch == pytest.approx(1.0, rel=1e-6)
+        assert kept == pytest.approx(0.35 * (stretch - stretch**-3), rel=1e-6)
+
+
+CONTACT = reference.hertz(0.3, 2.0, 0.8, 0.5)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 1.0])
+def test_cattaneo_carries_the_tangential_load(share: float) -> None:
+    found = reference.cattaneo(CONTACT, 0.6, share * 0.6 * 0.3)
+    carried = 2 * quad(found.traction, 0.0, CONTACT.half_width, points=[found.stick])[0]
+    assert carried == pytest.approx(share * 0.6 * 0.3, rel=1e-7, abs=1e-12)  # of the quadrature
+    assert found.stick == pytest.approx(CONTACT.half_width * math.sqrt(1 - share), rel=1e-7, abs=1e-9)
+    x = np.linspace(-CONTACT.half_width, CONTACT.half_width, 801)
+    slack = 0.6 * CONTACT.elliptic(x) - found.traction(x)
+    assert (slack[np.abs(x) < found.stick - 1e-9] > 0).all()
+    assert np.abs(slack[np.abs(x) >= found.stick]).max() <= 1e-12
+
+
+def test_cattaneo_sticks_as_one_and_slips_outwards() -> None:
+    """The half-plane's surface slope is a Cauchy integral of the traction (Johnson, sec. 2.6): zero where it
+    sticks, of one sign on each side where it slips. 1e-5: the quadrature's, at the roots' ends."""
+    found = reference.cattaneo(CONTACT, 0.6, 0.5 * 0.6 * 0.3)
+
+    def slope(x: float) -> float:
+        edge = CONTACT.half_width
+        return float(quad(found.traction, -edge, edge, weight="cauchy", wvar=x, limit=400)[0])
+
+    scale = 0.6 * CONTACT.peak_pressure
+    for x in (0.1, 0.5, 0.9):
+        assert abs(slope(x * found.stick)) <= 1e-5 * scale
+    between = (found.stick + CONTACT.half_width) / 2
+    assert slope(between) < -0.1 * scale
+    assert slope(-between) > 0.1 * scale
+
+
+def test_cattaneo_refuses_a_load_that_slides() -> None:
+    with pytest.raises(ValueError, match="tangential load must be from 0 to"):
+        reference.cattaneo(CONTACT, 0.6, 0.19)
