@@ -6,7 +6,8 @@ A file is read as data only: no code, at most `LARGEST_FILE` bytes, no path insi
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -15,6 +16,7 @@ from typing import Any, Literal
 
 from skincad.design import Design, Material, drop_dependents, renamed_material
 from skincad.errors import InputError, did_you_mean
+from skincad.process import Process, merged
 from skincad.tables import Ranged, parse
 
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
@@ -24,7 +26,7 @@ KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")
 
 @dataclass(frozen=True)
 class Silicone:
-    """A casting silicone: MPa, kg/m3, minutes and hours at room temperature."""
+    """A casting silicone: MPa, kg/m3, minutes and hours at room temperature; elongation as a strain."""
 
     name: str
     young_modulus: Ranged
@@ -34,23 +36,23 @@ class Silicone:
     pot_life_min: float | None
     cure_h: float | None
     platinum_cure: bool
+    elongation_at_break: float
     source: str
 
 
-# assumption: nearly incompressible, and the density that casting silicones share
+# assumption: nearly incompressible, the density that casting silicones share, the least of their elongations
 OWN_SILICONE = Silicone(
-    "own silicone", Ranged(value=1.0, low=1.0, high=1.0), 0.499, 1070.0, None, None, None, True, "assumption"
+    name="own silicone",
+    young_modulus=Ranged(value=1.0, low=1.0, high=1.0),
+    poisson_ratio=0.499,
+    density=1070.0,
+    mix=None,
+    pot_life_min=None,
+    cure_h=None,
+    platinum_cure=True,
+    elongation_at_break=1.0,
+    source="assumption",
 )
-
-
-@dataclass(frozen=True)
-class Process:
-    """What a process can make, mm: assumptions of a well-kept machine."""
-
-    gap: float  # narrowest groove or slit
-    wall: float  # thinnest tooth
-    chord: float  # how far a print mesh may leave the true surface unnoticed
-    crest_sigma: float  # standard deviation of a cast ridge's crest height, ridge against ridge
 
 
 def templates_folder() -> Traversable:
@@ -75,13 +77,35 @@ def template_text(name: str, kind: Kind = "designs") -> str:
     return (templates_folder() / kind / f"{name}.toml").read_text("utf-8")
 
 
-def load(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Design:
+def load(
+    source: str | Path,
+    overrides: list[str] | tuple[str, ...] = (),
+    *,
+    printer: str | Path | None = None,
+) -> Design:
     """Return the design of a template's name or of a TOML file.
 
-    `overrides` are `table.key=value` with a TOML value, or `table=none` to drop an optional table.
-    Raises InputError with key, rule, value and remedy.
+    `printer` is a TOML file of a workshop's own processes; they go into the design's `[printer]`, so that a
+    copy of the design means the same without the file. `overrides` are `table.key=value` with a TOML value,
+    or `table=none` to drop an optional table, and come last. Raises InputError with key, rule, value, remedy.
     """
-    return parse(Design, overridden(read_table(source, "designs"), overrides))
+    data = read_table(source, "designs")
+    if printer is not None:
+        data = with_printer(data, printer)
+    return parse(Design, overridden(data, overrides))
+
+
+def with_printer(data: dict[str, Any], file: str | Path) -> dict[str, Any]:
+    """Return a design's tables with those of a printer file on top of its `[printer]`."""
+    own, rows = data.get("printer", {}), _read_file(Path(file), str(file))
+    if not isinstance(own, dict):
+        raise InputError("printer", "must be a table, [printer]", own)
+    for name, row in rows.items():
+        if isinstance(row, dict) and isinstance(own.get(name, {}), dict):
+            own = {**own, name: {**own.get(name, {}), **row}}
+        else:
+            own = {**own, name: row}
+    return {**data, "printer": own}
 
 
 def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
@@ -91,10 +115,18 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
         return _parsed(template_text(name, kind), name)
     path = Path(source)
     try:
-        if not path.is_file() and path.suffix != ".toml":
-            known = template_names(kind)
-            rule = f"no such template among {kind}, and no TOML file"
-            raise InputError(name[:80], rule, remedy=did_you_mean(name[:80], known))
+        missing = not path.is_file() and path.suffix != ".toml"
+    except (OSError, ValueError):
+        missing = False  # reading it says why
+    if missing:
+        rule = f"no such template among {kind}, and no TOML file"
+        raise InputError(name[:80], rule, remedy=did_you_mean(name[:80], template_names(kind)))
+    return _read_file(path, name)
+
+
+def _read_file(path: Path, name: str) -> dict[str, Any]:
+    """Return the parsed TOML of a regular file; InputError calls it `name`."""
+    try:
         if path.exists() and not path.is_file():
             raise InputError(name, "is not a regular file", remedy="name a TOML file")
         with path.open("rb") as file:
@@ -153,11 +185,20 @@ def _toml_value(text: str) -> Any:
         return text
 
 
+def processes(own: Mapping[str, Process] | None = None) -> dict[str, Process]:
+    """Return what each process can make: the shipped ones, with a design's `[printer]` on top."""
+    return merged(_shipped(), own or {})
+
+
 @cache
-def processes() -> dict[str, Process]:
-    """Return what each process of `mold.process` can make."""
-    rows = tomllib.loads((templates_folder() / "processes.toml").read_text("utf-8"))
-    return {name: Process(**row) for name, row in rows.items()}
+def _shipped() -> dict[str, Process]:
+    rows = tomllib.loads(processes_text())
+    return {name: parse(Process, {**row, "based_on": name}) for name, row in rows.items()}
+
+
+def processes_text() -> str:
+    """Return the TOML of the shipped processes, with where each value is from."""
+    return (templates_folder() / "processes.toml").read_text("utf-8")
 
 
 @cache
@@ -186,14 +227,9 @@ def silicone(material: Material) -> Silicone:
         )
     if found is None:
         found = OWN_SILICONE
-    return Silicone(
-        found.name,
-        material.young_modulus or found.young_modulus,
-        found.poisson_ratio if material.poisson_ratio is None else material.poisson_ratio,
-        material.density or found.density,
-        found.mix,
-        found.pot_life_min,
-        found.cure_h,
-        found.platinum_cure,
-        found.source,
+    return replace(
+        found,
+        young_modulus=material.young_modulus or found.young_modulus,
+        poisson_ratio=found.poisson_ratio if material.poisson_ratio is None else material.poisson_ratio,
+        density=material.density or found.density,
     )

@@ -42,6 +42,10 @@ SetOption = Annotated[
         help="Override a key, as in ridge.height=0.6; slot=none drops it.",
     ),
 ]
+PrinterOption = Annotated[
+    Path | None,
+    typer.Option("--printer", metavar="FILE", help="A TOML file of your own processes: a printer.toml."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 
@@ -139,6 +143,7 @@ def make(
         ),
     ] = [],  # noqa: B006
     strict: Annotated[bool, typer.Option("--strict", help="Warnings fail too.")] = False,
+    printer: PrinterOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Make skin and mold, check both, and write all files.
@@ -149,7 +154,7 @@ def make(
     from skincad.job import make as run
     from skincad.wording import make_lines
 
-    loaded = skincad.load(design, settings)
+    loaded = skincad.load(design, settings, printer=printer)
     with _progress(len(STAGES)) as progress:
         result = run(loaded, out, formats=tuple(formats) or FORMATS, strict=strict, progress=progress)
     _print(result.as_json(), as_json, make_lines(result))
@@ -181,6 +186,7 @@ def check(
             "solid-finite-strain; auto: the cheapest that meets --tol, or else settles the verdict.",
         ),
     ] = "auto",
+    printer: PrinterOption = None,
     stress: Annotated[
         Path | None,
         typer.Option("--stress", metavar="PNG", help="Draw the stress at S1 and S2 of each ridge."),
@@ -200,7 +206,7 @@ def check(
 
     if pull is not None and stress is None:
         raise InputError("--pull", "needs --stress", pull, "name the picture with --stress")
-    loaded = skincad.load(design, settings)
+    loaded = skincad.load(design, settings, printer=printer)
     with _progress(4) as progress:
         result = run(
             loaded, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress

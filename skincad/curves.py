@@ -178,6 +178,8 @@ def length(outline: Loop) -> float:
 def polygon(outline: Loop, tolerance: float) -> NDArray[np.float64]:
     """Return the loop's corners with arcs as chords within `tolerance` mm, `(n, 2)` mm, not closed."""
     rows = [s.points(np.arange(n) / n) for s in outline for n in [s.pieces(tolerance)]]
+    for row, segment in zip(rows, outline, strict=True):
+        row[0] = segment.start  # to the last digit: a face 1e-15 mm above a bore's end closes it with a film
     return np.vstack(rows)
 
 

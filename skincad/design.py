@@ -12,9 +12,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from skincad.errors import InputError
+from skincad.process import NAME, PROCESSES, Process, check_named, check_own
 from skincad.tables import Ranged, Table, parse, quantity
 
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
+_A_PROCESS: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 
 
@@ -89,8 +91,19 @@ class Material(Table):
 class Mold(Table):
     """The mold that casts the skin, ridges down."""
 
-    process: Literal["fdm", "sla", "cnc", "edm"] = Field(
-        description="how cavity and end plates are made: fdm, sla, cnc or edm"
+    process: str = Field(
+        description="how cavity and end plates are made: fdm, sla, cnc, edm, or one of [printer]",
+        json_schema_extra=_A_PROCESS,
+    )
+    end_plate_process: str | None = Field(
+        default=None,
+        description="how the end plates are made, if not as the cavity",
+        json_schema_extra=_A_PROCESS,
+    )
+    lid_process: str | None = Field(
+        default=None,
+        description="how carrier and cover are made; any plain plate if not given",
+        json_schema_extra=_A_PROCESS,
     )
     wall: float = quantity(
         "mm", "block beside the trough; room for screws and pins", ge=12.0, le=500.0, default=13.0
@@ -113,8 +126,22 @@ class Mold(Table):
         description="rigid backing that stays on the skin: perforated for interlock, or plain to be primed",
     )
     carrier_thickness: float = quantity("mm", "of the carrier", ge=1.0, le=50.0, default=4.0)
+    pour: Literal["syringe", "open"] = Field(
+        default="syringe",
+        description="through the gate by syringe, or over the open back before the carrier is laid on",
+    )
+    pour_tilt: float = quantity(
+        "deg", "end b up while the silicone rises under the carrier", ge=0.0, le=60.0, default=10.0
+    )
     gate: float = quantity("mm", "diameter of the pouring gate", gt=0.2, le=20.0, default=2.0)
     vent: float = quantity("mm", "diameter of the vent", gt=0.2, le=10.0, default=1.0)
+    reservoir: float | None = quantity(
+        "mm",
+        "upper diameter of the cup over the vent; 5, or what covers the vent, if not given",
+        gt=0.2,
+        le=50.0,
+        default=None,
+    )
 
 
 class Plate(Table):
@@ -173,13 +200,21 @@ class Design(Table):
     material: Material
     mold: Mold = Mold(process="sla")
     contact: Contact = Contact()
+    printer: dict[str, Process] | None = Field(
+        default=None, description="a workshop's own processes, [printer.sla] as in a printer.toml"
+    )
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
+        _check_mold(self)
         _check_skin(self)
         _check_ridge(self.ridge)
         _check_film(self)
         return self
+
+    def __hash__(self) -> int:
+        """Hash of all but `printer`, a dict, which equality still compares."""
+        return hash(tuple(value for key, value in self if key != "printer"))
 
     @property
     def film_state(self) -> Literal["bonded", "loose", "ignored"]:
@@ -224,6 +259,14 @@ def drop_dependents(data: dict[str, Any], dropped: str) -> None:
         data.pop("film", None)
     if dropped in ("slot", "film") and (data.get("contact") or {}).get("film") == "bonded":
         data["contact"] = {key: value for key, value in data["contact"].items() if key != "film"}
+
+
+def _check_mold(design: Design) -> None:
+    own, choice = design.printer or {}, design.mold
+    check_own(own)
+    check_named("mold.process", choice.process, own)
+    check_named("mold.end_plate_process", choice.end_plate_process, own)
+    check_named("mold.lid_process", choice.lid_process, own)
 
 
 def _check_skin(design: Design) -> None:

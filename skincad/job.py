@@ -157,6 +157,7 @@ class _Job:
 
 def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
     from skincad.catalog import processes
+    from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import FINER, interference
     from skincad.fabrication.meshes import mesh
@@ -164,7 +165,9 @@ def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
     from skincad.solids.occ import workplane
 
     made = [part for part in closed.parts if part.made != "bought"]
-    asked = processes()[design.mold.process].chord
+    known, choice = processes(design.printer), design.mold
+    makers = {choice.process, choice.end_plate_process, choice.lid_process}
+    asked = min(known[name].chord for name in makers if name)
     chord = asked / (1 + 1 / FINER)  # the reference mesh's own error is added to it
     with watch.stage("contact check"):
         verdict = check(design)
@@ -177,7 +180,8 @@ def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
     with watch.stage("interference"):
         gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
-        findings = [*design_findings(design), *mesh_findings(reports), *interference(closed, fine)]
+        findings = [*design_findings(design, closed), *mesh_findings(reports), *interference(closed, fine)]
+        findings += filling_findings(design, closed)
     return _Job(design, closed, solids, meshes, tuple(reports), tuple(findings), verdict)
 
 
@@ -202,13 +206,14 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
     """File name to writer, by format."""
     from skincad import export
     from skincad.fabrication.meshes import laid, upright
+    from skincad.fabrication.rules_of_layers import laid_on_end
     from skincad.fabrication.sheet import casting_sheet
     from skincad.report import write_picture
     from skincad.wording import verdict
 
     design, closed = job.design, job.closed
     printed = {p.name: p for p in closed.parts if p.made == "made"}
-    flat = {name: laid(job.meshes[name], part.lies_on_end) for name, part in printed.items()}
+    flat = {name: laid(job.meshes[name], laid_on_end(design, part)) for name, part in printed.items()}
     coloured = {name: (flat[name], part.colour) for name, part in printed.items()}
     turned = upright(job.meshes["skin"])
     skin = closed.part("skin")

@@ -11,9 +11,10 @@ import tomlkit
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from skincad.catalog import load, template_text
+from skincad.catalog import load, processes_text, template_text
 from skincad.design import Design
 from skincad.freshfile import checked_fresh, fresh
+from skincad.process import Process
 from skincad.tables import Ranged, table_of
 
 _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
@@ -52,6 +53,9 @@ def commented_toml(template: str, name: str, schema: str) -> str:
         model = table_of(Design, table)
         if model is None:
             continue
+        if model is Process:
+            lines += _printer_lines()
+            continue
         given: Any = document.get(table)
         optional = not Design.model_fields[table].is_required()
         absent = "# " if given is None else ""
@@ -63,6 +67,14 @@ def commented_toml(template: str, name: str, schema: str) -> str:
             if inner not in (None, Ranged) and key not in (given or {}):
                 lines += ["", f"# [{table}.{key}]  # optional", *_table_lines(inner, {})]
     return "\n".join(lines) + "\n"
+
+
+def _printer_lines() -> list[str]:
+    """One own process, all in comments, with the shipped values: a dict of tables has no other default."""
+    shipped: Any = tomlkit.parse(processes_text())["sla"]
+    lines = [line if line.startswith("#") else f"# {line}" for line in _table_lines(Process, shipped)]
+    note = '# your own machine, where it differs from what ships; [printer.my-mill] needs based_on = "cnc"'
+    return ["", note, "# [printer.sla]  # optional", *lines]
 
 
 def _safe(name: str) -> str:

@@ -170,6 +170,9 @@ def _half_ridge(design: Design) -> _HalfRidge:
             ridge.root_fillet,
             "take a smaller fillet or a larger pitch",
         )
+    # without a fillet its two ends are one corner: 1e-17 mm between them would be an edge that crosses others
+    base, low = (base, low) if ridge.root_fillet else (root, root)
+    high, crown = (high, crown) if ridge.tip_fillet else (edge, edge)
     pairs = [(float(p[0]), float(p[1])) for p in (base, low, high, crown)]
     return _HalfRidge(*pairs)
 

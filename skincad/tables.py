@@ -5,6 +5,7 @@ A model's broken rule leaves as InputError with the key's dotted name, never as 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -61,16 +62,22 @@ def table_of(model: type[BaseModel], key: str) -> type[Table] | None:
     field = model.model_fields.get(key)
     if field is None:
         return None
-    kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
-    return next((k for k in kinds if isinstance(k, type) and issubclass(k, Table)), None)
+    return next((k for k in _kinds(field.annotation) if isinstance(k, type) and issubclass(k, Table)), None)
+
+
+def _kinds(annotation: Any) -> Iterator[Any]:
+    """Every type in an annotation, as deep as `dict[str, Table] | None` has it."""
+    yield annotation
+    for inner in getattr(annotation, "__args__", ()):
+        yield from _kinds(inner)
 
 
 def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
     """Return the unit of the field at this path, or "" where it has none."""
-    inner: type[BaseModel] | None = model
+    inner: type[BaseModel] = model
     for key in path[:-1]:
-        inner = table_of(inner, key) if inner else None
-    field = inner.model_fields.get(path[-1]) if inner and path else None
+        inner = table_of(inner, key) or inner  # a name of [printer] is no field
+    field = inner.model_fields.get(path[-1]) if path else None
     extra = field.json_schema_extra if field else None
     unit = extra.get("unit") if isinstance(extra, dict) else None
     return str(unit) if unit and unit != "1" else ""

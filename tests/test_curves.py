@@ -81,3 +81,9 @@ def test_offset_of_a_rectangle_is_rounded_outward_and_sharp_inward(distance: flo
     corners = math.pi * distance**2 if distance > 0 else 4 * distance**2
     exact = 8.0 + 12.0 * distance + corners  # Steiner's formula; inward it keeps square corners
     assert found == pytest.approx(exact, abs=12 * 1e-4)  # perimeter x chord tolerance
+
+
+def test_a_polygon_has_a_loops_corners_to_the_last_digit() -> None:
+    """(4 - 14.6) / 2 - (-14.6 - 4) / 2 is 4 + 1e-15: a bore that ends at 4 would stay closed by a film."""
+    block = rectangle(-26.519999999999996, 26.52, -14.6, 4.0)
+    assert {tuple(p) for p in polygon(block, 1e-3)} == {tuple(s.start) for s in block}

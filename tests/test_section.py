@@ -102,3 +102,16 @@ def test_what_does_not_fit_is_refused(
         section(yamada.with_(**change))
     assert refused.value.key.startswith(key)
     assert "\n" not in str(refused.value)
+
+
+def test_a_ridge_without_fillets_has_no_tiny_edges(yamada: Design) -> None:
+    """Rounding made a fillet of radius 0 an edge of 1e-17 mm, and one root in ten crossed itself by it."""
+    sharp = yamada.with_(
+        slot=None,
+        skin={"curvature_radius": 20.0},
+        ridge={"tip_width": 0.75, "crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0},
+    )
+    for root in np.linspace(0.76, 0.98, 23):
+        outline = section(sharp.with_(ridge={"root_width": float(root)})).outline
+        assert min(s.chord for s in outline) > 1e-3
+        assert not any(s.kind in ("tip_fillet", "root_fillet") for s in outline)

@@ -1,91 +1,73 @@
-"""Fabrication rules: each broken one is a finding with its place, measured value, limit and remedy."""
+"""All findings of a design: each part against the process that makes it, and the skin leaving its mold."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
-
-import numpy as np
+from collections.abc import Iterator
+from dataclasses import replace
 
 from skincad.catalog import processes
-from skincad.curves import polygon
 from skincad.design import Design
-from skincad.section import GUARD_TOLERANCE, section
+from skincad.fabrication.demolding import undercut_findings, undercuts
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.rules import RULES, Case, label, maker, shim_findings
+from skincad.fabrication.rules_of_layers import LAYER_RULES
+from skincad.fabrication.rules_of_tools import TOOL_RULES
+from skincad.solids.mold import Mold, mold
 
-UNDERCUT_SHARE = 0.1  # assumption: an overhang of a tenth of the root bends out of soft silicone untorn
+__all__ = ["Finding", "design_findings", "judged", "process_findings", "undercuts"]
 
-
-@dataclass(frozen=True)
-class Finding:
-    """A broken rule. `error` fails the job, `warning` fails it under --strict, `note` never does."""
-
-    rule: str
-    where: str
-    measured: float
-    limit: float
-    unit: str
-    severity: Literal["note", "warning", "error"]
-    remedy: str
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the finding as plain data."""
-        return asdict(self)
-
-    def __str__(self) -> str:
-        return (
-            f"{self.severity}: {self.rule}: {self.where}: {self.measured:.4g} {self.unit}, "
-            f"limit {self.limit:.4g}; {self.remedy}"
-        )
+ALL_RULES = (*RULES, *TOOL_RULES, *LAYER_RULES)
+_ORDER = {"error": 0, "warning": 1, "note": 2}
 
 
-def design_findings(design: Design) -> list[Finding]:
-    """Return the findings that follow from the section alone: what the process can cut, and undercuts."""
-    return [*_process_findings(design), *_undercut_findings(design)]
+def design_findings(design: Design, closed: Mold | None = None) -> list[Finding]:
+    """Return what the processes of a design can't make and what its skin can't leave, the gravest first.
 
-
-def _process_findings(design: Design) -> list[Finding]:
-    ridge, name = design.ridge, design.mold.process
-    limit = processes()[name]
-    features = [
-        ("gap", "cavity, groove of a ridge's tip", ridge.tip_width, limit.gap),
-        ("wall", "cavity, tooth between two ridges' roots", ridge.pitch - ridge.root_width, limit.wall),
+    `closed` saves the planning of the mold. Print meshes are looked at for overhangs only; no CAD kernel.
+    """
+    found = [
+        *process_findings(design, closed or mold(design)),
+        *shim_findings(design),
+        *undercut_findings(design),
     ]
-    if design.slot:
-        width = design.slot.thickness + 2 * design.mold.slit_clearance
-        features.append(("gap", "end plates, notch of a shim", width, limit.gap))
-    return [
-        Finding(rule, where, size, least, "mm", "warning", f"{name} can't make it: other process or scale")
-        for rule, where, size, least in features
-        if size < least and not (rule == "wall" and ridge.count == 1)
+    return sorted(found, key=lambda finding: _ORDER[finding.severity])
+
+
+def process_findings(design: Design, closed: Mold) -> list[Finding]:
+    """Return what each part's process can't make of it, with the processes that could. Twin parts of the two
+    ends are told once."""
+    known = processes(design.printer)
+    told: dict[tuple[str, str], Finding] = {}
+    for part in closed.parts:
+        name = maker(design, part)
+        if part.made != "made" or name is None:
+            continue
+        case = Case(design, part, label(part), name, known[name])
+        fresh = [f for f in judged(case) if (f.rule, f.where) not in told]
+        if fresh:
+            others = {n: judged(replace(case, name=n, process=p)) for n, p in known.items() if n != name}
+            told |= {(f.rule, f.where): _with_others(f, others) for f in fresh}
+    return list(told.values())
+
+
+def judged(case: Case) -> list[Finding]:
+    """Return the findings of one part by one process."""
+    return list(_distinct(finding for rule in ALL_RULES for finding in rule(case)))
+
+
+def _distinct(findings: Iterator[Finding]) -> Iterator[Finding]:
+    told = set()
+    for finding in findings:
+        if (finding.rule, finding.where) not in told:
+            told.add((finding.rule, finding.where))
+            yield finding
+
+
+def _with_others(finding: Finding, others: dict[str, list[Finding]]) -> Finding:
+    """Add to a remedy the processes that make the part without a warning and without this finding."""
+    able = [
+        name
+        for name, found in others.items()
+        if not any(f.severity != "note" or (f.rule, f.where) == (finding.rule, finding.where) for f in found)
     ]
-
-
-def undercuts(design: Design) -> dict[int, float]:
-    """Return each ridge's overhang against the pull direction (the skin leaves the mold along its own -z),
-    mm: by how much a flank widens towards the tip. Exact to the guards' chord tolerance."""
-    result = {}
-    for ridge in range(1, design.ridge.count + 1):
-        own = tuple(s for s in section(design).outline if s.ridge == ridge)
-        points = np.vstack([polygon(own, GUARD_TOLERANCE), own[-1].end])
-        summit = int(np.argmax(points[:, 1]))
-        right, left = points[: summit + 1, 0], -points[summit:, 0][::-1]
-        overhang = max(float((side - np.minimum.accumulate(side)).max()) for side in (right, left))
-        result[ridge] = overhang if overhang > 10 * GUARD_TOLERANCE else 0.0
-    return result
-
-
-def _undercut_findings(design: Design) -> list[Finding]:
-    limit = UNDERCUT_SHARE * design.ridge.root_width
-    return [
-        Finding(
-            "undercut",
-            f"ridge {ridge}",
-            width,
-            limit,
-            "mm",
-            "error" if width > limit else "note",
-            "flatter flanks (smaller tip_width or larger root_width), larger curvature_radius, fewer ridges",
-        )
-        for ridge, width in undercuts(design).items()
-        if width > 0
-    ]
+    return replace(finding, remedy=f"{finding.remedy}; or by {' or '.join(able)}") if able else finding

@@ -7,26 +7,24 @@ import math
 from skincad.catalog import Silicone, silicone
 from skincad.design import Design
 from skincad.fabrication.findings import Finding
+from skincad.fabrication.void import void
 from skincad.section import section
 from skincad.solids.inserts import GRIP, PIN_RADIUS
-from skincad.solids.mold import BLEED, LEDGE, Mold
-from skincad.solids.plan import Bore, Prism
+from skincad.solids.mold import Mold
+from skincad.solids.plan import Bore
 
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
+# mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
+TIPS = {10: 3.40, 12: 2.77, 14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72, 25: 0.51}
+SLACK = 0.1  # mm, assumption: least play of a tip in the gate
+LUER = (4.03, 4.48)  # mm, source: ISO 80369-7, male slip, largest at its end, and 7.5 mm of 6 % behind
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 
 
 def poured_volume(design: Design, closed: Mold) -> float:
-    """Return the volume that the silicone fills, mm3: skin, gate, vent, the carrier's holes and their bleeds,
-    and the flash in the gap at the carrier's ends."""
-    above = [cut.volume for cut in closed.part("carrier").cuts]
-    bleeds = [c.volume for c in closed.part("cover").cuts if isinstance(c, Bore) and c.radius <= BLEED]
-    gap, carrier = design.mold.clearance, closed.part("carrier").body
-    flash = 2 * gap * design.mold.carrier_thickness * (design.skin.width + 2 * LEDGE)
-    if isinstance(carrier, Prism):
-        flash += 2 * gap * design.mold.carrier_thickness * (carrier.high - carrier.low)
-    gate = math.pi * (design.mold.gate / 2) ** 2 * design.mold.end_plate
-    return closed.part("skin").volume + math.fsum(above) + math.fsum(bleeds) + gate + flash
+    """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
+    their bleeds, and the flash in the gap round the carrier."""
+    return void(design, closed).volume
 
 
 def casting_sheet(design: Design, closed: Mold, findings: list[Finding], verdict: str, passed: bool) -> str:
@@ -64,8 +62,8 @@ def _parts(design: Design, closed: Mold) -> list[str]:
         f"2 of at least {math.ceil(upright + NUT)} mm for the cover (their nuts stand out of the floor)",
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
         "fit, end plates and cavity's top for a sliding one",
-        "release agent, a syringe with a blunt tip that fits the gate, a plug for the gate, nitrile gloves "
-        "(latex inhibits platinum silicone)",
+        f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
+        "silicone)",
     ]
     if design.slot:
         count = 2 * design.ridge.count
@@ -88,6 +86,18 @@ def _parts(design: Design, closed: Mold) -> list[str]:
         *(f"- {row}" for row in bought),
         "",
     ]
+
+
+def _tip(design: Design) -> str:
+    """What goes into the gate: the luer slip itself where it seats, or the widest blunt tip that fits."""
+    gate = design.mold.gate
+    if design.mold.pour == "open":
+        return ""
+    if LUER[0] <= gate <= LUER[1]:
+        return "a syringe whose luer slip seats in the gate, a plug for the gate, "
+    fits = [f"a blunt tip of {n} gauge ({d:g} mm)" for n, d in TIPS.items() if d + SLACK <= gate]
+    what = fits[0] if fits and gate < LUER[0] else f"a tube of {gate - SLACK:g} mm"
+    return f"a syringe with {what} for the gate, a plug for the gate, "
 
 
 def _mix(material: Silicone, volume: float) -> list[str]:
@@ -122,14 +132,14 @@ def _order(design: Design) -> list[str]:
         "then the keepers, pressed down onto the combs while you tighten."
     )
     close = [
-        "End a has the gate. Clean and dry all parts; release agent on cavity, end plates, cover"
+        ("End a has the gate. " if design.mold.pour == "syringe" else "")
+        + "Clean and dry all parts; release agent on cavity, end plates, cover"
         + (" and shims" if slots else "")
         + ", none on the carrier.",
         "Bolt the end plates to the cavity" + (f": {combs}" if slots else "."),
-        f"Lay the carrier on its ledge ({back}), then cover and bolts.",
-        "Degas the mix. Tilt the mold so that the vent at end b is highest, and fill slowly through the gate "
-        "at end a until silicone stands in the vent and in every bleed of the cover.",
-        "Plug the gate or leave the syringe in it: it is the lowest point. Cure in this position.",
+        *(_by_syringe if design.mold.pour == "syringe" else _open)(design, back),
+        "Lay the mold level to cure. Top up the reservoir over the vent: it feeds what shrinks and what "
+        "bubbles leave.",
     ]
     draw = "Draw the shims out along y, towards end b."
     if design.film:
@@ -141,12 +151,33 @@ def _order(design: Design) -> list[str]:
         )
     leave = [
         *([draw] if slots else []),
-        "Take all bolts out, the cover's first. Cut the sprue at the gate, take the end plates off along y.",
-        "Take the cover off upward; what stood in vent and bleeds tears, or is cut flush with the carrier.",
+        "Take all bolts out, the cover's first. "
+        + ("Cut the sprue at the gate, take" if design.mold.pour == "syringe" else "Take")
+        + " the end plates off along y.",
+        "Take the cover off upward; what stood in reservoir and bleeds tears, or is cut flush.",
         "Push the carrier up from its two ends; the skin leaves the cavity with it. Cut the flash there.",
     ]
     steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
     return ["## In this order", "", *steps, ""]
+
+
+def _by_syringe(design: Design, back: str) -> list[str]:
+    return [
+        f"Lay the carrier on its ledge ({back}), then cover and bolts.",
+        f"Degas the mix. Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
+        "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir.",
+        "Plug the gate or leave the syringe in it: it is the lowest point.",
+    ]
+
+
+def _open(design: Design, back: str) -> list[str]:
+    return [
+        "Degas the mix. Lay the mold level and pour in a thin stream along one side, until the silicone "
+        "stands a little above the ledge; degas once more, pierce what bubbles stay on ridges and shims.",
+        f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
+        f"slowly onto its ledge, so that it drives the air towards end b ({back}).",
+        "Cover and bolts; silicone rises in the bleeds and in the reservoir. Fill up through the reservoir.",
+    ]
 
 
 def _findings(design: Design, material: Silicone, findings: list[Finding]) -> list[str]:

@@ -163,7 +163,7 @@ class _Climb:
     ) -> None:
         self.design, self.force, self.drops, self.notes = design, force, drops, notes
         self.progress = progress
-        self.began = perf_counter()
+        self.began, self.sampling = perf_counter(), 0.0
         self.done: dict[str, Answer] = {}
         self.climbed: list[tuple[str, Estimate, float]] = []
         self.ladder = [name for name in AUTO if not able(name, design, bool(drops))]
@@ -234,7 +234,10 @@ class _Climb:
             return None
         from skincad.mechanics.manufacture import manufacture
 
-        return manufacture(parts, self.force, threshold, spread_of(self.design))
+        started = perf_counter()
+        made = manufacture(parts, self.force, threshold, spread_of(self.design))
+        self.sampling += perf_counter() - started
+        return made
 
     def _verdict(
         self,
@@ -265,7 +268,7 @@ class _Climb:
             name,
             found.unknowns,
             found.residual,
-            {"total": self._spent(), **found.seconds},
+            {"total": self._spent(), **found.seconds, **self._sampled(found)},
             warnings,
             bounds,
             tuple(self.climbed),
@@ -274,6 +277,10 @@ class _Climb:
             design.contact.plate.shape,
             beyond,
         )
+
+    def _sampled(self, found: Answer) -> dict[str, float]:
+        """Time of the yield: its model's, which the linear tier built, and its parts'."""
+        return {"yield": found.seconds.get("yield", 0.0) + self.sampling} if self.sampling else {}
 
     def _next(self, name: str, seconds: float) -> tuple[str, float] | None:
         """The next tier with less left out and its seconds, from what this one took."""
@@ -294,7 +301,7 @@ class _Climb:
 def spread_of(design: Design) -> Spread:
     """Return how parts of a design differ: by its mold's process and its material's range."""
     process, modulus = design.mold.process, silicone(design.material).young_modulus
-    sigma = processes()[process].crest_sigma
+    sigma = processes(design.printer)[process].crest_sigma
     return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))
 
 

@@ -34,17 +34,17 @@ TIERS = {
     "winkler": Tier(f"{_ROOM}winkler:answer", 1e-3, shaped=True),
     "linear": Tier(f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped=True, drops=True),
     "corrected": Tier(
-        f"{_ROOM}corrected:answer", 3.0, (FINITE_STRAIN,), ("linear",), shaped=True, drops=True
+        f"{_ROOM}corrected:answer", 2.6, (FINITE_STRAIN,), ("linear",), shaped=True, drops=True
     ),
-    "finite-strain": Tier(f"{_ROOM}finite_strain:answer", 6.5, (FREE_ENDS,), drops=True),
+    "finite-strain": Tier(f"{_ROOM}finite_strain:answer", 5.3, (FREE_ENDS,), drops=True),
     "corrected-finite-strain": Tier(
         f"{_ROOM}product:answer",
-        9.0,
+        6.7,
         on=("linear", "corrected", "finite-strain"),
         drops=True,
     ),
-    "solid": Tier(f"{_ROOM}solid:answer", 21.0, (FINITE_STRAIN,), shaped=True),
-    "solid-finite-strain": Tier(f"{_ROOM}solid_finite_strain:answer", 38.0, on=("solid",)),
+    "solid": Tier(f"{_ROOM}solid:answer", 14.0, (FINITE_STRAIN,), shaped=True),
+    "solid-finite-strain": Tier(f"{_ROOM}solid_finite_strain:answer", 21.0, on=("solid",)),
 }
 AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
 

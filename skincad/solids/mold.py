@@ -1,6 +1,6 @@
 r"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, cover, pins, bores.
 
-    z up                 cover            vent through cover and carrier at +y
+    z up                 cover            vent in the carrier at +y, a cup over it
     ---------------------------------
     | wall | ledge  carrier  | wall |     carrier lies on the ledge, flush with the cavity's top
     |      |_     skin      _|      |     skin's back at z = 0
@@ -8,7 +8,10 @@ r"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, c
     |______________floor____________|
 
 The carrier seals on its ledge along x; along y it ends a clearance before the end plates, where a thin flash
-rises that is cut off. Every hole of the carrier has a bleed in the cover: closed, it would hold air.
+rises that is cut off. While it is poured, end b is up: what air is left runs along the carrier's lower face
+to end b's edge and up that gap, so the cup over the vent covers the gap too. A gap of 0.01 mm lets 0.6 mm3/s
+of air out under 5 mm of silicone (plane Poiseuille flow, 11 mm wide, 4 mm high) and next to no silicone.
+Every hole of the carrier has a bleed in the cover, under the highest point of its rim.
 
 An end plate closes each y end. Where there are slots it is split across the slits, at their back ends: the
 comb below has a notch a slot, open towards the keeper above, so that a strip with tabs can be laid in and
@@ -44,6 +47,9 @@ MOST_HOLES = (
     60  # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
 )
 BLEED = 0.4  # mm, assumption: radius of the cover's bleed over each of them, or it would fill with air only
+CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
+CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
+OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
 GATE_SILL = 0.3  # mm, assumption: least skin below and above the gate, so that it can be trimmed
 GREY, DARK, GLASS, GREEN = (0.75, 0.77, 0.80), (0.45, 0.50, 0.58), (0.70, 0.85, 0.95), (0.55, 0.75, 0.60)
 
@@ -216,7 +222,7 @@ def _end_plates(design: Design, shape: Section, place: _Layout, end: str) -> lis
 
     lower = [*bores(place.comb_bolt, BOLT_RADIUS), *bores(place.comb_pin, fits)]
     upper = bores(place.keeper_bolt, BOLT_RADIUS)
-    if end == "a":
+    if end == "a" and design.mold.pour == "syringe":
         upper.append(_gate(design, shape, low))
     if not shape.slots:
         body = box(place.half, (low, high), (place.bottom, place.top), "y")
@@ -251,11 +257,31 @@ def _vent(design: Design, place: _Layout, low: float, thick: float) -> Bore:
     return Bore((0.0, place.end - gap - radius - EDGE / 2, low), "z", thick, radius)
 
 
+def _reservoir(design: Design, place: _Layout) -> Bore:
+    """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
+    vent, end = _vent(design, place, 0.0, 1.0), place.end
+    own, inner = design.mold.reservoir, vent.start[1] - vent.radius
+    wide = own / 2 if own else max(CUP, end - inner + CUP_RIM)
+    y = min(end, end + design.mold.end_plate - EDGE / 2 - wide)
+    need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
+    most = place.outer - BOLT_RADIUS - EDGE
+    if not need <= wide <= most:
+        rule = f"must be from {2 * need:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
+        raise InputError("mold.reservoir", rule, 2 * wide)
+    return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide)
+
+
+def _bleed(hole: tuple[float, float]) -> tuple[float, float]:
+    """Place of the bleed over a carrier's hole: inside its rim, at end b's side, which is the highest."""
+    return hole[0], hole[1] + HOLD[1] - BLEED
+
+
 def _rivets(design: Design, place: _Layout) -> list[tuple[float, float]]:
     """Places (x, y) of the carrier's holes; none for a plain carrier."""
     if design.mold.carrier == "plain":
         return []
-    vent = _vent(design, place, 0.0, 1.0)
+    vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
+    beside = (cup.end_radius or 0.0) + BLEED + EDGE / 2
     small, large, spacing = HOLD
     wide, long = design.skin.width - 2 * (small + EDGE), design.skin.length - 2 * (large + EDGE)
     spacing = max(spacing, math.sqrt(max(wide, 0.0) * max(long, 0.0) / MOST_HOLES))
@@ -264,6 +290,7 @@ def _rivets(design: Design, place: _Layout) -> list[tuple[float, float]]:
         for x in _grid(wide, spacing)
         for y in _grid(long, spacing)
         if math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
+        and math.dist(_bleed((x, y)), cup.start[:2]) > beside
     ]
     if not places:
         raise InputError(
@@ -294,8 +321,8 @@ def _cover(design: Design, place: _Layout) -> Part:
     thick, end = design.mold.cover, place.end + design.mold.end_plate
     bores: list[Body] = [Bore((x, y, place.top), "z", thick, BOLT_RADIUS) for x, y in _cover_bolts(place)]
     bores += [Bore((x, y, place.top), "z", thick, PIN_RADIUS) for x, y in _cover_pins(place)]
-    bores.append(_vent(design, place, place.top, thick))
-    bores += [Bore((x, y, place.top), "z", thick, BLEED) for x, y in _rivets(design, place)]
+    bores.append(_reservoir(design, place))
+    bores += [Bore((*_bleed(hole), place.top), "z", thick, BLEED) for hole in _rivets(design, place)]
     body = box(place.half, (-end, end), (place.top, place.top + thick))
     return Part("cover", GLASS, "made", body, tuple(bores))
 

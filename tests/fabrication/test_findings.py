@@ -5,40 +5,85 @@ import pytest
 import skincad
 from skincad.catalog import template_names
 from skincad.design import Design
-from skincad.fabrication.findings import design_findings, undercuts
+from skincad.fabrication.findings import Finding, design_findings
+from skincad.process import PROCESSES
+from tests.benchmarks.table_processes import by
 
-STRAIGHT = {"slot": None, "film": None, "contact": {"film": None}}
-
-
-def test_the_default_has_no_finding(yamada: Design) -> None:
-    assert design_findings(yamada) == []
-    assert set(undercuts(yamada).values()) == {0.0}
+LARGEST_IS_BEST = {"tool reach", "slender", "tool depth", "overhang", "undercut", "cure inhibition"}
 
 
-def test_undercut_of_a_leaning_upright_flank_is_its_closed_form(yamada: Design) -> None:
-    """A sharp ridge of constant width leans by a: its inner... outer flank overhangs by height x sin a."""
-    design = yamada.with_(
-        **STRAIGHT,
-        skin={"curvature_radius": 20.0},
-        ridge={"tip_width": 0.75, "crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0},
-    )
-    found = undercuts(design)
-    lean = 4 / 20
-    # flank from (0.375, -sag) to (0.375, 0.5) in the ridge's frame, turned by the lean
-    sag = 20 - math.sqrt(400 - 0.375**2)
-    assert found[9] == pytest.approx((0.5 + sag) * math.sin(lean), abs=1e-4)
-    assert found[1] == pytest.approx(found[9], abs=1e-9)  # mirror images, to rounding
-    assert found[5] == 0.0
+def warnings(design: Design) -> dict[str, Finding]:
+    return {f.where: f for f in design_findings(design) if f.severity != "note"}
 
 
-def test_a_process_that_cannot_cut_a_feature_is_named(yamada: Design) -> None:
-    rough = yamada.with_(mold={"process": "fdm"})
-    rules = {(f.rule, f.where.split(",")[0]) for f in design_findings(rough)}
-    assert ("wall", "cavity") in rules
-    assert ("gap", "end plates") in rules
-    assert all(f.severity == "warning" and f.remedy for f in design_findings(rough))
+def test_the_default_asks_for_no_more_than_its_shims_edges_broken(yamada: Design) -> None:
+    """A wire of 0.015 mm and its gap of 0.01 leave 0.414 x 0.025 in a notch's corner; the shim has 0.005 of
+    play a side, 0.0071 on the diagonal, and the wire's own tolerance of 0.003."""
+    (found,) = design_findings(yamada)
+    assert (found.rule, found.severity) == ("tool reach", "note")
+    assert found.measured == pytest.approx((math.sqrt(2) - 1) * 0.025, abs=1e-4)  # reach.ERROR
+    assert found.limit == pytest.approx(math.sqrt(2) * 0.005 + 0.003, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", template_names())
-def test_templates_have_no_warning(name: str) -> None:
-    assert [f for f in design_findings(skincad.load(name)) if f.severity != "note"] == []
+def test_templates_have_no_warning_by_their_own_processes(name: str) -> None:
+    assert warnings(skincad.load(name)) == {}
+
+
+def test_every_process_makes_at_least_one_template() -> None:
+    own = {skincad.load(name).mold.process for name in template_names()}
+    assert own == set(PROCESSES)
+
+
+@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("process", PROCESSES)
+def test_a_finding_is_beyond_its_limit_told_once_and_has_a_remedy(name: str, process: str) -> None:
+    found = design_findings(by(skincad.load(name), process))
+    assert len({(f.rule, f.where) for f in found}) == len(found)
+    for finding in found:
+        over = finding.measured > finding.limit
+        assert over == (finding.rule in LARGEST_IS_BEST), finding
+        assert finding.remedy
+        assert math.isfinite(finding.measured)
+
+
+def test_one_feature_breaks_one_rule(yamada: Design) -> None:
+    """A slit of 0.06 mm is too narrow for a 0.5 mm mill: what it leaves is told, not the gap as well."""
+    milled = [f for f in design_findings(by(yamada, "cnc")) if "notch" in f.where and f.severity == "warning"]
+    assert [f.rule for f in milled] == ["tool reach"]
+    printed = [f for f in design_findings(by(yamada, "sla")) if "notch of" in f.where]
+    assert [(f.rule, f.measured, f.limit) for f in printed] == [("gap", pytest.approx(0.06), 0.1)]
+
+
+def test_a_resin_printer_is_told_crown_and_slit_and_what_would_make_them(yamada: Design) -> None:
+    found = {(f.rule, f.where): f for f in design_findings(by(yamada, "sla"))}
+    slit = found["gap", "end plates comb, notch of a shim, by sla"]
+    assert "all lengths times 1.67" in slit.remedy  # 0.1 / 0.06
+    assert "lab-bench" in slit.remedy
+    assert slit.remedy.endswith("or by edm")
+    crown = found["detail", "cavity, crown's rise, by sla"]
+    assert (crown.measured, crown.limit, crown.severity) == (0.03, 0.05, "note")
+
+
+def test_end_plates_and_lids_have_their_own_process(yamada: Design) -> None:
+    milled = by(yamada, "cnc").with_(mold={"clearance": 0.05})
+    assert any("comb" in where for where in warnings(milled))
+    wired = milled.with_(mold={"end_plate_process": "edm"})
+    assert all(where.startswith("cavity") for where in warnings(wired))
+    bleed = wired.with_(mold={"lid_process": "fdm", "clearance": 0.2})
+    (hole,) = (f for f in warnings(bleed).values() if f.rule == "hole")
+    assert (hole.where, hole.measured, hole.limit) == ("cover, bore, by fdm", pytest.approx(0.8), 1.0)
+
+
+def test_a_finer_machine_of_ones_own_is_what_would_make_it(yamada: Design) -> None:
+    fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.02, "layer": 0.02}}
+    coarse = by(yamada, "sla").with_(printer=fine)
+    slit = next(f for f in design_findings(coarse) if f.rule == "gap")
+    assert slit.remedy.endswith("or by edm or fine")
+    assert warnings(coarse.with_(mold={"process": "fine"})) == {}
+
+
+def test_the_gravest_come_first(yamada: Design) -> None:
+    order = [f.severity for f in design_findings(by(yamada, "fdm"))]
+    assert order == sorted(order, key=["error", "warning", "note"].index)
+    assert {"warning", "note"} <= set(order)

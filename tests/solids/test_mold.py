@@ -40,8 +40,29 @@ def test_an_undercut_is_judged_by_its_own_rule_not_as_interference() -> None:
 def test_every_hole_of_the_carrier_has_a_way_out_for_air() -> None:
     for name in template_names():
         closed = mold(skincad.load(name))
-        cover = {bore.start[:2] for bore in closed.part("cover").cuts}
-        assert {bore.start[:2] for bore in closed.part("carrier").cuts} <= cover
+        over = closed.part("cover").cuts
+        for hole in closed.part("carrier").cuts:
+            x, y, _ = hole.start
+            highest = (x, y + (hole.end_radius or hole.radius))  # of its rim, when end b is up
+            reached = [bore for bore in over if math.dist(bore.start[:2], highest) < bore.radius + 1e-9]
+            assert len(reached) == 1, name
+
+
+def test_the_reservoir_covers_vent_and_gap_and_clears_the_bleeds() -> None:
+    for name in template_names():
+        design = skincad.load(name)
+        closed = mold(design)
+        vent = closed.part("carrier").cuts[0]
+        over = [bore for bore in closed.part("cover").cuts if abs(bore.start[0]) < design.skin.width / 2]
+        cup, bleeds = over[0], over[1:]
+        assert math.dist(cup.start[:2], vent.start[:2]) + vent.radius <= cup.radius + 1e-9
+        assert cup.start[1] + cup.radius >= design.skin.length / 2 + 0.3
+        for bleed in bleeds:
+            assert math.dist(cup.start[:2], bleed.start[:2]) > cup.end_radius + bleed.radius + 0.6
+
+
+def test_an_open_pour_needs_no_gate(yamada: Design) -> None:
+    assert len(mold(yamada.with_(mold={"pour": "open"})).part("end-a-keeper").cuts) == 2
 
 
 def test_gate_and_vent_open_on_the_skin() -> None:
@@ -145,6 +166,8 @@ def test_gate_is_low_at_one_end_and_vent_at_the_other(yamada: Design) -> None:
         ({"mold": {"gate": 3.9}}, "mold.gate"),
         ({"skin": {"thickness": 0.6}, "mold": {"carrier_thickness": 1.0}}, "mold.carrier_thickness"),
         ({"mold": {"slit_clearance": 0.4}}, "mold.slit_clearance"),
+        ({"mold": {"reservoir": 3.0}}, "mold.reservoir"),
+        ({"mold": {"reservoir": 40.0}}, "mold.reservoir"),
     ],
 )
 def test_what_finds_no_room_is_refused(yamada: Design, change: dict, key: str) -> None:

@@ -1,0 +1,188 @@
+"""Air that stays in the mold while silicone rises in it, where it lies, and at which tilt least stays.
+
+Statics: the level rises slowly, wets everything and leaves no bubble of its own; what silicone's viscosity
+catches besides, vacuum has to take out. An open pour is two fillings: the level trough with its back open,
+then the closed mold at the tilt at which the carrier is laid on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+import shapely
+
+from skincad.curves import polygon
+from skincad.design import Design
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, vertical
+from skincad.fabrication.void import Void, open_trough, void
+from skincad.solids.mold import Mold
+from skincad.solids.plan import Prism, Vector
+
+CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
+LEAST = 0.01  # mm3, assumption: a bubble of 0.27 mm across, two walls between film and flank; less is let go
+BUBBLE = 0.25  # assumption: share of the skin's thickness that a bubble in its body may be across
+TILTS = (
+    2.0,
+    60.0,
+)  # deg, assumption: below 2 a flat face leads no bubble along; mold.pour_tilt's upper limit
+NEAR = 1e-6  # mm; closer than this a pocket's top is on a surface
+
+
+@dataclass(frozen=True)
+class Pocket:
+    """Air that no way leads out of: what it lies under, its highest place (mm, mold's frame), its volume in
+    mm3 and its height in mm along the vertical."""
+
+    where: str
+    place: Vector
+    volume: float
+    height: float
+    harm: Literal["relief", "body", "riser"]  # at a ridge or slot; elsewhere in the skin; beside it
+
+
+class _Surface(NamedTuple):
+    name: str
+    relief: bool  # belongs to a ridge or slot
+    edge: shapely.LineString  # (x, z) mm
+
+
+class _Filling(NamedTuple):
+    space: Void
+    made: Cells
+    surfaces: list[_Surface]
+    tilted: bool
+
+
+def pockets(design: Design, closed: Mold, tilt: float | None = None) -> tuple[Pocket, ...]:
+    """Return the air pockets of at least `LEAST` mm3 when end b is up by `tilt` deg (the design's own if not
+    given), the largest first."""
+    return tuple(_pockets(_fillings(design, closed), design.mold.pour_tilt if tilt is None else tilt))
+
+
+def best_tilt(design: Design, closed: Mold) -> tuple[float, float]:
+    """Return the tilt in deg (within `TILTS`) at which least air stays, to 0.5 deg, and how much, mm3.
+
+    Every 5 deg first, then finer about the best; of equal ones the nearest to the design's own.
+    """
+    fillings = _fillings(design, closed)
+
+    def rank(tilt: float) -> tuple[float, float]:
+        air = math.fsum(pocket.volume for pocket in _pockets(fillings, tilt))
+        return round(air, 3), abs(tilt - design.mold.pour_tilt)
+
+    low, high = TILTS
+    best = min((low, *(float(tilt) for tilt in range(5, int(high) + 1, 5))), key=rank)
+    for step in (1.0, 0.5):
+        near = [best + step * i for i in range(-4, 5)]
+        best = min((tilt for tilt in near if low <= tilt <= high), key=rank)
+    return best, rank(best)[0]
+
+
+def filling_findings(design: Design, closed: Mold) -> list[Finding]:
+    """Return the rule `trapped air`: a warning where it harms the skin, a note where it doesn't.
+
+    At a ridge or slot `LEAST` is the limit; in the skin's body a bubble `BUBBLE` of its thickness across;
+    pockets of one kind are told together.
+    """
+    found = pockets(design, closed)
+    if not found:
+        return _level(design)
+    remedy = _remedy(design, closed, math.fsum(pocket.volume for pocket in found))
+    kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
+    for pocket in found:
+        kinds[pocket.harm, pocket.where.rstrip("0123456789")].append(pocket)
+    return [*_level(design), *(_finding(design, own, remedy) for own in kinds.values())]
+
+
+def _level(design: Design) -> list[Finding]:
+    """A note where the carrier lies so level that statics says nothing about bubbles under it."""
+    tilt, least = design.mold.pour_tilt, TILTS[0]
+    if tilt >= least:
+        return []
+    where, remedy = "carrier, too level to lead a bubble along", f"mold.pour_tilt of {least:g} or more"
+    return [Finding("trapped air", where, tilt, least, "deg", "note", remedy)]
+
+
+def _finding(design: Design, own: list[Pocket], remedy: str) -> Finding:
+    largest, volume = own[0], math.fsum(pocket.volume for pocket in own)
+    body = math.pi / 6 * (BUBBLE * design.skin.thickness) ** 3
+    limit = LEAST if largest.harm == "relief" else body
+    harms = largest.harm != "riser" and largest.volume > limit
+    x, y, z = (round(length, 2) + 0.0 for length in largest.place)  # no minus before a zero
+    more = f" and {len(own) - 1} more like it" if len(own) > 1 else ""
+    where = f"{largest.where} at ({x:g}, {y:g}, {z:g}), {largest.height:.2g} mm high{more}"
+    return Finding("trapped air", where, volume, limit, "mm3", "warning" if harms else "note", remedy)
+
+
+def _remedy(design: Design, closed: Mold, now: float) -> str:
+    tilt, least = best_tilt(design, closed)
+    vacuum = "fill under vacuum, or hold the filled mold under it before cure"
+    if least > 0.9 * now:
+        return f"no tilt leaves less: {vacuum}"
+    rest = f"which leaves {least:.2g} mm3: {vacuum}" if least else "which leaves none"
+    return f"mold.pour_tilt = {tilt:g}, {rest}"
+
+
+def _fillings(design: Design, closed: Mold) -> list[_Filling]:
+    """The closed mold's filling, and for an open pour the open trough's: level, or it would run over."""
+    made = [(void(design, closed), True)]
+    if design.mold.pour == "open":
+        made.append((open_trough(closed), False))
+    surfaces = _surfaces(closed)
+    return [_Filling(space, cells(space, CHORD), surfaces, tilted) for space, tilted in made]
+
+
+def _surfaces(closed: Mold) -> list[_Surface]:
+    """What bounds the skin in its section, by name; a prism, so x and z tell what a point is on. Where some
+    meet, the first one's name is told: shim, ridge, carrier, the rest."""
+    body = closed.part("skin").body
+    if not isinstance(body, Prism):
+        return []
+    found = []
+    for part in closed.parts:
+        if part.name.startswith("shim") and isinstance(part.body, Prism):
+            edge = shapely.LinearRing(polygon(part.body.outline, CHORD))
+            found.append(_Surface(part.name, True, edge))
+    segments = [*body.outline, *(s for hole in body.holes for s in hole)]
+    for segment in sorted(segments, key=lambda s: (s.ridge is None, s.kind != "back")):
+        along = segment.points(np.linspace(0, 1, segment.pieces(CHORD) + 1))
+        name = {"back": "carrier", "side": "side of the cavity", "base": "valley"}.get(segment.kind)
+        name = name or f"{segment.kind.replace('_', ' ')} of ridge {segment.ridge}"
+        found.append(_Surface(name, segment.ridge is not None, shapely.LineString(along)))
+    return found
+
+
+def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
+    found = []
+    for filling in fillings:
+        ignored = frozenset(i for i, part in enumerate(filling.space.spaces) if not part.counts)
+        up = vertical(tilt if filling.tilted else 0.0)
+        found += [_pocket(filling, up, air) for air in trapped(filling.made, up, ignored)]
+    return sorted((p for p in found if p.volume >= LEAST), key=lambda p: (-p.volume, p.place))
+
+
+def _pocket(filling: _Filling, up: Points, air: Trapped) -> Pocket:
+    """Name what the air lies under: all that it touches has a corner of a cell above the air's level."""
+    made, spaces = filling.made, filling.space.spaces
+    skin = [c for c in air.cells if spaces[made.space[c]].name == "skin"]
+    if not skin:
+        first = min(air.cells, key=lambda c: -float((made.corners[c] @ up).max()))
+        return Pocket(spaces[made.space[first]].name, air.highest, air.volume, air.height, "riser")
+    corners = np.unique(np.vstack([made.corners[c] for c in skin]), axis=0)
+    heights = corners @ up
+    touched = [(p, h) for p, h in zip(corners, heights, strict=True) if h > air.level]
+    points = shapely.points([(p[0], p[2]) for p, _ in touched])
+    names = [[s for s in filling.surfaces if s.edge.distance(point) < NEAR] for point in points]
+    top = int(np.argmax([h for _, h in touched]))
+    place = touched[top][0]
+    where = names[top][0].name if names[top] else "skin"
+    ends = {-1: ", at end a's edge", 1: ", at end b's edge"}
+    edge = ends.get(int(np.sign(place[1])), "") if abs(up[1]) > 0 else ""
+    relief = any(s.relief for found in names for s in found)
+    x, y, z = (float(v) for v in place)
+    return Pocket(where + edge, (x, y, z), air.volume, air.height, "relief" if relief else "body")

@@ -1,0 +1,196 @@
+"""Rules that every process has: gap, wall, slender tooth, hole, clearance; cure inhibition; shims.
+
+A rule is a function of a case, one part by one process, that yields a finding for each limit it breaks.
+Widths are exact: they are the design's own, or distances between the plan's polygons.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from skincad.catalog import silicone
+from skincad.curves import polygon
+from skincad.design import Design
+from skincad.fabrication.finding import Finding
+from skincad.process import Process
+from skincad.section import GUARD_TOLERANCE, section
+from skincad.solids.plan import Bore, Part
+
+STEEL_MODULUS = 200e3  # MPa, source: handbooks, spring steel 190 to 210 GPa
+STEEL_WEIGHT = 7.85e-6 * 9.81  # N/mm3, source: handbooks, 7850 kg/m3
+SAG_SHARE = 0.5  # assumption: of a slot's thickness; a shim that hangs through by more displaces its film
+_ROUNDING = 1e-9  # mm
+
+
+@dataclass(frozen=True)
+class Case:
+    """One part of a design's mold by one process."""
+
+    design: Design
+    part: Part
+    label: str  # as findings call the part
+    name: str  # of the process
+    process: Process
+
+
+Rule = Callable[[Case], Iterator[Finding]]
+
+
+class Feature(NamedTuple):
+    """A groove or a tooth of a part: where, its width and its depth or height, mm."""
+
+    where: str
+    width: float
+    height: float
+
+
+def maker(design: Design, part: Part) -> str | None:
+    """Return the process that makes a part, None for any: carrier and cover are plain plates."""
+    choice = design.mold
+    if part.name.startswith("cavity"):
+        return choice.process
+    if part.name.startswith("end-"):
+        return choice.end_plate_process or choice.process
+    return choice.lid_process
+
+
+def label(part: Part) -> str:
+    """Return how findings call a part: parts of both ends alike."""
+    if part.name.startswith("end-"):
+        return " ".join(["end plates", *part.name.split("-")[2:]])
+    return part.name
+
+
+def grooves(case: Case) -> list[Feature]:
+    """Return the narrowest groove of each kind: a ridge's in the cavity, a shim's in a comb."""
+    design, ridge = case.design, case.design.ridge
+    if case.part.name.startswith("cavity"):
+        return [Feature("groove of a ridge's tip", ridge.tip_width, ridge.height)]
+    if case.part.name.endswith("-comb") and design.slot:
+        gap = 2 * design.mold.slit_clearance
+        return [Feature("notch of a shim", design.slot.thickness + gap, design.slot.depth + gap)]
+    return []
+
+
+def teeth(case: Case) -> list[Feature]:
+    """Return the narrowest free tooth: between two ridges' grooves in the cavity, between notches in a comb.
+
+    In the cavity the width is that of its free end, before fillets; in a comb the least distance.
+    """
+    ridge = case.design.ridge
+    if case.part.name.startswith("cavity") and ridge.count > 1:
+        return [Feature("tooth between two ridges' roots", ridge.pitch - ridge.root_width, ridge.height)]
+    if case.part.name.endswith("-comb"):
+        gap = case.design.mold.slit_clearance
+        slots = sorted(section(case.design).slots, key=lambda slot: slot.centre.x)
+        shapes = np.array([shapely.Polygon(polygon(s.loop(grown=gap), GUARD_TOLERANCE)) for s in slots])
+        apart = shapely.distance(shapes[:-1], shapes[1:])
+        least = int(np.argmin(apart))
+        where = " and ".join(f"{s.side} of ridge {s.ridge}" for s in slots[least : least + 2])
+        return [Feature(f"tooth between {where}", float(apart[least]), slots[least].depth + 2 * gap)]
+    return []
+
+
+def scaled(measured: float, limit: float) -> str:
+    """Return the remedy of a larger design."""
+    by = math.ceil(100 * limit / measured) / 100
+    return f"all lengths times {by:g} in a silicone {by**2:.2g} times softer, as lab-bench does"
+
+
+def _gap(case: Case) -> Iterator[Finding]:
+    if case.process.reach:
+        return  # what the tool leaves there is measured instead
+    for groove in grooves(case):
+        yield from below("gap", case, groove.where, groove.width, case.process.gap)
+
+
+def _wall(case: Case) -> Iterator[Finding]:
+    for tooth in teeth(case):
+        yield from below("wall", case, tooth.where, tooth.width, case.process.wall)
+
+
+def below(rule: str, case: Case, where: str, size: float, least: float) -> Iterator[Finding]:
+    """Yield a warning where a size is below the least that the process makes."""
+    if size < least - _ROUNDING:
+        place = f"{case.label}, {where}, by {case.name}"
+        yield Finding(rule, place, size, least, "mm", "warning", scaled(size, least))
+
+
+def _slender(case: Case) -> Iterator[Finding]:
+    """A tooth that bends under the tool or breaks in use; in the cavity its mean width bears it."""
+    most = case.process.tooth_ratio
+    for tooth in teeth(case):
+        width = tooth.width
+        if case.part.name.startswith("cavity"):
+            width += (case.design.ridge.root_width - case.design.ridge.tip_width) / 2
+        if most and tooth.height > most * width:
+            place = f"{case.label}, {tooth.where}, by {case.name}"
+            remedy = f"a height of at most {most * width:.3g} mm, or ridges or slots further apart"
+            yield Finding("slender", place, tooth.height / width, most, "high by wide", "warning", remedy)
+
+
+def _hole(case: Case) -> Iterator[Finding]:
+    sizes = [
+        2 * min(cut.radius, cut.radius if cut.end_radius is None else cut.end_radius)
+        for cut in case.part.cuts
+        if isinstance(cut, Bore)
+    ]
+    if sizes and min(sizes) < case.process.hole - _ROUNDING:
+        place = f"{case.label}, bore, by {case.name}"
+        remedy = "drill it afterwards, or make it larger"
+        yield Finding("hole", place, min(sizes), case.process.hole, "mm", "warning", remedy)
+
+
+def _clearance(case: Case) -> Iterator[Finding]:
+    """One key for all that slides, so one finding a process."""
+    given, least = case.design.mold.clearance, case.process.clearance
+    if given < least - _ROUNDING:
+        place = f"sliding parts, by {case.name}"
+        yield Finding("clearance", place, given, least, "mm", "warning", f"mold.clearance of {least:g} mm")
+
+
+def _slit_fit(case: Case) -> Iterator[Finding]:
+    given, limit = case.design.mold.slit_clearance, case.process.tolerance
+    if case.part.name.endswith("-comb") and given < limit - _ROUNDING:
+        place = f"{case.label}, fit of shims and notches, by {case.name}"
+        remedy = "try each shim in its notch and lap the notch where it binds"
+        yield Finding("slit fit", place, given, limit, "mm", "note", remedy)
+
+
+def _cure(case: Case) -> Iterator[Finding]:
+    material = silicone(case.design.material)
+    if case.process.inhibits_platinum and material.platinum_cure:
+        place = f"what {case.name} makes, {material.name} cures by platinum"
+        remedy = "wash, post-cure and bake the parts, seal them, and cast a trial first"
+        yield Finding("cure inhibition", place, 1.0, 0.0, "", "note", remedy)
+
+
+RULES: tuple[Rule, ...] = (_gap, _wall, _slender, _hole, _clearance, _slit_fit, _cure)
+
+
+def shim_sag(design: Design) -> float:
+    """Return how far a shim hangs through between its combs, flat and not pulled straight, mm.
+
+    A beam on two supports under its own weight, 5 q l^4 / (384 E I) (handbooks), across its thickness: an
+    upright shim hangs by far less. 0 without slots.
+    """
+    if design.slot is None:
+        return 0.0
+    return 5 / 32 * STEEL_WEIGHT * design.skin.length**4 / (STEEL_MODULUS * design.slot.thickness**2)
+
+
+def shim_findings(design: Design) -> list[Finding]:
+    """Return a warning where a shim is so slender that its own weight moves the slot."""
+    sag = shim_sag(design)
+    if design.slot is None or sag <= SAG_SHARE * design.slot.thickness:
+        return []
+    limit = SAG_SHARE * design.slot.thickness
+    most = design.skin.length * (limit / sag) ** 0.25
+    remedy = f"a skin.length of at most {most:.3g} mm, or a thicker slot; pull shims straight"
+    return [Finding("slender", "shims, hanging through", sag, limit, "mm", "warning", remedy)]

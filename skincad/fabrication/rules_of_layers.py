@@ -1,0 +1,95 @@
+"""Rules of printing in layers: details below pixel or layer, and overhangs as the part lies on the bed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from skincad.catalog import processes
+from skincad.design import Design
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.rules import Case, Rule, maker
+from skincad.process import Process
+from skincad.solids.plan import Bore, Part
+
+BED = 1e-6  # mm, rounding of the lowest facets
+_ROUNDING = 1e-9  # mm
+_ROUNDING_DEG = 1e-6
+
+
+def on_end(part: Part, process: Process) -> bool:
+    """Whether a part is printed with its y face on the bed."""
+    return part.lies_on_end or (part.name.startswith("cavity") and process.orientation == "end")
+
+
+def laid_on_end(design: Design, part: Part) -> bool:
+    """Whether a part of a design is printed with its y face on the bed."""
+    name = maker(design, part)
+    return part.lies_on_end if name is None else on_end(part, processes(design.printer)[name])
+
+
+def _details(case: Case) -> Iterator[Finding]:
+    """The cavity's shapes that a pixel or a layer swallows. Flat on the bed the crown's rise is cut into
+    layers; on end, the section lies in the layers' plane, whose detail is the pixel."""
+    process, ridge = case.process, case.design.ridge
+    if not process.layer or not case.part.name.startswith("cavity"):
+        return
+    end = on_end(case.part, process)
+    rise = process.pixel if end else process.layer
+    fine = process.pixel if end else max(process.pixel, process.layer)
+    details = [
+        ("crown's rise", ridge.crown, rise),
+        ("tip fillet", ridge.tip_fillet, fine),
+        ("root fillet", ridge.root_fillet, fine),
+    ]
+    for what, size, limit in details:
+        if 0 < size < limit - _ROUNDING:
+            ways = [f"all lengths times {math.ceil(100 * limit / size) / 100:g}"]
+            if not end and size >= process.pixel - _ROUNDING:
+                ways.insert(0, f'print it on end (orientation = "end" in [printer.{case.name}])')
+            place = f"{case.label}, {what}, by {case.name}"
+            remedy = f"it comes out stepped: {' or '.join(ways)}"
+            yield Finding("detail", place, size, limit, "mm", "note", remedy)
+
+
+def _overhang(case: Case) -> Iterator[Finding]:
+    """Facets of the print mesh that lean out further than the process can without support, off the bed.
+    Horizontal bores up to the process's bridge are left out: they close by themselves."""
+    process, part = case.process, case.part
+    if not process.layer:
+        return
+    end = on_end(part, process)
+    upright = "y" if end else "z"
+    cuts = tuple(
+        cut
+        for cut in part.cuts
+        if not (isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge)
+    )
+    angle, area = overhang(replace(part, cuts=cuts), process, end)
+    if area > 0:
+        place = f"{case.label}, {area:.3g} mm2 as printed {'on end' if end else 'flat'}, by {case.name}"
+        turned = "flat" if end else "end"
+        _, other = overhang(replace(part, cuts=cuts), process, not end)
+        remedy = "support it" if other else f'orientation = "{turned}", or support it'
+        yield Finding("overhang", place, angle, process.overhang, "deg", "warning", remedy)
+
+
+def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:
+    """Return the steepest overhang of a part's print mesh in deg from the vertical, and the area in mm2 that
+    is beyond the process's, without the face on the bed; (0, 0) where none is."""
+    from skincad.fabrication.meshes import laid, mesh
+
+    shape = laid(mesh(part, process.chord), end)
+    down = -np.asarray(shape.face_normals)[:, 2]
+    corners = np.asarray(shape.vertices)[np.asarray(shape.faces)]
+    lifted = corners[:, :, 2].max(axis=1) > BED
+    angle = np.degrees(np.arcsin(np.clip(down, -1.0, 1.0)))
+    over = lifted & (angle > process.overhang + _ROUNDING_DEG)
+    areas = np.asarray(shape.area_faces)
+    return (float(angle[over].max()), float(areas[over].sum())) if over.any() else (0.0, 0.0)
+
+
+LAYER_RULES: tuple[Rule, ...] = (_details, _overhang)

@@ -1,0 +1,242 @@
+"""Air pockets against closed forms, and against slices of one merged solid: two ways to one volume."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from manifold3d import Manifold, OpType
+
+import skincad
+from skincad.catalog import template_names
+from skincad.curves import Point, loop, rectangle
+from skincad.design import Design
+from skincad.fabrication.filling import best_tilt, filling_findings, pockets
+from skincad.fabrication.levels import cells, trapped, vertical
+from skincad.fabrication.meshes import manifold
+from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.fabrication.void import Space, Void, void
+from skincad.solids.mold import Mold, mold
+from skincad.solids.plan import Bore, Part, Prism
+
+ROUNDING = 1e-9  # relative, of sums of a few clipped solids
+
+
+def air(space: Void, tilt: float, chord: float = 1e-3) -> list:
+    return trapped(cells(space, chord), vertical(tilt))
+
+
+def total(space: Void, tilt: float) -> float:
+    return sum(pocket.volume for pocket in air(space, tilt))
+
+
+def merged(space: Void, chord: float) -> Manifold:
+    """The void as one solid, by booleans."""
+    bodies = [manifold(Part(s.name, (0, 0, 0), "made", s.body), chord) for s in space.spaces]
+    return Manifold.batch_boolean(bodies, OpType.Add)
+
+
+def swept(solid: Manifold, tilt: float, top: float, step: float) -> float:
+    """Most air that slices of the solid ever show cut off from its openings at z = top; never too much."""
+    up = vertical(tilt)
+    heights = np.array(solid.to_mesh64().vert_properties)[:, :3] @ up
+    most = 0.0
+    for level in np.arange(heights.min(), heights.max(), step):
+        parts = solid.trim_by_plane(tuple(up), level).decompose()
+        most = max(most, sum(p.volume() for p in parts if p.bounding_box()[5] < top - 1e-6))
+    return most
+
+
+def plain_mold(design: Design) -> Mold:
+    """The mold as it would be without reservoir: bores straight over the middle of the carrier's holes."""
+    closed = mold(design)
+    over = [c for c in closed.part("cover").cuts if abs(c.start[0]) > design.skin.width / 2]
+    top, thick = design.mold.carrier_thickness, design.mold.cover
+    vent, *holes = closed.part("carrier").cuts
+    over += [Bore((0.0, vent.start[1], top), "z", thick, vent.radius)]
+    over += [Bore((*hole.start[:2], top), "z", thick, 0.4) for hole in holes]
+    cover = replace(closed.part("cover"), cuts=tuple(over))
+    return replace(closed, parts=tuple(cover if p.name == "cover" else p for p in closed.parts))
+
+
+def hooded(closed: Mold) -> Mold:
+    """A mold with a shim that is a hood: its legs 1.8 mm apart and 0.9 mm long, over ridge 5."""
+    leg = [(-1, -1.5), (-0.9, -1.5), (-0.9, -0.6)]
+    corners = [*leg, *((-x, z) for x, z in reversed(leg)), (1, -0.5), (-1, -0.5)]
+    hood = loop([Point(*p) for p in corners], "slot", 5)
+    skin = closed.part("skin")
+    cast = replace(skin, body=replace(skin.body, holes=(*skin.body.holes, hood)))
+    shim = Part("shim-5-S3", (0, 0, 0), "bought", Prism(hood, "y", -10.0, 16.0))
+    return replace(closed, parts=(*(cast if p.name == "skin" else p for p in closed.parts), shim))
+
+
+@pytest.fixture(scope="module")
+def lidded() -> Void:
+    """A box of 10 x 10 x 5 mm under a lid with a hole of 2 mm in its middle."""
+    box = Space("box", Prism(rectangle(-5, 5, -5, 0), "y", -5.0, 5.0))
+    return Void((box, Space("hole", Bore((0.0, 0.0, 0.0), "z", 3.0, 1.0), open_at=3.0)))
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1.0, 10.0, 40.0])
+def test_under_a_lid_air_stays_beyond_the_holes_highest_point(lidded: Void, tilt: float) -> None:
+    wedge = 10 * 4 * 4 * math.tan(math.radians(tilt)) / 2  # from y = 1 to 5, 10 mm wide
+    assert total(lidded, tilt) == pytest.approx(wedge, rel=ROUNDING, abs=1e-12)
+    if tilt:
+        (pocket,) = air(lidded, tilt)
+        assert pocket.highest[1:] == (5.0, 0.0)
+        assert pocket.height == pytest.approx(4 * math.sin(math.radians(tilt)), rel=ROUNDING)
+
+
+def test_a_step_in_the_ceiling_holds_the_wedge_before_it() -> None:
+    """Ceilings at 0.5 and 0.3 mm, each 5 mm long, then the open."""
+    parts = [("high", 0.5, 0.0), ("low", 0.3, 5.0), ("open", 1.0, 10.0)]
+    spaces = [Space(n, Prism(rectangle(-1, 1, -1, top), "y", y, y + 5)) for n, top, y in parts]
+    step = Void((*spaces[:2], replace(spaces[2], open_at=1.0)))
+    assert total(step, 0.0) == pytest.approx(2 * 5 * 0.2, rel=ROUNDING)
+    shallow, steep = 0.1 / 5, 0.4 / 5  # the wedge ends at the far end, or half way
+    assert total(step, math.degrees(math.atan(shallow))) == pytest.approx(
+        2 * 5 * (0.2 + 0.1) / 2, rel=ROUNDING
+    )
+    assert total(step, math.degrees(math.atan(steep))) == pytest.approx(2 * 0.2 * 2.5 / 2, rel=ROUNDING)
+
+
+def test_a_bore_that_narrows_empties_at_the_tilt_of_its_cone() -> None:
+    cone = Space("cone", Bore((0.0, 0.0, 0.0), "y", 5.0, 1.0, 0.8))
+    beyond = Space("beyond", Prism(rectangle(-2, 2, -2, 2), "y", 5.0, 9.0), open_at=2.0)
+    half_angle = math.degrees(math.atan(0.2 / 5))
+    assert total(Void((cone, beyond)), 0.9 * half_angle) > 0.001
+    assert total(Void((cone, beyond)), 1.001 * half_angle) == 0.0
+
+
+def test_a_liquid_rises_no_higher_than_the_rim_that_it_runs_over(lidded: Void) -> None:
+    low = replace(lidded, rim=np.array([[0.0, 0.0, -1.0]]))
+    assert total(low, 0.0) == pytest.approx(100 + math.pi * 3, rel=1e-3)  # the hole's chords
+
+
+def test_a_void_without_a_way_out_keeps_all_its_air(lidded: Void) -> None:
+    shut = Void(tuple(replace(space, open_at=None) for space in lidded.spaces))
+    (pocket,) = air(shut, 20.0)
+    assert pocket.volume == pytest.approx(shut.volume, rel=1e-3)  # the hole's chords
+
+
+def test_air_under_a_hood_is_the_prism_between_its_legs(yamada: Design) -> None:
+    tilt = math.radians(10)
+    (pocket,) = pockets(yamada, hooded(mold(yamada)), 10.0)
+    assert pocket.volume == pytest.approx(1.8 * 0.9**2 / math.tan(tilt) / 2, rel=ROUNDING)
+    assert pocket.height == pytest.approx(0.9 * math.cos(tilt), rel=ROUNDING)
+    assert pocket.place[1:] == (6.0, -0.6)
+    assert pocket.where == "shim-5-S3, at end b's edge"
+    (level,) = pockets(yamada, hooded(mold(yamada)), 0.0)
+    assert level.volume == pytest.approx(1.8 * 0.9 * 12, rel=ROUNDING)
+
+
+def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None:
+    (finding,) = filling_findings(yamada, hooded(mold(yamada)))
+    assert (finding.rule, finding.severity, finding.unit) == ("trapped air", "warning", "mm3")
+    tilt, least = best_tilt(yamada, hooded(mold(yamada)))
+    assert least < 0.5 * finding.measured
+    assert finding.remedy.startswith(
+        f"mold.pour_tilt = {tilt:g}, which leaves {least:.2g} mm3: fill under vac"
+    )
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_no_template_keeps_air_level_or_at_its_own_tilt(name: str) -> None:
+    design = skincad.load(name)
+    closed = mold(design)
+    assert pockets(design, closed, 0.0) == pockets(design, closed) == ()
+    assert filling_findings(design, closed) == []
+    assert best_tilt(design, closed) == (design.mold.pour_tilt, 0.0)
+
+
+def test_without_the_reservoir_the_gap_round_the_carrier_would_keep_its_air(yamada: Design) -> None:
+    ring = 4.0 * (15.02 * 12.0 - 15.0 * 11.98)  # height, trough less carrier
+    (level,) = pockets(yamada, plain_mold(yamada), 0.0)
+    assert level.volume == pytest.approx(ring, rel=ROUNDING)
+    tilted = pockets(yamada, plain_mold(yamada), 10.0)
+    assert tilted[0].where == "carrier, at end b's edge"
+    assert {p.where for p in tilted[1:]} == {f"carrier hole {i}" for i in range(1, 5)}
+    # wedge over the vent's highest point, 0.61 mm from the end, and a little more in the gap
+    wedge = 11 * 0.61**2 * math.tan(math.radians(10)) / 2
+    assert wedge < tilted[0].volume < wedge + ring
+
+
+def test_air_beside_the_skin_is_only_noted_however_much(yamada: Design) -> None:
+    wide = yamada.with_(mold={"clearance": 0.2, "pour_tilt": 0.0})
+    level, gap = filling_findings(wide, plain_mold(wide))
+    assert level.unit == "deg"
+    assert gap.measured > 10 * gap.limit
+    assert gap.severity == "note"
+
+
+def test_pockets_agree_with_slices_of_the_merged_solid(yamada: Design) -> None:
+    """One solid by booleans, cut at level after level: from below, and nearer with a finer sweep."""
+    tight = yamada.with_(mold={"clearance": 0.0, "carrier": "plain"})
+    (pocket,) = pockets(tight, mold(tight), 10.0)
+    solid = merged(void(tight, mold(tight)), 1e-3)
+    short = [pocket.volume - swept(solid, 10.0, 8.0, step) for step in (0.02, 0.005)]
+    assert 0 < short[1] < short[0]
+    assert short[1] < 0.1 * pocket.volume  # a slice lies up to 0.005 mm over the way out, of 0.1 mm
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", "nozzle-04"])
+def test_finer_chords_change_no_pocket(name: str) -> None:
+    design = skincad.load(name)
+    space = void(design, plain_mold(design))
+    coarse, fine = (sum(a.volume for a in air(space, 10.0, chord)) for chord in (1e-3, 1e-4))
+    assert coarse == pytest.approx(fine, rel=2e-3)  # circles of 0.5 to 1.25 mm as chords within 0.001 mm
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted", "nozzle-04"])
+def test_poured_volume_is_that_of_the_merged_solid(name: str) -> None:
+    design = skincad.load(name)
+    solid = merged(void(design, mold(design)), 1e-4)
+    assert len(solid.decompose()) == 1
+    assert poured_volume(design, mold(design)) == pytest.approx(solid.volume(), rel=2e-4)  # chords
+
+
+def test_air_is_less_than_what_is_poured_and_the_same_every_time(yamada: Design) -> None:
+    closed = plain_mold(yamada)
+    for tilt in (0.0, 7.0, 33.0, 60.0):
+        found = pockets(yamada, closed, tilt)
+        assert 0 < sum(p.volume for p in found) < poured_volume(yamada, closed)
+        assert pockets(yamada, closed, tilt) == found
+
+
+def test_a_level_carrier_is_noted_since_statics_cannot_judge_it(yamada: Design) -> None:
+    level = yamada.with_(mold={"pour_tilt": 0.0})
+    (finding,) = filling_findings(level, mold(level))
+    assert (finding.severity, finding.measured, finding.limit, finding.unit) == ("note", 0.0, 2.0, "deg")
+
+
+def test_without_clearance_the_corner_keeps_air_and_less_tilt_is_better(yamada: Design) -> None:
+    tight = yamada.with_(mold={"clearance": 0.0})
+    (finding,) = filling_findings(tight, mold(tight))
+    assert finding.where.startswith("carrier, at end b's edge")
+    assert finding.severity == "note"  # less than a bubble of 1 mm
+    assert finding.remedy.startswith("mold.pour_tilt = 2, which leaves 0.069 mm3")
+
+
+def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(yamada: Design) -> None:
+    opened = yamada.with_(mold={"pour": "open"})
+    less = poured_volume(yamada, mold(yamada)) - poured_volume(opened, mold(opened))
+    assert less == pytest.approx(math.pi * 4.0, rel=1e-9)
+    assert pockets(opened, mold(opened)) == ()
+    level, tilted = sorted(pockets(opened, hooded(mold(opened)), 30.0), key=lambda p: -p.volume)
+    assert level.volume == pytest.approx(1.8 * 0.9 * 12, rel=ROUNDING)
+    assert tilted.volume == pytest.approx(1.8 * 0.9**2 / math.tan(math.radians(30)) / 2, rel=ROUNDING)
+
+
+def test_the_sheet_tells_tilt_tip_and_reservoir(yamada: Design) -> None:
+    def sheet(**change: object) -> str:
+        design = yamada.with_(mold=change)
+        return casting_sheet(design, mold(design), [], "Passes.", True)
+
+    assert "Raise end b by 10 degrees, fill slowly through the gate" in sheet()
+    assert "16 gauge (1.65 mm)" in sheet()
+    assert "Top up the reservoir" in sheet()
+    opened = sheet(pour="open", pour_tilt=15.0)
+    assert "Raise end b by 15 degrees. Set the carrier down at end a first" in opened
+    assert "gate" not in opened.replace("gauge", "")
