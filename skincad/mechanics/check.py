@@ -251,7 +251,11 @@ class _Climb:
         beyond, warnings = "", (*found.warnings, *self.notes)
         if small or name == "winkler":
             beyond = beyond_small_strain(design, force, found)
-        beyond = beyond or (found.fault and f"at {force:g} N {found.fault}, which the model does not know")
+        plane = self.done.get(
+            "linear", found
+        )  # the solid looks at crowns alone; its yield has solved the plane
+        fault = found.fault or (plane.fault if small else "")
+        beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not know")
         if small:
             warnings += strain_warnings(design, found)
         upper, ridges = found.all_touch_force.upper, design.ridge.count

@@ -307,6 +307,7 @@ def test_parts_that_go_through_each_other_have_no_verdict() -> None:
     found = linear_check(yamada(), force=40.0, tol=0.05)
     assert "meets the plate" in found.beyond
     assert not found.passed
+    assert "meets the plate" in check(filleted(), tier="solid", force=40.0, tol=0.05).beyond
     shallow = reference().with_(ridge={"height": 0.1, "crown": 0.02})
     assert "meets the plate" in linear_check(shallow, force=20.0, tol=0.05).beyond
 
