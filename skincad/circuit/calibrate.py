@@ -1,0 +1,185 @@
+"""Calibration: the constants within bounds whose gain is nearest to a curve, and what the curve leaves open.
+
+The level is free: the paper's own curves differ by 166 dB. All constants are fitted as logarithms, the
+motional capacitance as its ratio to the static one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from skincad.circuit.closed_form import exact_response
+from skincad.circuit.network import Constants, Real, checked_frequencies, decibels
+from skincad.errors import InputError, RefusedError
+
+FITTED = tuple(field.name for field in fields(Constants) if field.name != "d33")
+PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2
+PAPER_LOW, PAPER_HIGH = 10.0, 8000.0  # Hz; paper's sweep up to before its drop at 9 kHz
+
+# k33^2 / (1 - k33^2) of PVDF with k33 about 0.3, the highest that is reported: what a film's own motional
+# branch can have beside its static capacitance (source: Kawai 1969 and later data sheets, 0.1 to 0.3)
+FILM_RATIO = 0.1
+ANY_RATIO = 1e4  # assumption: no limit by the film's physics
+
+BOUNDS: dict[str, tuple[float, float]] = {
+    # the loaded spot of 11.95 mm2 at 110 um and 1 pF of lead; 10 m of coaxial lead
+    "capacitance": (12.5e-12, 1.1e-9),
+    "motional_resistance": (1.0, 1e9),  # assumption: a wire to an insulator
+    "motional_inductance": (1e-3, 1e4),  # assumption: resonances of grams to micrograms
+    "motional_capacitance": (1e-6, ANY_RATIO),  # ratio to `capacitance`
+    "series_resistance": (10.0, 1e8),  # assumption: resistors one can buy
+    "input_resistance": (1e5, 1e13),  # source: data sheets, bipolar to electrometer
+    "input_capacitance": (0.5e-12, 100e-12),  # source: data sheets, with the board's
+    "feedback_resistance": (1e2, 1e10),  # assumption: resistors one can buy
+    "output_resistance": (1.0, 1e3),  # source: data sheets
+    "gain": (1e2, 1e7),  # source: data sheets, 40 to 140 dB
+}
+STARTS, SEED = 24, 2002
+NEAR = 0.01  # of a bound's range in log: a constant so near to its end is reported as at it
+OPEN = 0.1  # dB rms for a factor e: changes below it are smaller than what a curve is read to
+
+
+@dataclass(frozen=True)
+class Combination:
+    """Constants that move together, as exponents, and what a factor e along them changes, dB rms."""
+
+    change: float
+    exponents: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The nearest constants; `offset` dB added to their gain gives the target's level, best in the mean."""
+
+    constants: Constants
+    rms: float  # dB
+    offset: float  # dB
+    at_bounds: tuple[str, ...]
+    combinations: tuple[Combination, ...]  # all, the best fixed first
+    agreeing: int  # starts that ended within 1 % of the best rms
+    starts: int
+
+    @property
+    def open_combinations(self) -> tuple[Combination, ...]:
+        """The combinations that the curve does not fix."""
+        return tuple(c for c in self.combinations if c.change < OPEN)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return misfit and what is open."""
+        return {
+            "rms_dB": self.rms,
+            "offset_dB": self.offset,
+            "at_bounds": list(self.at_bounds),
+            "fixed_combinations": len(self.combinations) - len(self.open_combinations),
+            "open_combinations": [
+                {"change_dB": c.change, "exponents": c.exponents} for c in self.open_combinations
+            ],
+            "starts": self.starts,
+            "agreeing_starts": self.agreeing,
+        }
+
+
+def paper_target(points: int = 117) -> tuple[Real, Real]:
+    """Return frequencies, Hz, and gain, dB, 0 at 1.2 kHz: 20 dB/dec up to there and 60 above (paper)."""
+    frequency = np.geomspace(PAPER_LOW, PAPER_HIGH, points)
+    slope = np.where(frequency < PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE)
+    return frequency, np.asarray(slope * np.log10(frequency / PAPER_CUTOFF))
+
+
+def calibrate(
+    frequency: Real,
+    gain: Real,
+    *,
+    d33: float = -33e-12,
+    largest_ratio: float = ANY_RATIO,
+    starts: int = STARTS,
+    seed: int = SEED,
+) -> Calibration:
+    """Return the constants within `BOUNDS` nearest to a gain `(n,)` dB at `(n,)` Hz, up to its level.
+
+    Least squares over the logarithms from `starts` points drawn evenly in them; the same seed gives the same
+    answer. Of the converged starts the nearest between the points counts. `largest_ratio` bounds motional
+    over static capacitance: FILM_RATIO for a film's own resonance. Raises InputError for unusable points,
+    RefusedError when no start converges.
+    """
+    frequency, gain = checked_frequencies(frequency), np.asarray(gain, float)
+    if frequency.size < len(FITTED) or gain.shape != frequency.shape or not np.isfinite(gain).all():
+        rule = f"must be at least {len(FITTED)} finite gains, one a frequency"
+        raise InputError("measured", rule, gain.size)
+    low, high = _limits(largest_ratio)
+
+    def misfit(point: Real) -> Real:
+        rest = decibels(exact_response(_constants(point, d33), frequency)) - gain
+        return np.asarray(rest - rest.mean())
+
+    draw = np.random.default_rng(seed)
+    # steps of 1e-6: the logarithms' own scale, so that differences keep about 9 digits
+    options: dict[str, Any] = {"bounds": (low, high), "x_scale": "jac", "max_nfev": 1000, "diff_step": 1e-6}
+    runs = [least_squares(misfit, draw.uniform(low, high), **options) for _ in range(starts)]
+    good = [run for run in runs if run.status > 0]
+    if not good:
+        raise RefusedError(f"the calibration converged from none of {starts} starts")
+    best = min(good, key=lambda run: _between(_constants(run.x, d33), frequency, gain))
+    near = NEAR * (high - low)
+    held = (best.x - low < near) | (high - best.x < near)
+    found = _constants(best.x, d33)
+    rest = decibels(exact_response(found, frequency)) - gain
+    return Calibration(
+        found,
+        _rms(best.fun),
+        float(-rest.mean()),
+        tuple(name for name, at in zip(FITTED, held, strict=True) if at),
+        combinations(best.jac),
+        sum(_rms(run.fun) <= 1.01 * _rms(best.fun) for run in good),
+        starts,
+    )
+
+
+def combinations(jacobian: Real) -> tuple[Combination, ...]:
+    """Return the principal combinations of a Jacobian `(n, 10)` in dB by the logarithms of `FITTED`.
+
+    Its singular values over the root of n: how many dB rms a factor e (split over the constants as the
+    exponents say) changes the curve, level aside.
+    """
+    _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
+    sizes = sizes / np.sqrt(jacobian.shape[0])
+    return tuple(
+        Combination(
+            float(size),
+            {n: round(float(e), 3) for n, e in zip(FITTED, row, strict=True) if abs(e) >= 0.1},
+        )
+        for size, row in zip(sizes, rows, strict=True)
+    )
+
+
+def _between(c: Constants, frequency: Real, gain: Real) -> float:
+    """Rms between the points too, with the motional branch's resonances: a sharp one could hide there."""
+    low, high = float(frequency.min()), float(frequency.max())
+    own = 1 / (2 * np.pi * np.sqrt(c.motional_inductance * c.motional_capacitance))
+    both = own * np.sqrt(1 + c.motional_capacitance / c.capacitance)
+    resonances = [f for f in (own, both) if low < f < high]
+    fine = np.sort([*np.geomspace(low, high, 10 * frequency.size), *resonances])
+    order = np.argsort(frequency)
+    wanted = np.interp(np.log(fine), np.log(frequency[order]), gain[order])
+    rest = decibels(exact_response(c, fine)) - wanted
+    return _rms(rest - rest.mean())
+
+
+def _limits(largest_ratio: float) -> tuple[Real, Real]:
+    bounds = {**BOUNDS, "motional_capacitance": (BOUNDS["motional_capacitance"][0], largest_ratio)}
+    table = np.log([bounds[name] for name in FITTED])
+    return table[:, 0], table[:, 1]
+
+
+def _constants(point: Real, d33: float) -> Constants:
+    values = dict(zip(FITTED, np.exp(point).tolist(), strict=True))
+    values["motional_capacitance"] *= values["capacitance"]
+    return Constants(d33=d33, **values)
+
+
+def _rms(values: Real) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -1,0 +1,179 @@
+"""What a person writes of a circuit: a strict TOML model, and the network's constants from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from skincad.catalog import overridden, read_table
+from skincad.circuit.film import capacitance
+from skincad.circuit.network import Constants
+from skincad.circuit.noise import NoiseSources
+from skincad.errors import InputError
+from skincad.tables import Table, parse, quantity
+
+PICO = 1e-12
+
+
+class Film(Table):
+    """A piece of PVDF film with its electrodes; defaults: data sheets of uniaxially drawn film."""
+
+    area: float = quantity("mm2", "of the electrodes", gt=0.0, le=1e5)
+    thickness: float = quantity("mm", "of the film", ge=0.004, le=5.0)
+    permittivity: float = quantity("1", "relative; PVDF 12 to 13", ge=1.0, le=1e4, default=12.0)
+    loss_tangent: float = quantity(
+        "1", "dielectric loss; counts in the noise only", ge=0.0, le=1.0, default=0.02
+    )
+    d31: float = quantity("pC/N", "charge by stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
+    d32: float = quantity(
+        "pC/N", "charge by stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
+    )
+    d33: float = quantity("pC/N", "charge by stress through the film", ge=-1e4, le=1e4, default=-33.0)
+    draw_axis: Literal["length", "width"] = Field(
+        default="length", description="the film was drawn along the strip's length (y) or its width"
+    )
+
+
+class Cable(Table):
+    """The lead from film to amplifier."""
+
+    capacitance: float = quantity(
+        "F", "of the lead, parallel to the film; a coaxial metre has about 100e-12", ge=0.0, le=1e-6
+    )
+
+
+class Motional(Table):
+    """The series R-L-C branch beside the film's static capacitance: its mechanical resonance."""
+
+    resistance: float = quantity("ohm", "of the motional branch", gt=0.0, le=1e12)
+    inductance: float = quantity("H", "of the motional branch", gt=0.0, le=1e9)
+    capacitance: float = quantity("F", "of the motional branch", gt=0.0, le=1e-3)
+
+
+class Amplifier(Table):
+    """The inverting amplifier behind the film, by the sums that the loop equations know."""
+
+    series_resistance: float = quantity("ohm", "R1 + R2, from film to input", gt=0.0, le=1e12)
+    input_resistance: float = quantity("ohm", "Ropi, from input to ground", gt=0.0, le=1e16)
+    input_capacitance: float = quantity("F", "Copi, from input to ground", gt=0.0, le=1e-6)
+    feedback_resistance: float = quantity("ohm", "R3 + R4, from output to input", gt=0.0, le=1e13)
+    output_resistance: float = quantity("ohm", "Ropo, of the output", gt=0.0, le=1e9)
+    gain: float = quantity("1", "A, of the open loop", gt=0.0, le=1e12)
+
+
+class Noise(Table):
+    """What the amplifier adds; resistors and film add their thermal noise by themselves."""
+
+    temperature: float = quantity("K", "of film and resistors", gt=0.0, le=1000.0, default=293.0)
+    voltage_density: float = quantity(
+        "V/sqrt(Hz)", "of the amplifier's input voltage noise", ge=0.0, le=1e-3, default=0.0
+    )
+    current_density: float = quantity(
+        "A/sqrt(Hz)", "of the amplifier's input current noise", ge=0.0, le=1e-3, default=0.0
+    )
+
+
+class Sweep(Table):
+    """The frequency test; its defaults are the paper's."""
+
+    low: float = quantity("Hz", "first frequency", gt=0.0, le=1e9, default=10.0)
+    high: float = quantity("Hz", "last frequency", gt=0.0, le=1e9, default=20_000.0)
+    points: int = Field(default=400, ge=20, le=1_000_000, description="frequencies, evenly in log f")
+    fit_high: float = quantity(
+        "Hz", "slopes and cut-off are fitted up to here", gt=0.0, le=1e9, default=8000.0
+    )
+    offset: float = quantity(
+        "dB",
+        "measured gain plus this is the computed one; the paper's 166",
+        ge=-400.0,
+        le=400.0,
+        default=0.0,
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not 10 * self.low <= self.fit_high <= self.high:
+            rule = f"must be from {10 * self.low:g} Hz (10 times low) to {self.high:g} Hz (high)"
+            raise InputError("fit_high", rule, self.fit_high, "two slopes need a decade at least")
+        return self
+
+
+class Indenter(Table):
+    """The mechanical resonance of indenter and film: a mass on a spring with a damper passes the load on."""
+
+    resonance: float = quantity("Hz", "of indenter and film; the paper's 9000", gt=0.0, le=1e9)
+    damping: float = quantity("1", "ratio to the critical", gt=0.0, le=10.0, default=0.5)
+
+
+class Sampling(Table):
+    """The recording of the output."""
+
+    rate: float = quantity("Hz", "samples a second; the paper's 650", gt=0.0, le=1e9)
+
+
+class Circuit(Table):
+    """A film with its amplifier; everything after `amplifier` is optional."""
+
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
+        description="letters, digits, - and _, up to 64; it names the out folder",
+    )
+    film: Film
+    cable: Cable = Field(default=Cable(capacitance=0.0), description="none: no lead")
+    motional: Motional
+    amplifier: Amplifier
+    sweep: Sweep = Field(default=Sweep(), description="the paper's 10 to 20 000 Hz")
+    indenter: Indenter | None = None
+    sampling: Sampling | None = None
+    noise: Noise = Field(default=Noise(), description="a noiseless amplifier at 293 K")
+
+    @model_validator(mode="after")
+    def _charged(self) -> Self:
+        if self.film.d33 == 0:
+            raise InputError("film.d33", "must not be 0 pC/N: the load would give no charge", 0.0)
+        rate, low = self.sampling.rate if self.sampling else None, self.sweep.low
+        if rate is not None and rate <= 2 * low:
+            raise InputError(
+                "sampling.rate", f"must be above {2 * low:g} Hz (twice sweep.low)", rate, "sample faster"
+            )
+        return self
+
+
+def load_circuit(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Circuit:
+    """Return the circuit of a template's name or of a TOML file, `--set` overrides on top.
+
+    Raises InputError with key, rule, value, remedy.
+    """
+    return parse(Circuit, overridden(read_table(source, "circuits"), overrides))
+
+
+def constants(circuit: Circuit) -> Constants:
+    """Return the network's constants in SI: Cpvd is the film's capacitance and the cable's."""
+    film, motional, amplifier = circuit.film, circuit.motional, circuit.amplifier
+    return Constants(
+        d33=film.d33 * PICO,
+        capacitance=capacitance(film.area, film.thickness, film.permittivity) + circuit.cable.capacitance,
+        motional_resistance=motional.resistance,
+        motional_inductance=motional.inductance,
+        motional_capacitance=motional.capacitance,
+        series_resistance=amplifier.series_resistance,
+        input_resistance=amplifier.input_resistance,
+        input_capacitance=amplifier.input_capacitance,
+        feedback_resistance=amplifier.feedback_resistance,
+        output_resistance=amplifier.output_resistance,
+        gain=amplifier.gain,
+    )
+
+
+def noise_sources(circuit: Circuit) -> NoiseSources:
+    """Return what a circuit's film and amplifier add in noise; the lead has no loss."""
+    film, noise = circuit.film, circuit.noise
+    return NoiseSources(
+        temperature=noise.temperature,
+        voltage_density=noise.voltage_density,
+        current_density=noise.current_density,
+        loss_tangent=film.loss_tangent,
+        film_capacitance=capacitance(film.area, film.thickness, film.permittivity),
+    )

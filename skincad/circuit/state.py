@@ -1,0 +1,135 @@
+"""The network in time: state equations, their exact step for piecewise linear charge, and the output.
+
+States: the film's voltage less its charge's share, the motional current and capacitor voltage, the input
+node's voltage. The film's charge is the input, so that no derivative is taken. Exact first-order hold by
+the matrix exponential (Van Loan 1978): stable at any step for any passive network, however stiff.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import schur
+from scipy.signal import lfilter
+
+from skincad.circuit.closed_form import output_factor
+from skincad.circuit.exponential import exponential
+from skincad.circuit.network import Complex, Constants, Real
+from skincad.errors import InputError, RefusedError
+
+ROUNDING = 1e-12  # of a step's largest factor above 1
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = a x + b q, vout = c x: a `(4, 4)` 1/s, b and c `(4,)`; q the charge in C, vout in V."""
+
+    a: Real
+    b: Real
+    c: Real
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """One exact step in a triangular basis: z+ = step z + now q + then q+; vout = Re(out z)."""
+
+    rate: float  # Hz
+    step: Complex  # (4, 4), upper triangular
+    now: Complex  # (4,)
+    then: Complex  # (4,)
+    out: Complex  # (4,)
+    rest: Complex  # (4,), the state at rest under a charge of 1 C
+
+
+def state_space(c: Constants) -> StateSpace:
+    """Return the network's state equations."""
+    cp, co, r12 = c.capacitance, c.input_capacitance, c.series_resistance
+    leak = 1 / c.input_resistance + (1 + c.gain) / (c.feedback_resistance + c.output_resistance)
+    lm = c.motional_inductance
+    a = np.array(
+        [
+            [-1 / (r12 * cp), -1 / cp, 0.0, 1 / (r12 * cp)],
+            [1 / lm, -c.motional_resistance / lm, -1 / lm, 0.0],
+            [0.0, 1 / c.motional_capacitance, 0.0, 0.0],
+            [1 / (r12 * co), 0.0, 0.0, -(1 / r12 + leak) / co],
+        ]
+    )
+    b = np.array([-1 / (r12 * cp), 1 / lm, 0.0, 1 / (r12 * co)]) / cp
+    return StateSpace(a, b, np.array([0.0, 0.0, 0.0, output_factor(c)]))
+
+
+def stepper(c: Constants, rate: float) -> Stepper:
+    """Return the exact step of the network at `rate` Hz.
+
+    Raises InputError for a rate that is not above 0, RefusedError where the step cannot be had in double
+    precision.
+    """
+    if not (np.isfinite(rate) and rate > 0):
+        raise InputError("rate", "must be above 0 Hz and finite", rate)
+    system, size = state_space(c), _sizes(c)
+    order = size.size
+    whole = np.zeros((order + 2, order + 2))
+    with np.errstate(over="ignore"):  # the exponential refuses what is not finite
+        whole[:order, :order] = system.a * size[None, :] / size[:, None] / rate
+        whole[:order, order] = system.b / size / rate
+    whole[order, order + 1] = 1.0
+    powers = exponential(whole)
+    triangle, basis = schur(powers[:order, :order], output="complex")
+    if not np.abs(np.diag(triangle)).max() <= 1.0 + ROUNDING:
+        raise RefusedError(f"the network's step at {rate:g} Hz grows: its constants are too far apart")
+    back, slope = basis.conj().T, powers[:order, order + 1]
+    rest = np.array([-1 / c.capacitance, 0.0, 0.0, 0.0])  # no voltage: the state takes the charge's off
+    return Stepper(
+        rate,
+        triangle,
+        back @ (powers[:order, order] - slope),
+        back @ slope,
+        (system.c * size) @ basis,
+        back @ (rest / size),
+    )
+
+
+def _sizes(c: Constants) -> Real:
+    """The states' units, so that all are of one size: those of equal energy, and of the input its share.
+
+    In these the lossless part of the network only turns the state, and rounding stays relative.
+    """
+    leak = 1 / c.input_resistance + (1 + c.gain) / (c.feedback_resistance + c.output_resistance)
+    current = np.sqrt(c.capacitance / c.motional_inductance)
+    voltage = np.sqrt(c.capacitance / c.motional_capacitance)
+    return np.array([1.0, current, voltage, 1 / (1 + c.series_resistance * leak)])
+
+
+def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, Complex]:
+    """Return the output `(n,)` V and the last state, for a charge `(n,)` C at the stepper's rate.
+
+    Without a state the network has been at rest under the first charge for ever: vout starts at 0. With one
+    the charge begins with the last sample of the piece before, whose output is repeated. Charge runs straight
+    between samples, so that an output that follows its rate comes half a sample late. A triangular step is
+    four scalar recursions, the last state first.
+    """
+    charge = _checked(charge)
+    if state is None:
+        state = s.rest * charge[0]
+    found = np.empty((s.now.size, charge.size), complex)
+    for k in range(s.now.size - 1, -1, -1):
+        forcing = s.now[k] * charge[:-1] + s.then[k] * charge[1:]
+        for j in range(k + 1, s.now.size):
+            forcing = forcing + s.step[k, j] * found[j, :-1]
+        found[k, 0] = state[k]
+        pole = s.step[k, k]
+        found[k, 1:] = lfilter([1.0], [1.0, -pole], forcing, zi=[pole * state[k]])[0]
+    return np.asarray((s.out @ found).real), found[:, -1].copy()
+
+
+def output(c: Constants, charge: Real, rate: float) -> Real:
+    """Return the output `(n,)` V for a charge `(n,)` C sampled at `rate` Hz, at rest before."""
+    return run(stepper(c, rate), charge)[0]
+
+
+def _checked(charge: Real) -> Real:
+    array = np.asarray(charge, float)
+    if array.ndim != 1 or array.size == 0 or not np.isfinite(array).all():
+        raise InputError("charge", "must be a row of finite numbers, one at least")
+    return array

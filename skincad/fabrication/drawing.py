@@ -1,0 +1,185 @@
+"""A drawing with the main dimensions, SVG: the section, one ridge enlarged, the closed mold from above."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from xml.sax.saxutils import escape
+
+import numpy as np
+import shapely
+
+from skincad.curves import Loop, polygon
+from skincad.design import Design
+from skincad.section import frame, section
+from skincad.solids.mold import Mold
+from skincad.solids.plan import Prism
+
+PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
+TEXT = 2.8  # mm
+CHORD = 1e-3  # mm of the part; finer than a printed line
+
+
+@dataclass(frozen=True)
+class View:
+    """Part coordinates to the page: `origin` is where the part's (0, 0) lies, `scale` page mm a part mm."""
+
+    origin: tuple[float, float]
+    scale: float
+
+    def at(self, x: float, z: float) -> tuple[float, float]:
+        """Return the page's point, y down."""
+        return self.origin[0] + self.scale * x, self.origin[1] - self.scale * z
+
+    def path(self, outline: Loop, kind: str) -> str:
+        """Return a closed outline as an SVG path."""
+        points = [self.at(x, z) for x, z in polygon(outline, CHORD)]
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in points)
+        return f'<polygon class="{kind}" points="{steps}"/>'
+
+
+def drawing(design: Design, closed: Mold) -> str:
+    """Return the drawing as an SVG document."""
+    rows = [*_section_view(design), *_ridge_view(design), *_mold_view(closed)]
+    title = f"{design.name}: all lengths in mm, silicone {design.material.name or 'own'}"
+    rows.append(_text(5.0, PAGE[1] - 4.0, title, "start"))
+    style = (
+        "polygon,rect{stroke:#222;stroke-width:.25}.skin{fill:#f3d3c4}.slot{fill:#fff}.mold{fill:#dde1e6}"
+        ".hole{fill:#fff}.dim{stroke:#1f5fa8;stroke-width:.18;fill:none}"
+        f"text{{font:{TEXT}px sans-serif;fill:#1f3f68}}"
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{PAGE[0]:g}mm" height="{PAGE[1]:g}mm" '
+        f'viewBox="0 0 {PAGE[0]:g} {PAGE[1]:g}">\n<style>{style}</style>\n' + "\n".join(rows) + "\n</svg>\n"
+    )
+
+
+def _section_view(design: Design) -> list[str]:
+    shape, skin = section(design), design.skin
+    scale = min(120.0 / skin.width, 45.0 / shape.top)
+    view = View((80.0, 62.0), scale)
+    half = skin.width / 2
+    rows = [view.path(shape.outline, "skin"), *(view.path(s.loop(), "slot") for s in shape.slots)]
+    left, base = view.at(-half, 0.0)
+    right = view.at(half, 0.0)[0]
+    rows += _across(left, right, base + 8.0, f"{skin.width:g}", base)
+    middle = view.at(0.0, shape.top)[1]
+    rows += _upright(right + 8.0, base, middle, f"{shape.top:.4g} to the crest", right)
+    at_base = view.at(0.0, skin.thickness)[1]
+    rows += _upright(left - 8.0, base, at_base, f"{skin.thickness:g}", left)
+    radius = (
+        f"R {skin.curvature_radius:g}, {design.ridge.count} ridges at {design.ridge.pitch:g} along the arc"
+    )
+    rows.append(_text(80.0, middle - 4.0, radius))
+    rows.append(
+        _text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; length along the ridges {skin.length:g}")
+    )
+    return rows
+
+
+def _ridge_view(design: Design) -> list[str]:
+    """The middle ridge, or the one beside the middle, upright and enlarged."""
+    ridge, number = design.ridge, (design.ridge.count + 1) // 2
+    own = frame(design, number)
+    shape = section(design)
+    reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
+    scale = min(38.0 / (2 * reach), 24.0 / (1.5 * ridge.height))
+    view = View((48.0, 110.0), scale)
+
+    low = -0.8 * ridge.height
+    window = shapely.box(-reach, low, reach, 2 * ridge.height)
+
+    def shown(outline: Loop, kind: str) -> str:
+        points = polygon(outline, CHORD / 10) - np.array(own.origin)
+        turned = np.column_stack([points @ np.array(own.tangent), points @ np.array(own.normal)])
+        part = shapely.Polygon(turned).intersection(window)
+        corners = shapely.get_coordinates(part)
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(t, n) for t, n in corners))
+        return f'<polygon class="{kind}" points="{steps}"/>'
+
+    rows = [shown(shape.outline, "skin")]
+    rows += [shown(s.loop(), "slot") for s in shape.slots if s.ridge == number]
+    crest, foot = view.at(0.0, ridge.height)[1], view.at(0.0, 0.0)[1]
+    left, right = view.at(-ridge.root_width / 2, 0.0)[0], view.at(ridge.root_width / 2, 0.0)[0]
+    rows += _across(left, right, view.at(0.0, low)[1] + 5.0, f"root {ridge.root_width:g}", foot)
+    tip = [view.at(s * ridge.tip_width / 2, ridge.height)[0] for s in (-1, 1)]
+    rows += _across(tip[0], tip[1], crest - 4.0, f"tip {ridge.tip_width:g}, crown {ridge.crown:g}", crest)
+    rows += _upright(view.at(reach, 0.0)[0] + 5.0, foot, crest, f"{ridge.height:g}", right)
+    words = (
+        f"ridge {number}, scale {scale:.3g} : 1; fillets {ridge.tip_fillet:g} tip, {ridge.root_fillet:g} root"
+    )
+    rows.append(_text(48.0, 134.5, words))
+    if design.slot:
+        slot = design.slot
+        words = (
+            f"slots {slot.thickness:g} x {slot.depth:g}, {slot.offset:g} from the axis, tilt {slot.tilt:g}"
+        )
+        rows.append(_text(48.0, 139.0, words))
+    return rows
+
+
+def _mold_view(closed: Mold) -> list[str]:
+    """The closed mold's outer size, from above."""
+    boxes = [_extent(p.body) for p in closed.parts if p.made == "made" and isinstance(p.body, Prism)]
+    low = [min(b[0][i] for b in boxes) for i in range(3)]
+    high = [max(b[1][i] for b in boxes) for i in range(3)]
+    size = [b - a for a, b in zip(low, high, strict=True)]
+    scale = min(50.0 / size[0], 36.0 / size[1])
+    view = View((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    rows = []
+    for name, kind in (("cavity", "mold"), ("carrier", "hole")):
+        for part in closed.parts:
+            if part.name.startswith(name) and isinstance(part.body, Prism):
+                (x0, y0, _), (x1, y1, _) = _extent(part.body)
+                corner = view.at(x0, y1)
+                rows.append(
+                    f'<rect class="{kind}" x="{corner[0]:.3f}" y="{corner[1]:.3f}" '
+                    f'width="{scale * (x1 - x0):.3f}" height="{scale * (y1 - y0):.3f}"/>'
+                )
+    left, bottom = view.at(low[0], low[1])
+    right, top = view.at(high[0], high[1])
+    rows += [
+        *(_line(left, y, right, y) for y in (bottom, top)),
+        *(_line(x, bottom, x, top) for x in (left, right)),
+    ]
+    rows += [*_across(left, right, bottom + 5.0, f"{size[0]:.4g}", bottom)]
+    rows += _upright(right + 5.0, bottom, top, f"{size[1]:.4g}", right)
+    rows.append(_text(142.0, 134.5, f"closed mold from above, scale {scale:.3g} : 1; height {size[2]:.4g}"))
+    return rows
+
+
+def _extent(body: Prism) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    points = polygon(body.outline, CHORD)
+    (a0, b0), (a1, b1) = points.min(axis=0), points.max(axis=0)
+    if body.axis == "y":
+        return (a0, body.low, b0), (a1, body.high, b1)
+    return (a0, b0, body.low), (a1, b1, body.high)
+
+
+def _across(x0: float, x1: float, y: float, text: str, start: float) -> list[str]:
+    """A dimension along the page's x at height y, its extension lines from `start`."""
+    ends = [_line(x, start, x, y) for x in (x0, x1)]
+    return [*ends, _line(x0, y, x1, y), *_ticks((x0, y), (x1, y)), _text((x0 + x1) / 2, y - 0.9, text)]
+
+
+def _upright(x: float, y0: float, y1: float, text: str, start: float) -> list[str]:
+    ends = [_line(start, y, x, y) for y in (y0, y1)]
+    anchor = "start" if x > start else "end"
+    aside = 1.2 if x > start else -1.2
+    return [
+        *ends,
+        _line(x, y0, x, y1),
+        *_ticks((x, y0), (x, y1)),
+        _text(x + aside, (y0 + y1) / 2 + 1.0, text, anchor),
+    ]
+
+
+def _line(x0: float, y0: float, x1: float, y1: float) -> str:
+    return f'<line class="dim" x1="{x0:.3f}" y1="{y0:.3f}" x2="{x1:.3f}" y2="{y1:.3f}"/>'
+
+
+def _ticks(*places: tuple[float, float]) -> list[str]:
+    return [_line(x - 0.8, y + 0.8, x + 0.8, y - 0.8) for x, y in places]
+
+
+def _text(x: float, y: float, words: str, anchor: str = "middle") -> str:
+    return f'<text x="{x:.3f}" y="{y:.3f}" text-anchor="{anchor}">{escape(words)}</text>'

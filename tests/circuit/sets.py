@@ -1,0 +1,18 @@
+"""Random constants within the calibration's bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from skincad.circuit.calibrate import BOUNDS
+from skincad.circuit.network import Constants
+
+
+def random_sets(count: int, seed: int = 6) -> list[Constants]:
+    """Return constants drawn evenly in their logarithms."""
+    draw, sets = np.random.default_rng(seed), []
+    for _ in range(count):
+        values = {name: float(np.exp(draw.uniform(*np.log(bounds)))) for name, bounds in BOUNDS.items()}
+        values["motional_capacitance"] *= values["capacitance"]
+        sets.append(Constants(d33=-33e-12, **values))
+    return sets

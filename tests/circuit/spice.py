@@ -1,0 +1,32 @@
+"""ngspice as an external program: a deck in, its vectors out."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+needs_ngspice = pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
+
+
+def vectors(folder: Path, lines: list[str], analysis: str, saved: list[str]) -> dict[str, np.ndarray]:
+    """Run one analysis of a deck's lines; return the scale and the saved vectors, all digits."""
+    deck = [
+        "* deck", *lines, ".control", "set filetype=binary", "save " + " ".join(saved), analysis,
+        "write out.raw", "quit", ".endc", ".end", "",
+    ]  # fmt: skip
+    (folder / "deck.cir").write_text("\n".join(deck))
+    done = subprocess.run(
+        ["ngspice", "-b", "deck.cir"], cwd=folder, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (folder / "out.raw").is_file(), done.stdout + done.stderr
+    head, _, body = (folder / "out.raw").read_bytes().partition(b"Binary:\n")
+    rows = head.decode().splitlines()
+    start = rows.index("Variables:") + 1
+    names = [row.split()[1] for row in rows[start:]]
+    kind = complex if any("complex" in row for row in rows[:start]) else float
+    table = np.frombuffer(body, kind).reshape(-1, len(names))
+    return {name: table[:, i] for i, name in enumerate(names)}

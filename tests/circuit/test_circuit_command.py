@@ -1,0 +1,218 @@
+"""`skincad circuit` as a user meets it."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad.catalog import template_names
+from skincad.circuit.gain import circuit_gain
+from skincad.circuit.model import load_circuit
+from skincad.circuit_job import circuit_job
+from skincad.errors import InputError
+from tests.conftest import run_skincad
+
+KEYS = {
+    "name",
+    "constants",
+    "frequency_Hz",
+    "gain_dB",
+    "cutoff_Hz",
+    "slope_below_dB_per_dec",
+    "slope_above_dB_per_dec",
+}
+FILES = {"gain.csv", "gain.png", "netlist.cir", "circuit.json"}
+
+
+def write_curve(path: Path, level: float = 0.0) -> None:
+    """A measured curve: the shipped network's own at another damping, 0.1 dB of noise."""
+    found = circuit_gain(load_circuit("yamada-2002", ["motional.resistance=40000.0", "indenter=none"]))
+    noise = np.random.default_rng(1).normal(0.0, 0.1, found.gain.size)
+    rows = [f"{f},{g + level}" for f, g in zip(found.frequency, found.gain + noise, strict=True) if f < 8000]
+    path.write_text("\n".join(["frequency_Hz,gain_dB", *rows]) + "\n")
+
+
+def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -> None:
+    done = run_skincad("circuit", "yamada-2002", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    found = json.loads(done.stdout)
+    assert found.keys() >= KEYS
+    assert len(found["frequency_Hz"]) == len(found["gain_dB"]) == 400
+    assert (found["frequency_Hz"][0], found["frequency_Hz"][-1]) == (10.0, pytest.approx(20_000.0))
+    assert all(found[key].keys() == {"value", "error"} for key in KEYS if "_per_dec" in key or "cut" in key)
+    assert found["cutoff_Hz"]["value"] == pytest.approx(1200.0, rel=0.05)
+    assert {p.name for p in (tmp_path / "out/yamada-2002").iterdir()} == FILES
+    assert all((tmp_path / f["path"]).stat().st_size == f["bytes"] for f in found["files"])
+    assert any("motional capacitance" in w for w in found["warnings"])
+    assert any("650 Hz" in w for w in found["warnings"])
+
+
+def test_same_input_same_bytes(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        assert run_skincad("circuit", "yamada-2002", "-o", name, cwd=tmp_path).returncode == 0
+    for name in FILES:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
+
+
+def test_a_designs_files_in_the_same_folder_stay(tmp_path: Path) -> None:
+    run_skincad("make", "plain-ridges", "--format", "md", "-o", "here", cwd=tmp_path)
+    before = {p.name for p in (tmp_path / "here").iterdir()}
+    assert "make.json" in before
+    assert run_skincad("circuit", "yamada-2002", "-o", "here", cwd=tmp_path).returncode == 0
+    assert {p.name for p in (tmp_path / "here").iterdir()} == before | FILES
+    run_skincad("make", "plain-ridges", "--format", "md", "-o", "here", cwd=tmp_path)
+    assert {p.name for p in (tmp_path / "here").iterdir()} == before | FILES
+
+
+def test_measured_data_are_calibrated_to_and_the_result_is_a_circuit(tmp_path: Path) -> None:
+    write_curve(tmp_path / "m.csv", level=-166.0)
+    done = run_skincad(
+        "circuit", "yamada-2002", "--measured", "m.csv", "-o", "o", "--json", "--set", "indenter=none",
+        cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["calibration"]["rms_dB"] == pytest.approx(0.1, abs=0.03)  # the noise, and no more
+    again = run_skincad("circuit", "o/calibrated.toml", "-o", "p", "--json", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    np.testing.assert_allclose(json.loads(again.stdout)["gain_dB"], found["gain_dB"], atol=1e-6)
+    text = run_skincad("circuit", "yamada-2002", "--measured", "m.csv", "-o", "q", cwd=tmp_path).stdout
+    assert "  calibrated     " in text
+
+
+@pytest.mark.parametrize("name", template_names("circuits"))
+def test_every_template_runs(name: str) -> None:
+    found = circuit_gain(load_circuit(name))
+    assert np.isfinite(found.gain).all()
+    assert found.slopes.below.value is not None
+
+
+def test_the_indenters_resonance_is_an_option() -> None:
+    with_it, without = (circuit_gain(load_circuit("yamada-2002", s)) for s in ([], ["indenter=none"]))
+    drop = with_it.gain - without.gain
+    assert drop[0] == pytest.approx(0.0, abs=1e-4)  # (10 / 9000)^2
+    nearest = int(np.argmin(np.abs(with_it.frequency - 9000.0)))
+    assert drop[nearest] == pytest.approx(-20 * np.log10(2 * 0.5), abs=0.2)  # 1 / (2 damping), by the grid
+    assert drop[-1] < -10.0  # at 20 kHz, 40 dB/dec above 9 kHz
+
+
+def test_a_rate_sensor_has_no_cutoff() -> None:
+    found = circuit_gain(load_circuit("transimpedance"))
+    assert found.slopes.cutoff.value is None
+    assert found.slopes.below.value == pytest.approx(20.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("motional.capacitance=0.0", "motional.capacitance: must be greater than 0 (F)"),
+        ("amplifier.series_resistance=-1.0", "amplifier.series_resistance: must be greater than 0 (ohm)"),
+        ("amplifier.gain=nan", "amplifier.gain: must be a finite number"),
+        ("amplifier.gain=0.0", "amplifier.gain: must be greater than 0"),
+        ("film.area=0.0", "film.area: must be greater than 0 (mm2)"),
+        ("film.d33=0.0", "film.d33: must not be 0 pC/N"),
+        ("film.aera=1.0", "film.aera: unknown key; did you mean 'area'?"),
+        ("motional=none", "motional: is missing"),
+        ("sampling.rate=15.0", "sampling.rate: must be above 20 Hz (twice sweep.low)"),
+        ("sweep.fit_high=50.0", "sweep.fit_high: must be from 100 Hz (10 times low)"),
+        ("sweep.points=20", "sweep.points: must give at least 20"),
+    ],
+)
+def test_bad_constants_are_told_and_nothing_is_written(tmp_path: Path, setting: str, words: str) -> None:
+    with pytest.raises(InputError) as told:
+        circuit_job(load_circuit("yamada-2002", [setting]), tmp_path / "out")
+    assert str(told.value).startswith(words)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("frequency_Hz,gain\n1,2\n", "m.csv, column 'gain': unknown"),
+        ("frequency_Hz\n1\n", "m.csv: must have the columns frequency_Hz and gain_dB"),
+        ("frequency_Hz,gain_dB\n10,2\n20,4\n", "m.csv: must give at least 20"),
+        ("frequency_Hz,gain_dB\n" + "10,2\n" * 30, "m.csv, column 'frequency_Hz': must be above 0 Hz"),
+        ("frequency_Hz,gain_dB\nnan,2\n", "m.csv, row 1: must be a finite number"),
+    ],
+)
+def test_bad_data_are_told_and_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("m.csv").write_text(text)
+    with pytest.raises(InputError) as told:
+        circuit_job(load_circuit("yamada-2002"), "out", measured="m.csv")
+    assert str(told.value).startswith(words)
+    assert [p.name for p in tmp_path.iterdir()] == ["m.csv"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--set", "motional.capacitance=0.0"], "motional.capacitance: must be greater than 0"),
+        (["--measured", "none.csv"], "none.csv: cannot be read"),
+        (["-o", "file"], "-o: file is a file"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2_and_no_file(
+    tmp_path: Path, arguments: list[str], words: str
+) -> None:
+    (tmp_path / "file").write_text("")
+    done = run_skincad("circuit", "yamada-2002", *arguments, cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith(f"skincad: {words}"), done.stderr
+    assert done.stderr.count("\n") == 1
+    assert done.stdout == ""
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_sampling_rate_below_the_cutoff_is_a_warning() -> None:
+    def told(rate: float) -> bool:
+        found = circuit_gain(load_circuit("yamada-2002", [f"sampling.rate={rate}"]))
+        return any("is not seen" in warning for warning in found.warnings)
+
+    assert told(650.0)
+    assert not told(20_000.0)
+
+
+def test_an_unknown_circuit_is_told_with_the_known_ones(tmp_path: Path) -> None:
+    done = run_skincad("circuit", "yamada-2003", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "no such template among circuits" in done.stderr
+
+
+def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
+    run_skincad("circuit", "transimpedance", "-o", "here", cwd=tmp_path)
+    earlier = {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()}
+
+    def small_disk() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "skincad", "circuit", "yamada-2002", "-o", "here"],
+        cwd=tmp_path, preexec_fn=small_disk, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith("skincad: -o: ")
+    assert {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()} == earlier
+
+
+def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
+    program = (
+        "import sys\nsys.argv = ['skincad', 'circuit', 'transimpedance']\n"
+        "from skincad.cli import main\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\n"
+        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert not {"OCP", "cadquery", "ngsolve", "netgen"} & set(done.stderr.split())
+    assert "scipy" in done.stderr.split()

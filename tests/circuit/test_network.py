@@ -1,0 +1,102 @@
+"""The loop equations against the hand-solved node equations, the printed formula and SPICE."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad.circuit.closed_form import departure, exact_response
+from skincad.circuit.model import constants, load_circuit
+from skincad.circuit.netlist import element_lines, netlist
+from skincad.circuit.network import Constants, decibels, response
+from skincad.errors import InputError
+from tests.circuit.sets import random_sets
+from tests.circuit.spice import needs_ngspice, vectors
+
+BAND = np.geomspace(10.0, 20_000.0, 67)
+
+
+def test_loop_equations_and_node_equations_agree_on_200_random_sets() -> None:
+    # 1e-8 dB is 1e-9 relative: pivots of 1e16 times double precision, with a margin of 100
+    worst = max(np.abs(decibels(response(c, BAND) / exact_response(c, BAND))).max() for c in random_sets(200))
+    assert worst < 1e-8
+
+
+def test_the_phase_agrees_too() -> None:
+    for c in random_sets(20):
+        np.testing.assert_allclose(response(c, BAND), exact_response(c, BAND), rtol=1e-8)
+
+
+@needs_ngspice
+def test_loop_equations_and_spice_agree_to_a_millionth_of_a_decibel(tmp_path: Path) -> None:
+    sets, nodes = random_sets(200), ("pv", "film", "m1", "m2", "in", "out", "amp", "vout")
+    lines = ["Vload load 0 DC 0 AC 1"]
+    for i, c in enumerate(sets):
+        for line in element_lines(c):
+            name, *rest = line.split()
+            lines.append(" ".join([f"{name}_{i}", *(f"{w}_{i}" if w in nodes else w for w in rest)]))
+    found = vectors(tmp_path, lines, "ac dec 20 10 20000", [f"v(vout_{i})" for i in range(len(sets))])
+    frequency = found["frequency"].real
+    assert frequency[0] == 10.0
+    assert frequency[-1] > 19_000.0
+    worst = max(
+        np.abs(decibels(response(c, frequency) / found[f"v(vout_{i})"])).max() for i, c in enumerate(sets)
+    )
+    assert worst < 1e-6  # what is asked: 1e-7 relative
+
+
+@needs_ngspice
+def test_the_exported_netlist_is_a_deck_that_spice_runs(tmp_path: Path) -> None:
+    c = constants(load_circuit("yamada-2002"))
+    body = netlist(c, "x").splitlines()
+    lines = [line for line in body[1:] if line and not line.startswith(".")]
+    found = vectors(tmp_path, lines, body[-3].lstrip("."), ["v(vout)"])
+    ratio = response(c, found["frequency"].real) / found["v(vout)"]
+    assert np.abs(ratio - 1).max() < 1e-7  # sign and phase too
+
+
+def test_the_printed_closed_form_departs_and_by_how_much() -> None:
+    """(12) to (14) leave the source's terms out, and (10) takes i2 for ipv: level and shape both differ."""
+    yamada, textbook = (constants(load_circuit(name)) for name in ("yamada-2002", "transimpedance"))
+    frequency = np.array([10.0, 100.0, 1200.0, 8000.0])
+    # measured once, to 0.1 dB: a change of either form would show
+    np.testing.assert_allclose(departure(yamada, frequency), [49.5, 50.9, 45.2, 23.6], atol=0.1)
+    np.testing.assert_allclose(departure(textbook, frequency), [17.2, 4.1, 3.2, 3.2], atol=0.1)
+
+
+def test_a_large_input_resistance_loses_no_digits() -> None:
+    """The paper's i2 - i3 would keep none of them at 1e16 ohm."""
+    c = replace(constants(load_circuit("yamada-2002")), input_resistance=1e16)
+    assert np.abs(decibels(response(c, BAND) / exact_response(c, BAND))).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"capacitance": 0.0}, "capacitance: must be above 0"),
+        ({"motional_resistance": -1.0}, "motional_resistance: must be above 0"),
+        ({"gain": 0.0}, "gain: must be above 0"),
+        ({"output_resistance": float("nan")}, "output_resistance: must be a finite number"),
+        ({"d33": 0.0}, "d33: must not be 0"),
+    ],
+)
+def test_bad_constants_are_told_by_name(change: dict[str, float], words: str) -> None:
+    good = constants(load_circuit("yamada-2002"))
+    with pytest.raises(InputError, match=re.escape(words)):
+        replace(good, **change)
+
+
+@pytest.mark.parametrize("frequency", [0.0, -1.0, np.nan, np.inf])
+def test_a_bad_frequency_is_told(frequency: float) -> None:
+    with pytest.raises(InputError, match="frequency: must be above 0 Hz"):
+        response(constants(load_circuit("yamada-2002")), np.array([10.0, frequency]))
+
+
+def test_constants_say_their_units() -> None:
+    names = constants(load_circuit("yamada-2002")).as_json()
+    assert {"d33_C_per_N", "capacitance_F", "motional_inductance_H", "gain"} <= set(names)
+    assert len(names) == len(Constants.__dataclass_fields__)

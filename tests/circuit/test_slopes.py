@@ -1,0 +1,70 @@
+"""Cut-off and slopes of curves whose answer is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skincad.circuit.slopes import fit_slopes
+from skincad.errors import InputError
+
+F = np.geomspace(10.0, 20_000.0, 400)
+
+
+def lines(corner: float, below: float, above: float) -> np.ndarray:
+    return np.where(corner > F, below, above) * np.log10(F / corner) - 40.0
+
+
+@pytest.mark.parametrize(("corner", "below", "above"), [(1200.0, 20.0, 60.0), (300.0, 0.0, -20.0)])
+def test_two_lines_are_found_exactly(corner: float, below: float, above: float) -> None:
+    found = fit_slopes(F, lines(corner, below, above), 10.0, 8000.0)
+    assert found.cutoff.value == pytest.approx(corner, rel=1e-3)  # the minimiser's own tolerance
+    assert found.below.value == pytest.approx(below, abs=0.01)
+    assert found.above.value == pytest.approx(above, abs=0.01)
+    assert found.level == pytest.approx(-40.0, abs=0.05)
+    assert found.cutoff.error is not None
+    assert found.cutoff.error < 5.0
+
+
+def test_the_error_covers_the_truth_under_noise() -> None:
+    """Noise of 1 dB: 20 seeded curves, each within its claimed error (two standard errors and the ranges)."""
+    misses = 0
+    for seed in range(20):
+        noise = np.random.default_rng(seed).normal(0.0, 1.0, F.size)
+        found = fit_slopes(F, lines(1200.0, 20.0, 60.0) + noise, 10.0, 8000.0)
+        assert found.cutoff.value is not None
+        assert found.cutoff.error is not None
+        misses += abs(found.cutoff.value - 1200.0) > found.cutoff.error
+    assert misses <= 2  # 5 % of 20, and one more
+
+
+def test_a_straight_line_has_no_cutoff() -> None:
+    found = fit_slopes(F, 20 * np.log10(F), 10.0, 8000.0)
+    assert found.cutoff.value is None
+    assert found.below == found.above
+    assert found.below.value == pytest.approx(20.0, abs=1e-6)
+
+
+def test_a_first_order_roll_off_has_its_corner_within_the_error() -> None:
+    """A smooth curve: its asymptotes meet at 800 Hz, and the range moves the fitted corner."""
+    found = fit_slopes(F, -10 * np.log10(1 + (F / 800.0) ** 2), 10.0, 20_000.0)
+    assert found.cutoff.value is not None
+    assert found.cutoff.error is not None
+    assert abs(found.cutoff.value - 800.0) < found.cutoff.error
+
+
+def test_points_spread_unevenly_weigh_by_their_share_of_the_range() -> None:
+    """The same noiseless bend on a grid four times as fine above 1 kHz: the same answer."""
+    uneven = np.concatenate([F[F < 1000.0], np.geomspace(1000.0, 20_000.0, 700)])
+
+    def bend(f: np.ndarray) -> np.ndarray:
+        return 10 * np.log10((f / 1000.0) ** 2 + (f / 1000.0) ** 6)
+
+    even, other = fit_slopes(F, bend(F), 10.0, 8000.0), fit_slopes(uneven, bend(uneven), 10.0, 8000.0)
+    assert even.cutoff.value is not None
+    assert other.cutoff.value == pytest.approx(even.cutoff.value, rel=0.01)  # the grids' own sampling
+
+
+def test_too_few_points_are_told() -> None:
+    with pytest.raises(InputError, match="at least 20"):
+        fit_slopes(F[:10], F[:10], 10.0, 8000.0)
