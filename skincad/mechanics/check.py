@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from skincad.catalog import processes, silicone
 from skincad.design import Design
@@ -16,98 +15,13 @@ from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.problem import Answer, Manufacture, Request, Spread
 from skincad.mechanics.tiers import AUTO, TIERS, able, run, tier_of
 from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
+from skincad.mechanics.verdict import ContactCheck, decided, relative_error, with_model, with_shortfall
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
 LARGEST_FORCE = 1e6  # N, as contact.force
-FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
 MESH_SHARE = 0.3  # of an asked tolerance, what `auto` leaves to the mesh
 FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
-
-
-@dataclass(frozen=True)
-class ContactCheck:
-    """The verdict at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
-
-    Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
-    model's, by effect. `residual` is the largest relative violation of contact and equilibrium. `climbed`
-    holds the tiers before with their F9 and seconds, `next_tier` the next with the seconds expected.
-    """
-
-    name: str
-    passed: bool
-    force: float
-    ridges: int
-    touching: int
-    all_touch_force: Estimate
-    approach: Estimate
-    ridge_force: tuple[Estimate, ...]
-    tier: str
-    unknowns: int
-    residual: float
-    seconds: dict[str, float]
-    warnings: tuple[str, ...]
-    left_out: tuple[LeftOut, ...] = ()
-    climbed: tuple[tuple[str, Estimate, float], ...] = ()
-    next_tier: tuple[str, float] | None = None
-    manufacture: Manufacture | None = None
-    plate: str = "flat"
-    beyond: str = ""  # why the verdict is outside the model's range
-
-    @property
-    def margin(self) -> float | None:
-        """Newtons from the pessimistic end of the all-touch force to the asked one; negative where failed."""
-        upper = self.all_touch_force.upper
-        return None if upper is None else self.force - upper
-
-    @property
-    def model_error(self) -> float:
-        """The part of the all-touch force's error that is the model's, N."""
-        return math.fsum(effect.threshold for effect in self.left_out) * (self.all_touch_force.value or 0.0)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the `check` object of `--json`; the unit is the key's suffix."""
-        return {
-            "name": self.name,
-            "passed": self.passed,
-            "force_N": self.force,
-            "plate": self.plate,
-            "ridges": self.ridges,
-            "touching": self.touching,
-            "all_touch_force_N": self.all_touch_force.as_json(),
-            "margin_N": self.margin,
-            "model_error_N": self.model_error,
-            "left_out": [
-                {"effect": effect.effect, "all_touch_force": effect.threshold, "approach": effect.approach}
-                for effect in self.left_out
-            ],
-            "approach_mm": self.approach.as_json(),
-            "ridge_force_N": [f.as_json() for f in self.ridge_force],
-            "tier": self.tier,
-            "climbed": [
-                {"tier": name, "all_touch_force_N": force.as_json(), "seconds": seconds}
-                for name, force, seconds in self.climbed
-            ],
-            "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
-            "unknowns": self.unknowns,
-            "residual": self.residual,
-            **self._manufacture(),
-            "seconds": dict(self.seconds),
-            "warnings": list(self.warnings),
-            "beyond_range": self.beyond or None,
-        }
-
-    def _manufacture(self) -> dict[str, Any]:
-        made = self.manufacture
-        if made is None:
-            return {"yield": None}
-        return {
-            "yield": made.passing.value,
-            "yield_error": made.passing.error,
-            "crest_sensitivity_N_per_mm": list(made.crest_sensitivity),
-            "modulus_sensitivity_N_per_MPa": made.modulus_sensitivity,
-            "yield_largest_loss": made.largest,
-        }
 
 
 def check(
@@ -138,6 +52,8 @@ def check(
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.05")
     if budget is not None and not (budget > 0 and math.isfinite(budget)):
         raise InputError("--budget", "must be above 0 s", budget)
+    if measured is not None and design.skin.curvature_radius_y is not None:
+        raise InputError("--measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)
     notes = slope_warnings(design)
     climb = _Climb(design, asked, drops, notes, progress)
@@ -147,7 +63,7 @@ def check(
     if reason := able(tier, design, bool(drops)):
         raise InputError("--tier", reason, tier, "leave --tier out")
     found = climb.judged(tier, Request(asked, tol, budget, drops, parts=not drops))
-    return _with_shortfall(found, tol, found.model_error)
+    return with_shortfall(found, tol, found.model_error)
 
 
 class _Climb:
@@ -175,7 +91,7 @@ class _Climb:
         name = self.ladder[self._start(tol)]
         while True:
             found = self.judged(name, request)
-            enough = budget is None and _decided(found) if tol is None else _relative(found, 0.0) <= tol
+            enough = budget is None and decided(found) if tol is None else relative_error(found, 0.0) <= tol
             if found.beyond or enough or found.next_tier is None:
                 break
             if budget is not None and self._spent() + found.next_tier[1] > budget:
@@ -184,11 +100,11 @@ class _Climb:
         if budget is not None and self._spent() > budget:
             late = f"the cheapest model took {self._spent():.2g} s, more than the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, late))
-        return _with_shortfall(found, tol, 0.0)
+        return with_shortfall(found, tol, 0.0)
 
     def _start(self, tol: float | None) -> int:
         """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
-        first = self.ladder.index("linear")
+        first = self.ladder.index("linear") if "linear" in self.ladder else 0
         if tol is None or self.drops:
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
@@ -210,7 +126,7 @@ class _Climb:
         self._refuse_crushed(name, found)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
         made = None if self.drops or name == "winkler" else self._manufacture(found)
-        verdict = self._verdict(name, _with_model(found, bounds, self.force), bounds, made, started)
+        verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made, started)
         self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
         return verdict
 
@@ -307,42 +223,3 @@ def spread_of(design: Design) -> Spread:
     process, modulus = design.mold.process, silicone(design.material).young_modulus
     sigma = processes(design.printer)[process].crest_sigma
     return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))
-
-
-def _relative(found: ContactCheck, spared: float) -> float:
-    """Error of the all-touch force, less what is spared of it, against its value or FLOOR."""
-    value, error = found.all_touch_force.value, found.all_touch_force.error
-    return (error - spared) / max(value, FLOOR * found.force) if value and error else 0.0
-
-
-def _with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> ContactCheck:
-    """Say that the tolerance is not met, where no tier's own warning does."""
-    reached = _relative(found, spared)
-    if tol is None or reached <= tol or found.beyond or any("not met" in w for w in found.warnings):
-        return found
-    words = f"the all-touch force's error is {reached:.2g} of its value: the asked {tol:g} is not met"
-    return replace(found, warnings=(*found.warnings, words))
-
-
-def _decided(found: ContactCheck) -> bool:
-    """Whether the whole interval of the all-touch force lies on one side of the asked force."""
-    force = found.all_touch_force
-    if force.value is None or force.error is None:
-        return True
-    return force.value + force.error <= found.force or force.value - force.error > found.force
-
-
-def _with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:
-    """Add to each error what the model leaves out."""
-
-    def wider(estimate: Estimate, more: float) -> Estimate:
-        return replace(estimate, error=None if estimate.error is None else estimate.error + more)
-
-    threshold, approach, shares = found.all_touch_force, found.approach, found.ridge_force
-    mean = force / len(shares) if len(shares) > 1 else 0.0
-    return replace(
-        found,
-        all_touch_force=wider(threshold, (threshold.value or 0.0) * math.fsum(b.threshold for b in bounds)),
-        approach=wider(approach, (approach.value or 0.0) * math.fsum(b.approach for b in bounds)),
-        ridge_force=tuple(wider(f, mean * math.fsum(b.share for b in bounds)) for f in shares),
-    )

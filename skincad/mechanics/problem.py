@@ -128,7 +128,14 @@ class Answer:
 
 
 def pad_of(design: Design) -> Pad:
-    """Return the pad of a design, its slots filled as `film_state` says."""
+    """Return the pad of a design, its slots filled as `film_state` says.
+
+    Raises InputError for a skin that is curved along y too: a pad is straight there.
+    """
+    bent = design.skin.curvature_radius_y
+    if bent is not None:
+        rule = "is known to --tier winkler alone: sections are pressed as straight along y"
+        raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
     shape, stuff, film = section(design), silicone(design.material), design.film
     state = design.film_state
     if state == "bonded" and film is not None:

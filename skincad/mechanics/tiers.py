@@ -18,7 +18,8 @@ class Tier:
     """`where` is module and function of its `answer(design, request, progress, *answers of on)`.
 
     `price` is its time in units of the linear tier's, the tiers in `on` included (bench_check.py, on
-    yamada-2002). `shaped` says whether it knows plates that are not flat, `drops` whether measured crests.
+    yamada-2002). `shaped` says whether it knows plates that are not flat, `drops` whether measured crests,
+    `doubly` whether skins that are curved along y too.
     """
 
     where: str
@@ -27,11 +28,12 @@ class Tier:
     on: tuple[str, ...] = ()
     shaped: bool = False
     drops: bool = False
+    doubly: bool = False
 
 
 _ROOM = "skincad.mechanics."
 TIERS = {
-    "winkler": Tier(f"{_ROOM}winkler:answer", 1e-3, shaped=True),
+    "winkler": Tier(f"{_ROOM}winkler:answer", 1e-3, shaped=True, doubly=True),
     "linear": Tier(f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped=True, drops=True),
     "corrected": Tier(
         f"{_ROOM}corrected:answer", 2.6, (FINITE_STRAIN,), ("linear",), shaped=True, drops=True
@@ -61,6 +63,8 @@ def able(name: str, design: Design, drops: bool) -> str:
     tier, shape = tier_of(name), design.contact.plate.shape
     if shape != "flat" and not tier.shaped:
         return f"contact.plate.shape: must be 'flat' for --tier {name}"
+    if design.skin.curvature_radius_y is not None and not tier.doubly:
+        return f"skin.curvature_radius_y: must not be given for --tier {name}, which takes y as straight"
     if drops and not tier.drops:
         return f"--measured: is not judged by --tier {name}"
     return ""

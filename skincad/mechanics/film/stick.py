@@ -102,8 +102,8 @@ def _level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Le
     body = strip_field.body(curved, order, {"skin": (1.0, pad.poisson_ratio), "film": stiff})
     clock.append(perf_counter())
     even, odd = body.held if part.mirrored else (np.empty(0, np.int64),) * 2
-    small = _condensed(body, even)
-    loose = small if not part.mirrored else _condensed(body, odd) if pull else None
+    small = condensed(body, even)
+    loose = small if not part.mirrored else condensed(body, odd) if pull else None
     clock.append(perf_counter())
     pressed, bonded, residual = _press(part, body, small, force)
     pulled = None
@@ -115,7 +115,7 @@ def _level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Le
     return Level(pressed, pulled, bonded, body.system.unknowns, residual, stages, body)
 
 
-def _condensed(body: Body, held: Index) -> Condensed:
+def condensed(body: Body, held: Index) -> Condensed:
     """Factorise with the contact unknowns of both directions last, those in `held` left out."""
     system = body.system
     contact = np.setdiff1d(_contact(body), held)
@@ -127,7 +127,7 @@ def _contact(body: Body) -> Index:
     return np.concatenate([body.along_x, body.system.contact])
 
 
-def _rows(body: Body, small: Condensed) -> sparse.csr_matrix:
+def contact_rows(body: Body, small: Condensed) -> sparse.csr_matrix:
     """Rows `(2 m, k)`: contact points' displacements in x, then in z, of the condensed contact unknowns."""
     rows = body.system.nodes.rows
     both = sparse.csr_matrix(sparse.block_diag([rows, rows]))
@@ -147,7 +147,7 @@ def _scale(part: Part) -> tuple[float, float]:
 
 
 def _press(part: Part, body: Body, small: Condensed, force: float) -> tuple[State, Mask, float]:
-    rows = _rows(body, small)
+    rows = contact_rows(body, small)
     nodes, unit, plate = body.system.nodes, part.unit, part.whole.plate
     m = nodes.weight.size
     up = rows[m:]
@@ -168,7 +168,7 @@ def _pull(part: Part, body: Body, small: Condensed, bonded: Mask) -> tuple[State
 
     C p = M a and M^T p = (force, 0): M has the plate's translations in x and z, of a mirrored pad in x only.
     """
-    rows = _rows(body, small)
+    rows = contact_rows(body, small)
     m = bonded.size
     flexibility = rows @ np.asarray(rows @ small.flexibility).T
     held = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
@@ -223,11 +223,11 @@ def _state(part: Part, body: Body, moved: Array, load: Array, parity: int) -> St
     np.add.at(push, at, -load[m:] * scale * share)
     if part.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
         push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
-    strips = _on_whole(part, _resolved(stress, part.slots), parity)
+    strips = on_whole(part, resolved(stress, part.slots), parity)
     return State(strips, push, pull, -load[m:] * scale * share, moved)
 
 
-def _resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
+def resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
     """Stresses xx, xz, zz, yy `(strips, 4)` as across, along the strip in the section, along y."""
     xx, xz, zz, yy = stress.T
 
@@ -239,7 +239,7 @@ def _resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
     return np.column_stack([towards(across), towards(along), yy])
 
 
-def _on_whole(part: Part, values: Array, parity: int) -> Array:
+def on_whole(part: Part, values: Array, parity: int) -> Array:
     """Values of all strips: those of the half and, times the parity, their mirror images'."""
     if not part.mirrored:
         return values

@@ -110,6 +110,40 @@ def averages(body: Body, slots: Sequence[SlotPlace], thickness: float, unit: flo
     return np.asarray(total[:, 1:] / total[:, :1])
 
 
+def average_rows(
+    body: Body,
+    materials: Mapping[str, tuple[float, float]],
+    slots: Sequence[SlotPlace],
+    thickness: float,
+    unit: float,
+) -> Array:
+    """Return `(strips, 4, n)`: `averages` as linear functionals of the condensed unknowns.
+
+    Each is assembled against the test functions and carried from inside the elements to their edges, so that
+    one solve gives the stress under any load (its adjoint). The mesh must have the strips as domain `film`.
+    """
+    mesh, space = body.system.mesh, body.system.space
+    elements = list(mesh.Materials("film").Elements())
+    points = np.array([v.point for v in mesh.vertices])
+    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements])
+    strip = _nearest(centres * unit, slots, thickness)
+    inside = ng.GridFunction(ng.L2(mesh, order=0))
+    stress = _stress(mesh, materials, *space.TestFunction())
+    rows = np.empty((len(slots), 4, space.ndof))
+    for i, slot in enumerate(slots):
+        mark = np.zeros(mesh.ne)
+        mark[[e.nr for e, s in zip(elements, strip, strict=True) if s == i]] = 1.0
+        inside.vec.FV().NumPy()[:] = mark
+        share = unit**2 / (slot.depth * thickness)
+        for j in range(4):
+            form = ng.LinearForm(space)
+            form += share * inside * stress[j] * ng.dx(definedon=mesh.Materials("film"))
+            form.Assemble()
+            form.vec.data += body.form.harmonic_extension_trans * form.vec
+            rows[i, j] = form.vec.FV().NumPy()
+    return rows
+
+
 def _nearest(points: Array, slots: Sequence[SlotPlace], thickness: float) -> Index:
     """Number of the strip that each point, mm, lies in."""
     centre = np.array([s.centre for s in slots])

@@ -1,0 +1,26 @@
+"""The effects that a scene may name: one file each, one line each, imported when named."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from skincad.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from skincad.effects.kinds import Effect
+
+EFFECTS = {
+    "film": "skincad.effects.film:Film",
+    "friction": "skincad.effects.friction:Friction",
+    "small_strain": "skincad.effects.small_strain:SmallStrain",
+}
+
+
+def effect(name: str) -> type[Effect]:
+    """Import and return the effect of this name; raises InputError for an unknown one."""
+    if name not in EFFECTS:
+        raise InputError(f"effects.{name}", "unknown effect", remedy=did_you_mean(name, EFFECTS))
+    module, _, kind = EFFECTS[name].partition(":")
+    found: type[Effect] = getattr(import_module(module), kind)
+    return found

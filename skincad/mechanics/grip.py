@@ -1,0 +1,93 @@
+"""The state of a contact with friction: what a step begins with, what drives it and what it leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Status = NDArray[np.int8]
+
+OPEN, STICK, RIGHT, LEFT = 0, 1, 2, 3  # RIGHT: slips with t to +x, as the plate drags it; LEFT to -x
+MOVES = 1e-9  # of the approach; less is no slip but rounding
+
+
+@dataclass(frozen=True)
+class Cone:
+    """Coefficients of friction: `static` holds a point that sticks, `kinetic` drags one that slips."""
+
+    static: float
+    kinetic: float
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the plate does at a step's end: normal force, N, and tangential force, N, or travel, mm."""
+
+    normal: float
+    tangential: float | None = None
+    travel: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """A contact state: forces `normal`, `tangential` `(m,)` N on the skin (compression, to +x), `anchor`
+    `(m,)` mm and `status` `(m,)`, the plate's `approach` and `travel`, mm. `slipped` `(m,)` is what each
+    point slid in the step, mm; `residual` the largest relative violation; `sweeps` what the step took.
+    """
+
+    normal: Array
+    tangential: Array
+    anchor: Array
+    status: Status
+    slipped: Array
+    approach: float
+    travel: float
+    residual: float
+    sweeps: int = 0
+    gross: bool = False  # all that touches slips, the last point having just begun
+
+    @property
+    def slips(self) -> NDArray[np.bool_]:
+        """Points `(m,)` that slide on the plate."""
+        if self.gross:
+            return np.asarray(self.status >= RIGHT)
+        least = MOVES * max(abs(self.approach), 1e-12)
+        return np.asarray((self.status >= RIGHT) & (np.abs(self.slipped) > least))
+
+    @property
+    def touches(self) -> NDArray[np.bool_]:
+        """Points `(m,)` that touch the plate."""
+        return np.asarray(self.status != OPEN)
+
+
+class GrossSlip(ContactError):  # noqa: N818
+    """No equilibrium: the tangential force is more than friction holds. `last` is the state that slips."""
+
+    def __init__(self, last: Grip, words: str) -> None:
+        super().__init__(words)
+        self.last = last
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """The elastic side of a step: u = compliance @ (t, -p) + free, `(2 m,)` mm, and the gaps `(m,)`, mm.
+
+    `solved` remembers the last sets' factorisations, for the steps in which the sets stay.
+    """
+
+    compliance: Array
+    gap: Array
+    free: Array
+    solved: dict[bytes, Any] = field(default_factory=dict)
+
+
+def at_rest(points: int) -> Grip:
+    """Return the unloaded start of `points` points."""
+    zero = np.zeros(points)
+    return Grip(zero, zero, zero, np.zeros(points, dtype=np.int8), zero, 0.0, 0.0, 0.0)

@@ -1,0 +1,137 @@
+"""The verdict on a design: what `check` found, in numbers with their error, and what follows from them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from skincad.mechanics.left_out import LeftOut
+from skincad.mechanics.problem import Answer, Manufacture
+from skincad.quantities import Estimate
+
+FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
+
+
+@dataclass(frozen=True)
+class ContactCheck:
+    """The verdict at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
+
+    Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
+    model's, by effect. `residual` is the largest relative violation of contact and equilibrium. `climbed`
+    holds the tiers before with their F9 and seconds, `next_tier` the next with the seconds expected.
+    """
+
+    name: str
+    passed: bool
+    force: float
+    ridges: int
+    touching: int
+    all_touch_force: Estimate
+    approach: Estimate
+    ridge_force: tuple[Estimate, ...]
+    tier: str
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+    warnings: tuple[str, ...]
+    left_out: tuple[LeftOut, ...] = ()
+    climbed: tuple[tuple[str, Estimate, float], ...] = ()
+    next_tier: tuple[str, float] | None = None
+    manufacture: Manufacture | None = None
+    plate: str = "flat"
+    beyond: str = ""  # why the verdict is outside the model's range
+
+    @property
+    def margin(self) -> float | None:
+        """Newtons from the pessimistic end of the all-touch force to the asked one; negative where failed."""
+        upper = self.all_touch_force.upper
+        return None if upper is None else self.force - upper
+
+    @property
+    def model_error(self) -> float:
+        """The part of the all-touch force's error that is the model's, N."""
+        return math.fsum(effect.threshold for effect in self.left_out) * (self.all_touch_force.value or 0.0)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the `check` object of `--json`; the unit is the key's suffix."""
+        return {
+            "name": self.name,
+            "passed": self.passed,
+            "force_N": self.force,
+            "plate": self.plate,
+            "ridges": self.ridges,
+            "touching": self.touching,
+            "all_touch_force_N": self.all_touch_force.as_json(),
+            "margin_N": self.margin,
+            "model_error_N": self.model_error,
+            "left_out": [
+                {"effect": effect.effect, "all_touch_force": effect.threshold, "approach": effect.approach}
+                for effect in self.left_out
+            ],
+            "approach_mm": self.approach.as_json(),
+            "ridge_force_N": [f.as_json() for f in self.ridge_force],
+            "tier": self.tier,
+            "climbed": [
+                {"tier": name, "all_touch_force_N": force.as_json(), "seconds": seconds}
+                for name, force, seconds in self.climbed
+            ],
+            "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
+            "unknowns": self.unknowns,
+            "residual": self.residual,
+            **self._manufacture(),
+            "seconds": dict(self.seconds),
+            "warnings": list(self.warnings),
+            "beyond_range": self.beyond or None,
+        }
+
+    def _manufacture(self) -> dict[str, Any]:
+        made = self.manufacture
+        if made is None:
+            return {"yield": None}
+        return {
+            "yield": made.passing.value,
+            "yield_error": made.passing.error,
+            "crest_sensitivity_N_per_mm": list(made.crest_sensitivity),
+            "modulus_sensitivity_N_per_MPa": made.modulus_sensitivity,
+            "yield_largest_loss": made.largest,
+        }
+
+
+def relative_error(found: ContactCheck, spared: float) -> float:
+    """Error of the all-touch force, less what is spared of it, against its value or FLOOR."""
+    value, error = found.all_touch_force.value, found.all_touch_force.error
+    return (error - spared) / max(value, FLOOR * found.force) if value and error else 0.0
+
+
+def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> ContactCheck:
+    """Say that the tolerance is not met, where no tier's own warning does."""
+    reached = relative_error(found, spared)
+    if tol is None or reached <= tol or found.beyond or any("not met" in w for w in found.warnings):
+        return found
+    words = f"the all-touch force's error is {reached:.2g} of its value: the asked {tol:g} is not met"
+    return replace(found, warnings=(*found.warnings, words))
+
+
+def decided(found: ContactCheck) -> bool:
+    """Whether the whole interval of the all-touch force lies on one side of the asked force."""
+    force = found.all_touch_force
+    if force.value is None or force.error is None:
+        return True
+    return force.value + force.error <= found.force or force.value - force.error > found.force
+
+
+def with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:
+    """Add to each error what the model leaves out."""
+
+    def wider(estimate: Estimate, more: float) -> Estimate:
+        return replace(estimate, error=None if estimate.error is None else estimate.error + more)
+
+    threshold, approach, shares = found.all_touch_force, found.approach, found.ridge_force
+    mean = force / len(shares) if len(shares) > 1 else 0.0
+    return replace(
+        found,
+        all_touch_force=wider(threshold, (threshold.value or 0.0) * math.fsum(b.threshold for b in bounds)),
+        approach=wider(approach, (approach.value or 0.0) * math.fsum(b.approach for b in bounds)),
+        ridge_force=tuple(wider(f, mean * math.fsum(b.share for b in bounds)) for f in shares),
+    )

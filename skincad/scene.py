@@ -1,0 +1,194 @@
+"""What a scene file says: a skin, what the plate does, and the effects that count.
+
+An effect that is not named is not imported. Its table is parsed by the effect itself.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from skincad.catalog import load, overridden, read_table
+from skincad.design import Design
+from skincad.effects import effect
+from skincad.effects.kinds import Effect, Law
+from skincad.errors import InputError
+from skincad.mechanics.grip import Drive
+from skincad.tables import Table, parse, quantity
+
+Array = NDArray[np.float64]
+LAW = "small_strain"  # of a scene that names none
+
+
+class History(Table):
+    """What the plate does: points in time, straight lines between them."""
+
+    time_s: list[float] = Field(
+        description="of each point, from 0", min_length=2, max_length=10_000, json_schema_extra={"unit": "s"}
+    )
+    normal_force_N: list[float] = Field(  # noqa: N815
+        description="presses, at each point", json_schema_extra={"unit": "N"}
+    )
+    tangential_force_N: list[float] | None = Field(  # noqa: N815
+        default=None, description="of the plate on the skin, to +x", json_schema_extra={"unit": "N"}
+    )
+    displacement_mm: list[float] | None = Field(
+        default=None, description="of a driven plate, to +x, instead", json_schema_extra={"unit": "mm"}
+    )
+    steps: int = Field(description="equal steps of the march", ge=1, le=1_000_000)
+
+    @model_validator(mode="after")
+    def _rules(self) -> Self:
+        lists = {
+            "normal_force_N": self.normal_force_N,
+            "tangential_force_N": self.tangential_force_N,
+            "displacement_mm": self.displacement_mm,
+        }
+        for key, values in lists.items():
+            if values is not None and len(values) != len(self.time_s):
+                raise InputError(key, f"needs {len(self.time_s)} values, as time_s has", len(values))
+        if self.time_s[0] != 0.0:
+            raise InputError("time_s", "must begin at 0", self.time_s[0])
+        for a, b in zip(self.time_s, self.time_s[1:], strict=False):
+            if not b > a:
+                raise InputError("time_s", f"must not go back or stand still after {a:g} s", b)
+        if min(self.normal_force_N) < 0:
+            rule = "must not pull: the plate presses or is clear"
+            raise InputError("normal_force_N", rule, min(self.normal_force_N), "take 0 or more")
+        if self.normal_force_N[0] != 0.0:
+            raise InputError("normal_force_N", "must begin unloaded, at 0", self.normal_force_N[0])
+        given = [self.tangential_force_N, self.displacement_mm]
+        if given.count(None) != 1:
+            rule = "needs either tangential_force_N or displacement_mm"
+            raise InputError("", rule, remedy="give the one that the plate is driven by")
+        across = self.tangential_force_N or self.displacement_mm or [0.0]
+        if across[0] != 0.0:
+            key = "tangential_force_N" if self.tangential_force_N else "displacement_mm"
+            raise InputError(key, "must begin at 0", across[0])
+        return self
+
+    @cached_property
+    def times(self) -> Array:
+        """Times `(steps + 1,)`, s."""
+        return np.linspace(0.0, self.time_s[-1], self.steps + 1)
+
+    def drives(self) -> list[Drive]:
+        """Return what the plate does at each of `times`."""
+        at, points = self.times, self.time_s
+        normal = np.interp(at, points, self.normal_force_N).tolist()
+        if self.tangential_force_N is not None:
+            pulls = np.interp(at, points, self.tangential_force_N).tolist()
+            return [Drive(n, tangential=t) for n, t in zip(normal, pulls, strict=True)]
+        moves = np.interp(at, points, self.displacement_mm or []).tolist()
+        return [Drive(n, travel=s) for n, s in zip(normal, moves, strict=True)]
+
+
+class ScenePlate(Table):
+    """The rigid plate."""
+
+    shape: Literal["flat"] = Field(default="flat", description="flat; it keeps its angle")
+
+
+class Readout(Table):
+    """What is told."""
+
+    ridges: list[int] = Field(default=[], description="whose films' stresses are told", max_length=999)
+    bandwidth_Hz: float = quantity(  # noqa: N815
+        "Hz", "of the signals, where they are down by 3 dB", gt=0.0, le=1e9, default=5000.0
+    )
+
+
+class Scene(Table):
+    """A scene: forces N, lengths mm, times s. `load_scene` checks effects and skin together."""
+
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
+            description="letters, digits, - and _, up to 64; it names the out folder",
+        ),
+    ]
+    skin: str = Field(description="a design's template, or a TOML file beside the scene", max_length=4096)
+    history: History
+    plate: ScenePlate = ScenePlate()
+    effects: dict[str, dict[str, Any]] = Field(default={}, description="tables of effects by name")
+    readout: Readout = Readout()
+
+    @cached_property
+    def parts(self) -> dict[str, Effect]:
+        """The named effects, each parsed by its own model; raises InputError for what it does not know."""
+        return {name: _parsed(name, table) for name, table in self.effects.items()}
+
+    @cached_property
+    def law(self) -> Law:
+        """The one law."""
+        laws = {name: part for name, part in self.parts.items() if isinstance(part, Law)}
+        if len(laws) > 1:
+            raise InputError("effects", "must name one law at most", " and ".join(laws), "leave one out")
+        found = next(iter(laws.values()), None) or _parsed(LAW, {})
+        assert isinstance(found, Law)
+        return found
+
+    @cached_property
+    def design(self) -> Design:
+        """The skin's design."""
+        try:
+            return load(self.skin)
+        except InputError as failure:
+            if failure.key == self.skin[:80]:
+                raise InputError("skin", failure.rule, self.skin, failure.remedy) from None
+            raise InputError(f"skin.{failure.key}", failure.rule, failure.value, failure.remedy) from None
+
+
+def load_scene(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Scene:
+    """Return the scene of a template's name or of a TOML file, `--set` texts applied, checked as a whole.
+
+    A skin's path counts from the scene's file. Raises InputError with key, rule, value and remedy.
+    """
+    data = overridden(read_table(source, "scenes"), overrides)
+    skin = data.get("skin")
+    beside = Path(source).parent / skin if isinstance(skin, str) and skin.endswith(".toml") else None
+    if beside is not None and Path(source).suffix == ".toml":
+        data["skin"] = str(beside)
+    scene = parse(Scene, data)
+    _check(scene)
+    return scene
+
+
+def _parsed(name: str, table: dict[str, Any]) -> Effect:
+    kind = effect(name)
+    try:
+        return parse(kind, table)
+    except InputError as failure:
+        key = failure.key.removeprefix("design")
+        raise InputError(
+            f"effects.{name}" + (f".{key}" if key else ""),
+            failure.rule,
+            failure.value,
+            failure.remedy,
+        ) from None
+
+
+def _check(scene: Scene) -> None:
+    """Raise InputError for what scene and skin together do not allow."""
+    design = scene.design
+    _ = scene.law
+    for name, part in scene.parts.items():
+        try:
+            part.check(design)
+        except InputError as failure:
+            key = f"effects.{name}" + (f".{failure.key}" if failure.key else "")
+            raise InputError(key, failure.rule, failure.value, failure.remedy) from None
+    if scene.readout.ridges and design.slot is None:
+        rule = f"asks for films' stresses, and {design.name} has no slots"
+        raise InputError("readout.ridges", rule, scene.readout.ridges, "take a skin with slots")
+    for ridge in scene.readout.ridges:
+        if not 1 <= ridge <= design.ridge.count:
+            raise InputError("readout.ridges", f"must be from 1 to {design.ridge.count}", ridge)
+    if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
+        raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)

@@ -1,0 +1,271 @@
+"""Simulating a scene: meshes, march, signals, and what is told of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.effects.kinds import Body, Readout, Term
+from skincad.errors import InputError
+from skincad.march import INTERRUPTED, March, march
+from skincad.omitted import MATTERS, Omitted, omitted
+from skincad.scene import Scene
+from skincad.signals import (
+    Limited,
+    band_limited,
+    delay,
+    gross_slip_step,
+    intervals,
+    lasting_slip_step,
+    slip_by_ridge,
+)
+
+if TYPE_CHECKING:
+    from skincad.mechanics.film.stick import Part
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (FACTS.md)
+
+
+@dataclass(frozen=True)
+class Level:
+    """A mesh and an order; `price` in units of the first (measured on yamada-2002-slip)."""
+
+    fineness: float
+    order: int
+    price: float
+
+
+LEVELS = (Level(0.5, 2, 1.0), Level(0.5, 3, 2.0), Level(0.5, 4, 4.0), Level(1.0, 4, 14.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A scene's result. `raw` and `signals` are by told ridge: the differential stress S1 - S2, MPa, as it is
+    and band-limited; `error` MPa its change from the mesh before, None with one mesh; `slipping`
+    `(steps + 1, ridges)`.
+    """
+
+    scene: Scene
+    march: March
+    raw: dict[int, Array]
+    signals: dict[int, Limited]
+    error: dict[int, float] | None
+    slipping: Mask
+    runs: list[list[list[int]]]
+    slip_steps: list[int | None]
+    gross_slip_step: int | None
+    left_out: list[Omitted]
+    read: dict[str, Any]
+    seconds: dict[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def delay(self) -> float:
+        """By how many s the signals lag behind what is felt; steps named by signals have it taken out."""
+        return delay(self.scene.readout.bandwidth_Hz)
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """Work of the plate, what is stored and dissipated, mJ, and what is missing, relative to the work."""
+        normal, tangential = self.march.column("normal"), self.march.column("tangential")
+        down, along = np.diff(self.march.column("approach")), np.diff(self.march.column("travel"))
+        pushed = (normal[1:] + normal[:-1]) / 2 @ down + (tangential[1:] + tangential[:-1]) / 2 @ along
+        stored = float(self.march.readings[-1].elastic)
+        lost = float(self.march.column("dissipated").sum())
+        missing = abs(pushed - stored - lost) / max(abs(float(pushed)), stored, 1e-300)
+        return {
+            "work_mJ": float(pushed),
+            "elastic_mJ": stored,
+            "dissipated_mJ": lost,
+            "imbalance": float(missing),
+        }
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result under the contract's keys."""
+
+        def told(of: Callable[[Limited], Array]) -> dict[str, list[float]]:
+            return {str(r): of(signal).tolist() for r, signal in self.signals.items()}
+
+        found = self.march
+        return {
+            "name": self.scene.name,
+            "effects": list(self.scene.effects),
+            "left_out": [entry.as_json() for entry in self.left_out],
+            "steps": len(found.readings) - 1,
+            "stopped": found.stopped,
+            "time_s": found.time.tolist(),
+            "normal_force_N": found.column("normal").tolist(),
+            "tangential_force_N": found.column("tangential").tolist(),
+            "ridge_slip_intervals": self.runs,
+            "ridge_slip_step": self.slip_steps,
+            "gross_slip_step": self.gross_slip_step,
+            "differential_stress_MPa": told(lambda s: s.value),
+            "stress_rate_MPa_per_s": told(lambda s: s.rate),
+            "stress_jerk_MPa_per_s2": told(lambda s: s.jerk),
+            "differential_stress_error_MPa": (
+                None if self.error is None else {str(r): e for r, e in self.error.items()}
+            ),
+            "bandwidth_Hz": self.scene.readout.bandwidth_Hz,
+            "signal_delay_s": self.delay,
+            **self.read,
+            "residual_max": float(found.column("residual").max()),
+            "energy": self.energy,
+            "unknowns": found.unknowns,
+            "seconds": self.seconds,
+            "warnings": list(self.warnings),
+        }
+
+
+def simulate(
+    scene: Scene,
+    *,
+    tol: float | None = None,
+    budget: float | None = None,
+    tick: Callable[[str, int], None] | None = None,
+) -> Simulation:
+    """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
+
+    The error is the change from the mesh before; `budget` s ends the climb before a mesh that would overrun
+    it. `tick` is told stage and step. A march that stops early is a result: its `march.stopped` says why.
+    """
+    if tol is not None and not 0 < tol < 1:
+        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
+    if budget is not None and not budget > 0:
+        raise InputError("--budget", "must be above 0 s", budget)
+    wanted, began = tol or DEFAULT_TOLERANCE, perf_counter()
+    part, films = _part(scene), bool(scene.readout.ridges)
+    seconds: dict[str, float] = {}
+    before: March | None = None
+    error: dict[int, float] | None = None
+    reached, met = np.inf, False
+    for i, level in enumerate(LEVELS):
+        found = _march(scene, part, level, films, seconds, tick)
+        if found.interrupted and before is not None:
+            found = replace(before, stopped=INTERRUPTED)  # the whole march before says more than a part
+            break
+        if before is not None:
+            error, reached = _errors(part, scene, before, found)
+            met = reached <= wanted
+        spent, done = perf_counter() - began, sum(each.price for each in LEVELS[: i + 1])
+        following = LEVELS[i + 1].price if i + 1 < len(LEVELS) else np.inf
+        too_long = budget is not None and spent * (1 + following / done) > budget
+        before = found
+        if met or too_long or found.failed or found.interrupted:
+            break
+        if not films and i >= 1:
+            break
+    seconds = {"total": perf_counter() - began, **seconds}
+    short = (
+        [f"the differential stress is within {reached:.1e} of its largest: {wanted:.1e} is not met"]
+        if films and not met
+        else []
+    )
+    return _told(scene, part, found, error, seconds, short)
+
+
+def _part(scene: Scene) -> Part:
+    """What is to be meshed: slots full of silicone, each body of the scene changing that."""
+    from skincad.mechanics.film.stick import part_of
+    from skincad.mechanics.film.stress import filled_pad
+    from skincad.mechanics.problem import check_pad, pad_of
+
+    design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
+    plain = design.with_(contact={"film": "ignored"}) if design.slot else design.with_(contact={"film": None})
+    pad, thickness = filled_pad(plain) if design.slot else (pad_of(plain), 0.0)
+    for body in scene.parts.values():
+        if isinstance(body, Body):
+            pad = body.changed(pad, design)
+    check_pad(pad)
+    return part_of(pad, thickness)
+
+
+def _march(
+    scene: Scene,
+    part: Part,
+    level: Level,
+    films: bool,
+    seconds: dict[str, float],
+    tick: Callable[[str, int], None] | None,
+) -> March:
+    from skincad.mechanics.film.rungs import RUNGS
+    from skincad.mechanics.mesh import default_sizes, triangles
+
+    stage = f"fineness {level.fineness:g}, order {level.order}"
+    if tick:
+        tick(stage, 0)
+    marks = [perf_counter()]
+    sizes = RUNGS[0].sizes(part) if part.pad.strips else default_sizes(part.pad, level.fineness)
+    if part.pad.strips and level.fineness > RUNGS[0].fineness:
+        sizes = RUNGS[1].sizes(part)
+    mesh = triangles(part.pad, sizes)
+    marks.append(perf_counter())
+    model = scene.law.model(part, mesh, level.order, films)
+    marks.append(perf_counter())
+    terms = [effect for effect in scene.parts.values() if isinstance(effect, Term)]
+    history = scene.history
+    found = march(model, history.times, history.drives(), terms, (lambda i: tick(stage, i)) if tick else None)
+    for name, spent in zip(("mesh", "condense", "march"), [*np.diff(marks), found.seconds], strict=True):
+        seconds[name] = seconds.get(name, 0.0) + float(spent)
+    return found
+
+
+def _differential(part: Part, scene: Scene, found: March) -> dict[int, Array]:
+    """S1 - S2 across the films `(steps + 1,)` MPa by told ridge."""
+    place = {(s.ridge, s.side): i for i, s in enumerate(part.whole.section.slots)}
+    films = found.column("films")
+    return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
+
+
+def _errors(part: Part, scene: Scene, before: March, found: March) -> tuple[dict[int, float], float]:
+    """Largest change of each told ridge's difference from the mesh before, MPa; the largest relative one."""
+    one, other = (_differential(part, scene, each) for each in (before, found))
+    steps = min(before.time.size, found.time.size)
+    error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
+    largest = max((float(np.abs(v).max()) for v in other.values()), default=0.0)
+    return error, max(error.values(), default=0.0) / largest if largest else 0.0
+
+
+def _told(
+    scene: Scene,
+    part: Part,
+    found: March,
+    error: dict[int, float] | None,
+    seconds: dict[str, float],
+    notes: list[str],
+) -> Simulation:
+    raw = _differential(part, scene, found)
+    width = scene.readout.bandwidth_Hz
+    touches = np.array([reading.touches for reading in found.readings])
+    slips = np.array([reading.slips for reading in found.readings])
+    slipping = slip_by_ridge(touches, slips, found.ridge, scene.design.ridge.count)
+    runs = [intervals(column) for column in slipping.T]
+    gross, last = gross_slip_step(touches, slips), len(found.readings) - 1
+    left_out = omitted(scene, found)
+    if raw and "film" not in scene.effects:
+        notes = [*notes, "film is not named: this is the silicone's stress in the films' place"]
+    read: dict[str, Any] = {}
+    for effect in scene.parts.values():
+        if isinstance(effect, Readout):
+            read |= effect.read(found.time, found.readings)
+    return Simulation(
+        scene,
+        found,
+        raw,
+        {r: band_limited(found.time, values, width) for r, values in raw.items()},
+        error,
+        slipping,
+        runs,
+        [lasting_slip_step(each, gross, last) for each in runs],
+        gross,
+        left_out,
+        read,
+        seconds,
+        (*notes, *(entry.warning for entry in left_out if entry.change > MATTERS)),
+    )

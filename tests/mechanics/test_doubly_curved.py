@@ -1,0 +1,153 @@
+"""A skin curved along y too, in the winkler tier: against a solid under the same gaps, and its limits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import integrate
+
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.mechanics import solid_level as level
+from skincad.mechanics.check import check
+from skincad.mechanics.contact import press
+from skincad.mechanics.problem import pad_of
+from skincad.mechanics.threshold import all_touch_force
+from skincad.mechanics.tiers import AUTO
+from skincad.mechanics.under_plate import seen_by_plate
+from skincad.mechanics.winkler import crest_gaps, line_forces, ridge_stiffness
+from tests.mechanics.designs import reference, yamada
+
+VARIANTS = {
+    "reference": {},
+    "thick": {"skin": {"thickness": 8.0}},
+    "thin": {"skin": {"thickness": 2.0}},
+    "five": {"ridge": {"count": 5}},
+    "long": {"skin": {"length": 24.0}},
+}
+
+
+def bent(design: Design, radius: float) -> Design:
+    return design.with_(skin={"curvature_radius_y": radius})
+
+
+def solid_under_bent_gaps(design: Design, radius: float, force: float) -> tuple[float, float, np.ndarray]:
+    """F9, approach and shares of the straight pad in three dimensions, its gaps those of the curved skin: to
+    first order in thickness over radius that is the curved skin itself."""
+    pad = pad_of(design)
+    meshed = level.meshed_part(pad, level.coarse_sizes(pad, 1.0))
+    small, scale = level.condensed_pad(meshed, level.forms_of(meshed, 3), level.Layers(0.4, 1.8, 4), {})
+    straight = seen_by_plate(pad, small.seen, small.flexibility, meshed.unit)
+    rows = small.seen.nodes.rows
+    linear = np.linalg.lstsq(rows.toarray(), small.along, rcond=None)[0]  # the movement that is y itself
+    assert np.allclose(rows @ linear, small.along, atol=1e-8)
+
+    def fall(y: np.ndarray) -> np.ndarray:
+        return y**2 / (2 * radius / meshed.unit)
+
+    ridges = replace(
+        straight,
+        gap=straight.gap + fall(small.along),
+        fine_gap=straight.fine_gap + fall(small.seen.fine.rows @ linear),
+    )
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    threshold = all_touch_force(ridges, force / scale)
+    assert threshold is not None
+    of = small.seen.nodes.ridge
+    half = np.array([state.force[of == r].sum() for r in np.unique(of)]) * scale
+    count = design.ridge.count
+    shares = np.zeros(count)
+    shares[-half.size :] = half / 2  # the mesh is the half at +x
+    return threshold * scale, state.approach * meshed.unit, shares + shares[::-1]
+
+
+@pytest.mark.parametrize("radius", [20.0, 60.0, 1e3])
+@pytest.mark.parametrize("name", VARIANTS)
+def test_solid_lies_inside_the_model_error(name: str, radius: float) -> None:
+    design = reference().with_(**VARIANTS[name])
+    spring = check(bent(design, radius), tier="winkler")
+    threshold, approach, shares = solid_under_bent_gaps(design, radius, 4.0)
+    for one, other in (
+        (spring.all_touch_force, threshold),
+        (spring.approach, approach),
+        *zip(spring.ridge_force, shares, strict=True),
+    ):
+        assert abs((one.value or 0.0) - other) <= (one.error or 0.0)
+
+
+@pytest.mark.parametrize("approach", [1e-4, 0.05, 0.4])
+def test_force_is_the_springs_integral_along_the_ridge(approach: float) -> None:
+    design = bent(yamada(), 20.0)
+    per_angle = ridge_stiffness(design) * 20.0 / 12.0
+    total = 0.0
+    for lean, depth in zip(range(1, 10), approach - crest_gaps(design), strict=True):
+        arm = 20.0 + 0.5 - 60.5 * (1 - np.cos(design.lean(lean)))  # of the crest about the axis
+
+        def spring(angle: float, depth: float = depth, arm: float = arm) -> float:
+            return per_angle * max(depth - arm * (1 - np.cos(angle)), 0.0)
+
+        edge = np.arccos(1 - depth / arm) if depth > 0 else 0.0
+        points = [edge] if 0 < edge < 0.3 else None
+        total += 2 * integrate.quad(spring, 0.0, 0.3, points=points, epsabs=0.0)[0]
+    found = line_forces(design, approach).sum()
+    assert found == pytest.approx(total, rel=1e-9)  # the cosines' digits at the smallest approach
+
+
+@pytest.mark.parametrize("force", [1e-9, 0.3, 4.0])
+def test_shares_balance_at_any_force(force: float) -> None:
+    found = check(bent(yamada(), 30.0), force=force)
+    assert found.residual < 1e-9
+    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(force, rel=1e-9)
+
+
+def test_a_nearly_straight_skin_is_the_straight_one() -> None:
+    straight, found = check(yamada(), tier="winkler"), check(bent(yamada(), 1e8), tier="winkler")
+    # 0.4 um of fall at the ends of 12 mm, against gaps of 0.13 mm
+    assert found.all_touch_force.value == pytest.approx(straight.all_touch_force.value, rel=1e-5)
+    assert found.approach.value == pytest.approx(straight.approach.value, rel=1e-5)
+
+
+def test_the_rounder_the_fewer_newtons() -> None:
+    forces = [check(bent(yamada(), r)).all_touch_force.value for r in (1e3, 100.0, 30.0, 10.0)]
+    assert forces == sorted(forces, reverse=True)
+
+
+def test_auto_stays_with_the_only_tier_that_knows_it() -> None:
+    found = check(bent(yamada(), 30.0), tol=0.1)
+    assert found.tier == "winkler"
+    assert found.next_tier is None
+    assert found.manufacture is None
+    assert any("the asked 0.1 is not met" in w for w in found.warnings)
+    assert any("slopes along y up to" in w for w in found.warnings)
+
+
+@pytest.mark.parametrize("tier", [name for name in AUTO if name != "winkler"] + ["solid", "finite-strain"])
+def test_every_other_tier_is_refused(tier: str) -> None:
+    with pytest.raises(InputError, match=r"skin.curvature_radius_y"):
+        check(bent(yamada(), 30.0), tier=tier)
+
+
+def test_a_straight_pad_is_not_taken_for_it() -> None:
+    with pytest.raises(InputError, match="leave it out"):
+        pad_of(bent(yamada(), 30.0))
+
+
+def test_measured_crests_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--measured"):
+        check(bent(yamada(), 30.0), measured=tmp_path / "crests.csv")
+
+
+def test_a_crushed_middle_is_no_pass() -> None:
+    thin = {"curvature_radius": 12.0, "thickness": 2.5}
+    found = check(bent(yamada().with_(skin=thin, ridge={"height": 0.4}), 40.0), force=50.0)
+    assert "middle is strained by" in found.beyond
+    assert not found.passed
+
+
+def test_a_contact_that_slopes_too_much_is_no_pass() -> None:
+    found = check(bent(yamada().with_(skin={"curvature_radius": 12.0}, slot=None), 8.0), force=50.0)
+    assert "slopes by" in found.beyond
+    assert not found.passed

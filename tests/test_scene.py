@@ -1,0 +1,91 @@
+"""Scenes that are read, and bad ones: each one line, with key, rule, value and remedy."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from skincad.catalog import template_names
+from skincad.errors import InputError
+from skincad.scene import load_scene
+from tests.conftest import run_skincad
+
+SLIP = "yamada-2002-slip"
+
+
+@pytest.mark.parametrize("name", template_names("scenes"))
+def test_templates_load_and_are_named_as_their_file(name: str) -> None:
+    scene = load_scene(name)
+    assert scene.name == name
+    drives = scene.history.drives()
+    assert len(drives) == scene.history.steps + 1
+    assert drives[0].normal == 0.0
+
+
+def test_the_slip_scene_is_the_papers() -> None:
+    """550 steps of 1e-5 s; Ft/Fn near 1 in steps 200 to 300, well below from 300, 1 at 550."""
+    history = load_scene(SLIP).history
+    assert history.steps == 550
+    assert history.times[1] == pytest.approx(1e-5)
+    drives = history.drives()
+    ratio = [d.tangential / d.normal if d.normal else 0.0 for d in drives]
+    assert min(ratio[200:301]) > max(ratio[330:451])
+    assert ratio[550] == pytest.approx(1.0)
+    assert all(b > a for a, b in pairwise(ratio[450:]))
+    assert not any(ratio[:101])
+
+
+BAD = {
+    "effects.fricton={coefficient=1.0}": "effects.fricton: unknown effect; did you mean 'friction'?",
+    "effects.friction.muu=0.3": "effects.friction.muu: unknown key; known: coefficient, kinetic",
+    "effects.friction.coeficient=1.0": "friction.coeficient: unknown key; did you mean 'coefficient'?",
+    "effects.friction.coefficient=-0.3": "effects.friction.coefficient: must be greater than or equal to 0",
+    "effects.friction.kinetic=1.5": "effects.friction.kinetic: must be at most coefficient, got 1.5",
+    "skin=plain-ridges": "effects.film: needs a skin with a [film]",
+    "skin=yamada-2003": "skin: no such template among designs, and no TOML file, got 'yamada-2003'",
+    "histroy.steps=3": "histroy",
+    "history.steps=0": "history.steps: must be greater than or equal to 1",
+    "history.time_s=[0.0, 0.001, 0.002, 0.0015, 0.0033, 0.0045, 0.0055]": "history.time_s: must not go back",
+    "history.time_s=[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]": "history.time_s: must begin at 0",
+    "history.normal_force_N=[0.0, 4.0, 4.0, 4.0, 4.0, -1.0, 4.0]": "history.normal_force_N: must not pull",
+    "history.normal_force_N=[0.0, 4.0]": "history.normal_force_N: needs 7 values, as time_s has, got 2",
+    "history.normal_force_N=[1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0]": "normal_force_N: must begin unloaded",
+    "history.tangential_force_N=none": "history: needs either tangential_force_N or displacement_mm",
+    "plate.shape=cylinder": "plate.shape: must be 'flat'",
+    "readout.ridges=[10]": "readout.ridges: must be from 1 to 9, got 10",
+    "readout.ridges=[3, 3]": "readout.ridges: names a ridge twice",
+    "readout.bandwidth_Hz=0.0": "readout.bandwidth_Hz: must be greater than 0 (Hz), got 0",
+}
+
+
+@pytest.mark.parametrize("override", BAD)
+def test_bad_scenes_are_one_line(override: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        load_scene(SLIP, [override])
+    assert BAD[override] in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_films_signals_need_slots() -> None:
+    with pytest.raises(
+        InputError, match=r"readout.ridges: asks for films' stresses, and plain-ridges has no"
+    ):
+        load_scene(SLIP, ["skin=plain-ridges", "effects.film=none"])
+
+
+def test_a_skins_path_counts_from_the_scene(tmp_path: Path) -> None:
+    from skincad.catalog import template_text
+
+    (tmp_path / "mine.toml").write_text(template_text("yamada-2002"))
+    scene = template_text(SLIP, "scenes").replace('skin = "yamada-2002"', 'skin = "mine.toml"')
+    (tmp_path / "scene.toml").write_text(scene)
+    assert load_scene(tmp_path / "scene.toml").design.name == "yamada-2002"
+
+
+def test_a_bad_scene_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
+    done = run_skincad("simulate", SLIP, "--set", "effects.fricton.coefficient=1.0", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == "skincad: effects.fricton: unknown effect; did you mean 'friction'?\n"
+    assert list(tmp_path.iterdir()) == []

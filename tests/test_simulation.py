@@ -1,0 +1,253 @@
+"""Scenes as they are simulated: the paper's Figs 8, 11, 12 and 13, cost of naming, files and JSON."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad import simulation
+from skincad.scene import load_scene
+from skincad.simulation import LEVELS, Level, Simulation, simulate
+from tests.conftest import run_skincad
+
+KEYS = {
+    "name",
+    "effects",
+    "left_out",
+    "steps",
+    "stopped",
+    "time_s",
+    "normal_force_N",
+    "tangential_force_N",
+    "ridge_slip_intervals",
+    "ridge_slip_step",
+    "gross_slip_step",
+    "differential_stress_MPa",
+    "stress_rate_MPa_per_s",
+    "stress_jerk_MPa_per_s2",
+    "bandwidth_Hz",
+    "residual_max",
+    "energy",
+    "unknowns",
+    "seconds",
+    "warnings",
+}
+SLIP = "yamada-2002-slip"
+
+
+def on(level: Level, scene: str, *overrides: str) -> Simulation:
+    """A scene on one mesh alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulation, "LEVELS", (level,))
+        return simulate(load_scene(scene, overrides))
+
+
+@cache
+def slipped(level: int = 1, *overrides: str) -> Simulation:
+    return on(LEVELS[level], SLIP, *overrides)
+
+
+def test_json_has_the_contracts_keys_and_lengths() -> None:
+    found = slipped(0)
+    told = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    assert told.keys() >= KEYS
+    assert told["effects"] == ["friction", "film"]
+    count = told["steps"] + 1
+    for key in ("time_s", "normal_force_N", "tangential_force_N"):
+        assert len(told[key]) == count
+    for key in ("differential_stress_MPa", "stress_rate_MPa_per_s", "stress_jerk_MPa_per_s2"):
+        assert set(told[key]) == {"3"}
+        assert len(told[key]["3"]) == count
+    assert len(told["ridge_slip_step"]) == len(told["ridge_slip_intervals"]) == 9
+    assert {"effect", "indicator", "estimated_change"} <= set(told["left_out"][0])
+    assert {entry["effect"] for entry in told["left_out"]} == {"inertia", "finite_strain"}
+
+
+def test_it_ends_in_gross_slip_at_the_last_step_and_every_step_holds() -> None:
+    found = slipped(0)
+    assert found.march.stopped == "gross slip"
+    assert found.gross_slip_step == 550
+    assert found.march.column("residual").max() <= 1e-10
+    assert found.march.column("tangential")[-1] == pytest.approx(4.0, rel=1e-10)
+
+
+def test_energy_balance() -> None:
+    """1e-3 of the work done is the issue's; what is missing is done within steps by closing points."""
+    found = slipped(0)
+    assert found.energy["imbalance"] < 1e-3
+    assert found.march.column("dissipated").min() >= -1e-12
+    assert found.energy["dissipated_mJ"] > 0.1 * found.energy["work_mJ"]
+
+
+def check_the_story(found: Simulation) -> None:
+    """Slip runs inward from both sides; ridge 3's rate falls at its slip and its jerk peaks there."""
+    first = found.slip_steps
+    left = [first[i] for i in (2, 3, 4)]
+    right = [first[i] for i in (7, 6, 5)]
+    assert None not in left + right
+    assert left == sorted(left)
+    assert right == sorted(right)
+    assert max(first[0], first[1]) < first[2]
+    step, gross = first[2], found.gross_slip_step
+    assert step is not None
+    assert gross is not None
+    dt = float(found.march.time[1])
+    late = round(found.delay / dt)
+    signal = found.signals[3]
+    # the rate is up since pulling began again, and falls over the low-pass's own time after the slip
+    before, after = signal.rate[step - late], signal.rate[min(step + 4 * late, gross)]
+    assert before > 0
+    assert after < 0.2 * before
+    pulled = round(0.0046 / dt)  # after the kink of the load at 0.0045 s has passed
+    peak = pulled + int(np.argmax(-signal.jerk[pulled:])) - late
+    # 3 steps of 1e-5 s are the issue's
+    assert abs(peak - step) * dt <= 3.5e-5
+
+
+def test_figs_12_and_13() -> None:
+    check_the_story(slipped(1))
+
+
+@pytest.mark.slow
+def test_figs_12_and_13_at_other_meshes_and_steps() -> None:
+    here = slipped(1)
+    for found in (slipped(2), slipped(1, "history.steps=1100"), slipped(1, "history.steps=275")):
+        check_the_story(found)
+        one, other = (float(each.march.time[each.slip_steps[2]]) for each in (here, found))
+        assert other == pytest.approx(one, rel=0.01)  # the issue's
+
+
+def test_fig_8a_on_a_mirrored_mesh() -> None:
+    """1e-9 of S1 is the issue's; the halves share one solution."""
+    found = on(LEVELS[0], "yamada-2002-press", "history.steps=20")
+    largest = np.abs(found.march.column("films")).max()
+    last = np.array([found.raw[r][-1] for r in range(1, 10)])
+    assert abs(last[4]) <= 1e-9 * largest
+    assert np.abs(last + last[::-1]).max() <= 1e-9 * largest
+    assert np.abs(last).max() > 1e-3 * largest
+
+
+def test_fig_8b_a_pull_makes_a_difference_everywhere() -> None:
+    found = on(LEVELS[0], "yamada-2002-press-and-pull", "history.steps=40")
+    change = np.array([found.raw[r][-1] - found.raw[r][20] for r in range(1, 10)])
+    assert found.march.stopped is None
+    assert (np.sign(change[1:8]) == np.sign(change[4])).all()
+
+
+def test_hold_neither_slips_nor_creeps() -> None:
+    found = on(LEVELS[0], "hold", "history.steps=60")
+    travel = found.march.column("travel")[20:]
+    assert np.ptp(travel) <= 1e-12 * abs(travel[0])
+    assert not found.slipping[21:].any()
+    assert found.slip_steps == [None] * 9
+
+
+def test_a_driven_stage_goes_through_gross_slip() -> None:
+    found = on(LEVELS[0], "yamada-2002-stage", "history.steps=60")
+    assert found.march.stopped is None
+    assert found.gross_slip_step is not None
+    tangential = found.march.column("tangential")
+    # Coulomb: all that friction holds, from there on
+    assert tangential[found.gross_slip_step :] == pytest.approx(4.0, rel=1e-9)
+
+
+def test_same_input_same_bits() -> None:
+    one, other = (on(LEVELS[0], SLIP, "history.steps=60") for _ in range(2))
+    assert (one.march.column("films") == other.march.column("films")).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.2, 1.0, 2.0, 3.0, 5.0])
+def test_any_friction_is_marched_or_refused_with_its_reason(mu: float) -> None:
+    pull = [0.0, 0.0, 3.4, 3.4, 2.6, 3.2, 4.0]
+    scaled = ", ".join(f"{mu * t:.6f}" for t in pull)
+    found = slipped(0, f"effects.friction.coefficient={mu}", f"history.tangential_force_N=[{scaled}]")
+    assert found.march.column("residual").max() <= 1e-10
+    if mu == 0.0:
+        assert found.march.stopped is None
+    elif mu <= 1.0:
+        assert found.march.stopped == "gross slip"
+        assert found.gross_slip_step == 550
+    elif found.march.failed:
+        assert "step" in found.march.stopped
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.3, 0.4999, 0.49999])
+def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
+    from skincad.catalog import template_text
+
+    text = template_text("yamada-2002").replace("poisson_ratio = 0.499 ", f"poisson_ratio = {ratio} ")
+    assert f"poisson_ratio = {ratio}" in text
+    (tmp_path / "skin.toml").write_text(text)
+    (tmp_path / "scene.toml").write_text(
+        template_text(SLIP, "scenes").replace('"yamada-2002"', '"skin.toml"')
+    )
+    found = on(LEVELS[0], str(tmp_path / "scene.toml"))
+    assert found.gross_slip_step == 550
+    assert found.march.column("residual").max() <= 1e-10
+
+
+def test_an_error_comes_with_two_meshes() -> None:
+    found = simulate(load_scene("yamada-2002-press", ["history.steps=10"]), budget=1e-3)
+    assert found.error is None
+    assert any("is not met" in warning for warning in found.warnings)
+    finer = simulate(load_scene("yamada-2002-press", ["history.steps=10"]))
+    assert finer.error is not None
+    assert all(0 < e < math.inf for e in finer.error.values())
+
+
+def test_nothing_of_an_effect_left_out_is_imported() -> None:
+    program = (
+        "import sys\nfrom skincad.scene import load_scene\nfrom skincad.simulation import simulate\n"
+        "simulate(load_scene('yamada-2002-press', ['effects.film=none', 'effects.friction=none',"
+        " 'history.steps=1', 'readout.ridges=[]']))\n"
+        "print(*(m for m in sys.modules if m.startswith('skincad.effects.')))\n"
+        "print(*{m.split('.')[0] for m in sys.modules} & {'OCP', 'cadquery', 'matplotlib'})\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.split()) == {"skincad.effects.kinds", "skincad.effects.small_strain"}
+
+
+def test_the_command_writes_signals_and_picture(tmp_path: Path) -> None:
+    done = run_skincad(
+        "simulate", "yamada-2002-press-and-pull", "--set", "history.steps=20", "--json", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout).keys() >= KEYS
+    assert done.stderr == ""
+    folder = tmp_path / "out" / "yamada-2002-press-and-pull"
+    assert {p.name for p in folder.iterdir()} == {"signals.csv", "signals.png", "simulate.json"}
+    rows = list(csv.reader((folder / "signals.csv").open()))
+    assert rows[0][:3] == ["step [1]", "time [s]", "normal force [N]"]
+    assert len(rows) == 22
+    assert (folder / "signals.png").read_bytes().startswith(b"\x89PNG")
+    # again, over its own earlier result
+    again = run_skincad("simulate", "hold", "--set", "history.steps=4", "-o", str(folder), cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert again.stdout.startswith("hold: 4 steps.")
+
+
+@pytest.mark.parametrize("whole_first", [False, True])
+def test_ctrl_c_leaves_what_is_done(whole_first: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:2])
+    stages: list[str] = []
+
+    def tick(stage: str, step: int) -> None:
+        if stage not in stages:
+            stages.append(stage)
+        if len(stages) == 1 + whole_first and step == 3:
+            raise KeyboardInterrupt
+
+    found = simulate(load_scene("yamada-2002-press", ["history.steps=5"]), tick=tick)
+    assert found.march.interrupted
+    assert found.as_json()["steps"] == (5 if whole_first else 3)
