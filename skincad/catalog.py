@@ -24,9 +24,13 @@ Kind = Literal["designs", "scenes", "circuits"]
 KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")
 
 
+SHRINKAGE = 0.001  # source: data sheets, about 0.1 % of a silicone cured at room temperature
+
+
 @dataclass(frozen=True)
 class Silicone:
-    """A casting silicone: MPa, kg/m3, minutes and hours at room temperature; elongation as a strain."""
+    """A casting silicone: MPa, kg/m3, minutes and hours at room temperature; elongation as a strain; Pa s
+    freshly mixed."""
 
     name: str
     young_modulus: Ranged
@@ -37,10 +41,13 @@ class Silicone:
     cure_h: float | None
     platinum_cure: bool
     elongation_at_break: float
+    viscosity: float
     source: str
+    shrinkage: float = SHRINKAGE  # linear
 
 
-# assumption: nearly incompressible, the density that casting silicones share, the least of their elongations
+# assumption: nearly incompressible, the density that casting silicones share, the least of their elongations,
+# the largest of their viscosities
 OWN_SILICONE = Silicone(
     name="own silicone",
     young_modulus=Ranged(value=1.0, low=1.0, high=1.0),
@@ -51,6 +58,7 @@ OWN_SILICONE = Silicone(
     cure_h=None,
     platinum_cure=True,
     elongation_at_break=1.0,
+    viscosity=35.0,
     source="assumption",
 )
 

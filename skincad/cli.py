@@ -6,7 +6,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -97,7 +97,7 @@ def root(
 
 @app.command()
 def templates(as_json: JsonOption = False) -> None:
-    """List the designs that ship with skincad."""
+    """List the designs and scenes that ship with skincad."""
     from skincad.catalog import KINDS, template_names, template_text
 
     kinds = {kind: template_names(kind) for kind in KINDS}
@@ -235,6 +235,80 @@ def _stress(
     return list(states)
 
 
+@app.command()
+def circuit(
+    source: Annotated[str, typer.Argument(metavar="CIRCUIT", help="A template's name or a TOML file.")],
+    settings: Annotated[
+        list[str],
+        typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in amplifier.gain=1e6."),
+    ] = [],  # noqa: B006
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured", metavar="CSV", help="Calibrate to columns frequency_Hz, gain_dB; any level."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Out folder; default out/<name>.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say gain against frequency, cut-off and slopes of film and amplifier.
+
+    Writes gain.csv, gain.png and netlist.cir; with --measured also the calibrated circuit.
+    """
+    from skincad.circuit.model import load_circuit
+    from skincad.circuit_job import circuit_job
+    from skincad.wording import circuit_lines
+
+    loaded = load_circuit(source, settings)
+    with _progress(2) as progress:
+        found, files = circuit_job(loaded, out, measured=measured, progress=progress)
+    _print(
+        {**found.as_json(), "files": files}, as_json, circuit_lines(found, [str(f["path"]) for f in files])
+    )
+
+
+@app.command()
+def simulate(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A template's name or a TOML file.")],
+    settings: SetOption = [],  # noqa: B006
+    tol: Annotated[
+        float | None,
+        typer.Option("--tol", metavar="REL", help="Relative error of the differential stress to meet."),
+    ] = None,
+    budget: Annotated[
+        float | None, typer.Option("--budget", metavar="S", help="Seconds: the best that they buy.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Out folder; default out/<name>.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """March a scene: press, pull, and say which ridge slips when.
+
+    Only the effects that the scene names are computed. Signals as CSV and a picture appear in the out folder;
+    after Ctrl-C what is done by then.
+    """
+    from skincad.outfolder import checked_folder
+    from skincad.scene import load_scene
+    from skincad.wording import scene_lines
+
+    loaded = load_scene(scene, settings)
+    target = Path("out") / loaded.name if out is None else out
+    checked_folder(target)
+    from skincad.scene_files import write_scene
+    from skincad.simulation import simulate as run
+
+    with _ticks(loaded.history.steps) as tick:
+        found = run(loaded, tol=tol, budget=budget, tick=tick)
+    files = write_scene(found, target)
+    _print(found.as_json(), as_json, [*scene_lines(found), f"{len(files)} files in {target}"])
+    if found.march.interrupted:
+        raise KeyboardInterrupt
+    raise typer.Exit(1 if found.march.failed else 0)
+
+
 @app.command("fit-material")
 def fit_material(
     file: Annotated[
@@ -305,3 +379,18 @@ def _progress(stages: int) -> Iterator[Progress | None]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("starting", total=stages + 1)
         yield lambda name: bar.update(task, description=name, advance=1)
+
+
+@contextmanager
+def _ticks(steps: int) -> Iterator[Callable[[str, int], None] | None]:
+    """Show a march's steps on stderr while the block runs, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=steps)
+        yield lambda name, step: bar.update(task, description=name, completed=step)

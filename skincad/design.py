@@ -16,6 +16,7 @@ from skincad.process import NAME, PROCESSES, Process, check_named, check_own
 from skincad.tables import Ranged, Table, parse, quantity
 
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
+CORE = 0.2  # assumption: least radius of a revolved skin's back, of curvature_radius_y
 _A_PROCESS: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 
@@ -31,6 +32,14 @@ class Skin(Table):
     )
     width: float = quantity("mm", "across the back, what callipers read along x", ge=0.5, le=1000.0)
     length: float = quantity("mm", "along the ridges (y)", ge=0.5, le=1000.0)
+    curvature_radius_y: float | None = quantity(
+        "mm",
+        "second curvature: the whole section, its back too, turns about an axis along x, this far below the "
+        "base circle's summit, and length is the summit's arc; straight along y if not given",
+        ge=1.0,
+        le=1e8,
+        default=None,
+    )
 
 
 class Ridge(Table):
@@ -65,6 +74,26 @@ class Film(Table):
     d31: float = quantity("pC/N", "charge by stress along the draw axis", default=23.0)
     d32: float = quantity("pC/N", "charge by stress across the draw axis, in the film's plane", default=3.0)
     d33: float = quantity("pC/N", "charge by stress through the film", default=-33.0)
+    electrode_margin: float = quantity(
+        "mm",
+        "bare film between electrode and cut edge, so that no cut shorts it",
+        ge=0.0,
+        le=5.0,
+        default=0.02,
+    )
+    lead: float = quantity(
+        "mm", "what a strip stands out on the wiring side, to be contacted", ge=1.0, le=200.0, default=8.0
+    )
+    wiring_side: Literal["a", "b"] = Field(
+        default="b", description="the mold's end at which the leads come out; the gate is at end a"
+    )
+    tension: float | None = quantity(
+        "N",
+        "pull on each strip while it is cast in; a twentieth of the film's yield stress if not given",
+        gt=0.0,
+        le=1000.0,
+        default=None,
+    )
 
 
 class Material(Table):
@@ -115,11 +144,37 @@ class Mold(Table):
         "mm", "gap a side between parts that slide into each other", ge=0.0, le=1.0, default=0.05
     )
     slit_clearance: float = quantity(
-        "mm", "gap a side between a shim and its slit in the end plates", ge=0.0, le=0.5, default=0.005
+        "mm",
+        "gap a side between a shim or strip and its slit in the end plates",
+        ge=0.0,
+        le=0.5,
+        default=0.005,
     )
-    method: Literal["shim"] = Field(
+    cavities: int = Field(
+        default=1,
+        description="skins side by side along x in one block",
+        ge=1,
+        le=12,
+        json_schema_extra={"unit": "1"},
+    )
+    split: Literal["none", "auto"] = Field(
+        default="none",
+        description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled",
+    )
+    shrinkage: float | None = quantity(
+        "1",
+        "linear, by which the cavity is larger than the skin; the silicone's if not given",
+        ge=0.0,
+        le=0.05,
+        default=None,
+    )
+    method: Literal["shim", "cast-in"] = Field(
         default="shim",
-        description="how a slot is kept free: a shim drawn out along y after cure",
+        description="how the strips get in: after cure behind a shim that is drawn out along y, or cast in "
+        "under tension, and the slot round the film fills with silicone",
+    )
+    fill_time: float = quantity(
+        "s", "in which the silicone fills the mold; slow, for the strips' sake", gt=0.0, le=1e5, default=60.0
     )
     carrier: Literal["perforated", "plain"] = Field(
         default="perforated",
@@ -208,6 +263,7 @@ class Design(Table):
     def _rules(self) -> Self:
         _check_mold(self)
         _check_skin(self)
+        _check_revolved(self.skin)
         _check_ridge(self.ridge)
         _check_film(self)
         return self
@@ -220,6 +276,14 @@ class Design(Table):
     def film_state(self) -> Literal["bonded", "loose", "ignored"]:
         """How the slots are filled in the mechanical model; `loose` when nothing is said."""
         return self.contact.film or ("bonded" if self.film else "loose")
+
+    @property
+    def core_thickness(self) -> float:
+        """Thickness of what keeps silicone out of a slot, mm: a shim's or the film's own; 0 without slots."""
+        if self.slot is None:
+            return 0.0
+        cast_in = self.mold.method == "cast-in" and self.film
+        return cast_in.thickness if cast_in else self.slot.thickness
 
     def lean(self, ridge: int) -> float:
         """Return the angle in rad between ridge's axis and z; ridges count from 1 at the smallest x."""
@@ -306,6 +370,29 @@ def _check_skin(design: Design) -> None:
         )
 
 
+def _check_revolved(skin: Skin) -> None:
+    """The section must keep clear of the axis that it turns about, and turn by less than the fan's limit."""
+    radius = skin.curvature_radius_y
+    if radius is None:
+        return
+    least = skin.thickness / (1 - CORE)
+    if radius < least:
+        raise InputError(
+            "skin.curvature_radius_y",
+            f"must be at least {least:.4g} mm, or the back at skin.thickness below comes too near its axis",
+            radius,
+            "make the skin thinner or the radius larger",
+        )
+    longest = radius * math.radians(FAN_LIMIT_DEG)
+    if skin.length >= longest:
+        raise InputError(
+            "skin.length",
+            f"the fan from end to end must stay below {FAN_LIMIT_DEG:g} degrees, so below {longest:.4g} mm",
+            skin.length,
+            "make the skin shorter or curvature_radius_y larger",
+        )
+
+
 def _check_ridge(ridge: Ridge) -> None:
     if ridge.root_width >= ridge.pitch:
         raise InputError(
@@ -334,5 +421,20 @@ def _check_film(design: Design) -> None:
         raise InputError(
             "film.thickness", f"must be at most {slot.thickness:g} mm (slot.thickness)", film.thickness
         )
+    if film is not None and slot is not None and 2 * film.electrode_margin >= slot.depth:
+        rule = f"must be less than {slot.depth / 2:g} mm (half of slot.depth), or no electrode is left"
+        raise InputError("film.electrode_margin", rule, film.electrode_margin)
+    if design.mold.method == "cast-in":
+        _check_cast_in(design)
     if design.contact.film == "bonded" and film is None:
         raise InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")
+
+
+def _check_cast_in(design: Design) -> None:
+    """Strips lie straight in the mold, and what is round them is silicone."""
+    key, given = "mold.method", design.mold.method
+    if design.slot is not None and design.film is None:
+        raise InputError(key, "needs a [film] to cast in", given, "add [film], or take 'shim'")
+    if design.skin.curvature_radius_y is not None:
+        rule = "needs straight strips, and skin.curvature_radius_y bends them"
+        raise InputError(key, rule, given, "drop curvature_radius_y")

@@ -17,8 +17,9 @@ import numpy as np
 import trimesh
 from ezdxf import units as dxf_units
 
-from skincad.curves import Loop, rectangle
+from skincad.curves import Loop
 from skincad.design import Design
+from skincad.fabrication.pattern import Line, StripPattern, pattern_notes, strip_patterns
 from skincad.section import section
 from skincad.stepfile import make_deterministic
 
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
     from skincad.solids.mold import Mold
-
-STRIP_TAB = 8.0  # mm, assumption: what a strip stands out of the skin at one end for its leads
-STRIP_GAP = 2.0  # mm, assumption: between strips on the cutting pattern
 
 
 def write_step(solid: cq.Workplane, path: Path) -> None:
@@ -98,28 +96,66 @@ def write_section_dxf(design: Design, path: Path) -> None:
 
 
 def write_strips_dxf(design: Design, path: Path) -> None:
-    """Write the cutting pattern of the film strips as DXF, mm: slot depth by length and a tab, numbered by
-    ridge and side, as on the end plates."""
-    shape = section(design)
-    length = design.skin.length + STRIP_TAB
-    rows: list[tuple[str, Loop]] = []
-    labels: list[tuple[str, float, float]] = []
-    for index, slot in enumerate(shape.slots):
-        low = index * (slot.depth + STRIP_GAP)
-        rows.append(("CUT", rectangle(0.0, length, low, low + slot.depth)))
-        labels.append((f"{slot.ridge} {slot.side}", length + 1.0, low))
-    _write_dxf(rows, labels, path)
+    """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), ELECTRODE, LEAD, and
+    MARK: where tabs are cut off, ridge and side, + sign, draw axis."""
+    strips = strip_patterns(design)
+    rows = [row for strip in strips for row in _strip_rows(strip)]
+    marks = [line for strip in strips for line in strip.cut_off]
+    _write_dxf(rows, _strip_texts(design, strips), path, marks)
 
 
-def _write_dxf(rows: Iterable[tuple[str, Loop]], labels: list[tuple[str, float, float]], path: Path) -> None:
+def _strip_rows(strip: StripPattern) -> list[tuple[str, Loop]]:
+    cuts = [("CUT", outline) for outline in (strip.cut, *strip.holes)]
+    return [*cuts, ("ELECTRODE", strip.electrode), ("LEAD", strip.lead)]
+
+
+def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, float, float]]:
+    """What is written on the pattern: text, x and z of its left foot, mm."""
+    texts = [(strip.label, *strip.label_at) for strip in strips]
+    texts += [("+", *strip.plus_at) for strip in strips]
+    left = min(strip.plus_at.x for strip in strips)
+    return [*texts, *((text, left, -2.0 - 2 * i) for i, text in enumerate(pattern_notes(design)))]
+
+
+def write_strips_svg(design: Design, path: Path) -> None:
+    """Write the same cutting pattern as SVG, mm: classes cut, electrode, lead and mark."""
+    strips = strip_patterns(design)
+    texts = _strip_texts(design, strips)
+    corners = [s.start for strip in strips for s in strip.cut]
+    left, foot = min(x for _, x, _ in texts) - 1, min(z for _, _, z in texts) - 1
+    right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + 1
+    right = max(right, left + 0.6 * max(len(text) for text, _, _ in texts))
+    outlines = [(layer.lower(), loop) for strip in strips for layer, loop in _strip_rows(strip)]
+    shapes = [f'  <path class="{name}" d="{_svg_path(outline)}"/>' for name, outline in outlines]
+    shapes += [
+        f'  <path class="mark" d="M{a.x:.9g} {-a.z:.9g} L{b.x:.9g} {-b.z:.9g}"/>'
+        for strip in strips
+        for a, b in strip.cut_off
+    ]
+    shapes += [f'  <text x="{x:.9g}" y="{-z:.9g}">{text}</text>' for text, x, z in texts]
+    style = (
+        "path{fill:none;stroke:#333;stroke-width:.03}.electrode{fill:#d8d8c8}.lead{fill:#c8a860}"
+        ".mark{stroke:#c00}text{font:1px sans-serif}"
+    )
+    _write_svg((left, -top, right - left, top - foot), style, shapes, path)
+
+
+def _write_dxf(
+    rows: Iterable[tuple[str, Loop]],
+    labels: list[tuple[str, float, float]],
+    path: Path,
+    lines: Iterable[Line] = (),
+) -> None:
     with _no_clock():
         document = ezdxf.new("R2010", units=dxf_units.MM)
         space = document.modelspace()
         for layer, outline in rows:
             corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
             space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
+        for start, end in lines:
+            space.add_line(start, end, dxfattribs={"layer": "MARK"})
         for text, x, y in labels:
-            space.add_text(text, height=1.0, dxfattribs={"layer": "LABEL"}).set_placement((x, y))
+            space.add_text(text, height=1.0, dxfattribs={"layer": "MARK"}).set_placement((x, y))
         for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
             document.classes.add_class(kind)
         document.saveas(path)
@@ -141,15 +177,21 @@ def write_section_svg(design: Design, path: Path) -> None:
     shape = section(design)
     half, top, margin = design.skin.width / 2, shape.top, 1.0
     box = (-half - margin, -top - margin, 2 * (half + margin), top + 2 * margin)
-    curves = "\n".join(
+    curves = [
         f'  <path class="{name}" d="{_svg_path(outline)}"/>'
         for name, outline in [("outline", shape.outline), *(("slot", s.loop()) for s in shape.slots)]
-    )
+    ]
+    style = "path{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}"
+    _write_svg(box, style, curves, path)
+
+
+def _write_svg(box: tuple[float, float, float, float], style: str, shapes: list[str], path: Path) -> None:
+    """`box`: left, top (downward), width and height, mm."""
+    body = "\n".join(shapes)
     path.write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{box[2]:.6g}mm" height="{box[3]:.6g}mm" '
         f'viewBox="{box[0]:.6g} {box[1]:.6g} {box[2]:.6g} {box[3]:.6g}">\n'
-        "  <style>path{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}</style>\n"
-        f"{curves}\n</svg>\n",
+        f"  <style>{style}</style>\n{body}\n</svg>\n",
         encoding="utf-8",
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,10 +20,10 @@ from skincad.stopwatch import Progress, Stopwatch
 
 if TYPE_CHECKING:
     from skincad.fabrication.findings import Finding
-    from skincad.mechanics.check import ContactCheck
+    from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
-FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md", "toml")
+FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md", "html", "toml")
 STAGES = ("contact check", "solids", "meshes", "measuring", "interference", "files", "picture")
 FINEST_CHORD = 1e-4  # mm; finer ones cost memory and show nothing
 INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that are tested for interference
@@ -86,6 +87,7 @@ class MakeResult:
     parts: tuple[PartReport, ...]
     findings: tuple[Finding, ...]
     check: ContactCheck
+    cavity_volume: float  # mm3, of what cures to the skin: larger by the shrinkage
     seconds: dict[str, float]
 
     def as_json(self) -> dict[str, Any]:
@@ -95,6 +97,7 @@ class MakeResult:
             "passed": self.passed,
             "files": [{"path": str(self.folder / name), "bytes": size} for name, size in self.files],
             "parts": [part.as_json() for part in self.parts],
+            "cavity_volume_mm3": self.cavity_volume,
             "findings": [finding.as_json() for finding in self.findings],
             "check": self.check.as_json(),
             "seconds": self.seconds,
@@ -145,6 +148,7 @@ class _Job:
     closed: Mold
     solids: dict[str, Any]
     meshes: dict[str, Any]
+    skin: tuple[Any, Any]  # solid and mesh as designed; in `solids` and `meshes` it is as poured
     reports: tuple[PartReport, ...]
     findings: tuple[Finding, ...]
     check: ContactCheck
@@ -161,10 +165,12 @@ def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import FINER, interference
     from skincad.fabrication.meshes import mesh
+    from skincad.fabrication.strip_rules import strip_findings
     from skincad.mechanics.check import check
     from skincad.solids.occ import workplane
+    from skincad.solids.skin import skin_part
 
-    made = [part for part in closed.parts if part.made != "bought"]
+    made, designed = [part for part in closed.parts if part.made == "made"], skin_part(design)
     known, choice = processes(design.printer), design.mold
     makers = {choice.process, choice.end_plate_process, choice.lid_process}
     asked = min(known[name].chord for name in makers if name)
@@ -173,16 +179,19 @@ def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
         verdict = check(design)
     with watch.stage("solids"):
         solids = {part.name: workplane(part) for part in closed.parts}
+        solid = workplane(designed)
     with watch.stage("meshes"):
         meshes = {part.name: mesh(part, chord) for part in closed.parts}
+        skin = solid, mesh(designed, chord)
     with watch.stage("measuring"):
-        reports = [_report(part, solids[part.name].val(), meshes[part.name], chord, asked) for part in made]
+        reports = [_report(designed, skin[0].val(), skin[1], chord, asked)]
+        reports += [_report(part, solids[part.name].val(), meshes[part.name], chord, asked) for part in made]
     with watch.stage("interference"):
         gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
         findings = [*design_findings(design, closed), *mesh_findings(reports), *interference(closed, fine)]
-        findings += filling_findings(design, closed)
-    return _Job(design, closed, solids, meshes, tuple(reports), tuple(findings), verdict)
+        findings += [*filling_findings(design, closed), *strip_findings(design)]
+    return _Job(design, closed, solids, meshes, skin, tuple(reports), tuple(findings), verdict)
 
 
 def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> PartReport:
@@ -205,7 +214,10 @@ def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> Pa
 def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
     """File name to writer, by format."""
     from skincad import export
-    from skincad.fabrication.meshes import laid, upright
+    from skincad.fabrication.drawing import drawing
+    from skincad.fabrication.inspection import inspection
+    from skincad.fabrication.meshes import laid
+    from skincad.fabrication.page import page
     from skincad.fabrication.rules_of_layers import laid_on_end
     from skincad.fabrication.sheet import casting_sheet
     from skincad.report import write_picture
@@ -215,12 +227,15 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
     printed = {p.name: p for p in closed.parts if p.made == "made"}
     flat = {name: laid(job.meshes[name], laid_on_end(design, part)) for name, part in printed.items()}
     coloured = {name: (flat[name], part.colour) for name, part in printed.items()}
-    turned = upright(job.meshes["skin"])
-    skin = closed.part("skin")
+    turned, colour = job.skin[1], closed.part("skin").colour
     stl = {"skin": turned, **flat}
-    sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check), job.passed(False))
+    measures = inspection(design, closed.part("skin"), _allowed_drops(job.check))
+    sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check), job.passed(False), measures)
+    drawn = drawing(design, closed)
+    title = f"Casting sheet: {design.name}"
     text = tomlkit.dumps(design.model_dump(exclude_none=True))
-    strips = {"strips.dxf": lambda p: export.write_strips_dxf(design, p)} if design.film else {}
+    pattern = {"strips.dxf": lambda p: export.write_strips_dxf(design, p)} if design.film else {}
+    pattern_svg = {"strips.svg": lambda p: export.write_strips_svg(design, p)} if design.film else {}
     return {
         "step": {
             **{f"{n}.step": _step_writer(job, n) for n in ("skin", *printed)},
@@ -231,14 +246,27 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
         "stl": {f"{name}.stl": _stl_writer(shape) for name, shape in stl.items()},
         "3mf": {
             "mold.3mf": lambda p: export.write_3mf(coloured, p),
-            "skin.3mf": lambda p: export.write_3mf({"skin": (turned, skin.colour)}, p),
+            "skin.3mf": lambda p: export.write_3mf({"skin": (turned, colour)}, p),
         },
-        "dxf": {"section.dxf": lambda p: export.write_section_dxf(design, p), **strips},
-        "svg": {"section.svg": lambda p: export.write_section_svg(design, p)},
+        "dxf": {"section.dxf": lambda p: export.write_section_dxf(design, p), **pattern},
+        "svg": {
+            "section.svg": lambda p: export.write_section_svg(design, p),
+            "drawing.svg": lambda p: _write_text(drawn, p),
+            **pattern_svg,
+        },
         "toml": {"design.toml": lambda p: _write_text(text, p)},
         "md": {"casting-sheet.md": lambda p: _write_text(sheet, p)},
+        "html": {"casting-sheet.html": lambda p: _write_text(page(sheet, drawn, title), p)},
         "png": {"picture.png": lambda p: write_picture(design, closed, job.meshes, p)},
     }
+
+
+def _allowed_drops(check: ContactCheck) -> tuple[float, ...]:
+    """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    made, margin = check.manufacture, check.margin
+    if made is None or margin is None or not check.passed:
+        return ()
+    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
 
 
 def _manifest(result: MakeResult) -> str:
@@ -257,9 +285,8 @@ def _manifest(result: MakeResult) -> str:
 
 def _step_writer(job: _Job, name: str) -> Callable[[Path], None]:
     from skincad.export import write_step
-    from skincad.solids.skin import skin_solid
 
-    solid = skin_solid(job.design) if name == "skin" else job.solids[name]
+    solid = job.skin[0] if name == "skin" else job.solids[name]
     return lambda path: write_step(solid, path)
 
 
@@ -290,5 +317,6 @@ def _result(job: _Job, target: Path, staging: Path, strict: bool, watch: Stopwat
         parts=job.reports,
         findings=job.findings,
         check=job.check,
+        cavity_volume=job.closed.part("skin").volume,
         seconds=watch.seconds(),
     )

@@ -12,7 +12,9 @@ from pathlib import Path
 
 from skincad.errors import InputError
 
-MANIFEST = "make.json"  # a folder that holds one was made here; it lists the files that may be replaced
+MANIFEST, SCENE_MANIFEST = "make.json", "simulate.json"
+MANIFESTS = (MANIFEST, SCENE_MANIFEST)  # a folder with one was made here; it lists files that may be replaced
+CIRCUIT_MANIFEST = "circuit.json"  # a circuit may have a design's name: neither job takes the other's files
 
 
 def checked_folder(folder: Path) -> Path:
@@ -26,7 +28,11 @@ def checked_folder(folder: Path) -> Path:
             raise InputError("-o", f"{folder} is the folder you are in", remedy="name one below it")
         if real.exists() and not real.is_dir():
             raise InputError("-o", f"{folder} is a file", remedy="name a folder")
-        if real.is_dir() and any(real.iterdir()) and not (real / MANIFEST).is_file():
+        if (
+            real.is_dir()
+            and any(real.iterdir())
+            and not any((real / m).is_file() for m in (*MANIFESTS, CIRCUIT_MANIFEST))
+        ):
             raise InputError(
                 "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
             )
@@ -36,10 +42,10 @@ def checked_folder(folder: Path) -> Path:
 
 
 @contextmanager
-def replaced(folder: Path) -> Iterator[Path]:
+def replaced(folder: Path, manifests: tuple[str, ...] = MANIFESTS) -> Iterator[Path]:
     """Yield an empty folder to write into; when the block ends well it takes the place of `folder`.
 
-    Files that an earlier result lists in its manifest go, all others in the folder are kept. Raises
+    Files that an earlier result lists in one of the `manifests` go, all others in the folder are kept. Raises
     InputError, with nothing changed, when `folder` cannot be written, runs out of space or holds files
     and no earlier result.
     """
@@ -49,7 +55,7 @@ def replaced(folder: Path) -> Iterator[Path]:
         staging.mkdir(parents=True)
         yield staging
         if real.is_dir():
-            _keep_others(real, staging)
+            _keep_others(real, staging, manifests)
             shutil.copystat(real, staging)
         _swap(staging, real)
     except OSError as failure:
@@ -62,17 +68,19 @@ def _unwritable(folder: Path, failure: OSError) -> InputError:
     return InputError("-o", f"{str(folder)[:80]} cannot be written ({failure.strerror or failure})")
 
 
-def _listed(folder: Path) -> set[str]:
+def _listed(folder: Path, manifests: tuple[str, ...]) -> set[str]:
     """File names of the earlier result in this folder."""
-    try:
-        names = json.loads((folder / MANIFEST).read_text("utf-8"))["files"]
-        return {MANIFEST, *map(str, names)}
-    except (ValueError, KeyError, TypeError, OSError):
-        return {MANIFEST}  # not ours, or older: what it made stays
+    names = set(manifests)
+    for manifest in manifests:
+        try:
+            names.update(map(str, json.loads((folder / manifest).read_text("utf-8"))["files"]))
+        except (ValueError, KeyError, TypeError, OSError):
+            continue  # not ours, or older: what it made stays
+    return names
 
 
-def _keep_others(folder: Path, staging: Path) -> None:
-    ours = _listed(folder)
+def _keep_others(folder: Path, staging: Path, manifests: tuple[str, ...]) -> None:
+    ours = _listed(folder, manifests)
     for item in folder.iterdir():
         target = staging / item.name
         if item.name in ours or target.exists():

@@ -105,24 +105,26 @@ def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
 
 def _apart(name: str, closed: Mold) -> np.ndarray:
     """Where a part is drawn, relative to the closed mold, mm."""
-    block = closed.part("cavity").body
     high = _height(closed)
+    block = next(p.body for p in closed.parts if p.name.startswith("cavity"))
     side = 1.1 * (block.high - block.low) if isinstance(block, Prism) else 0.0
-    if name == "cover" or name.startswith("pin-cover"):
-        return np.array([0.0, 0.0, 2.3 * high])
-    if name == "carrier":
-        return np.array([0.0, 0.0, 1.7 * high])
-    if name == "skin":
-        return np.array([0.0, 0.0, 1.0 * high])
-    if name.startswith(("end-", "pin-a", "pin-b")):
+    if name.startswith(("end-", "pin-a", "pin-b")) and not name.startswith("pin-base"):
         out = side * (1.0 if name.startswith("end") else 0.5) * (-1 if name[4] == "a" else 1)
         return np.array([0.0, out, 0.25 * high if name.endswith("keeper") else 0.0])
-    if name.startswith("shim"):
-        return np.array([0.0, 2.4 * side, 0.0])
-    return np.zeros(3)
+    places = {
+        ("cover", "pin-cover"): (0.0, 0.0, 2.3 * high),
+        ("carrier",): (0.0, 0.0, 1.7 * high),
+        ("skin", "strip"): (0.0, 0.0, 1.0 * high),
+        ("shim",): (0.0, 2.4 * side, 0.0),
+        ("cavity-base", "pin-base"): (0.0, 0.0, -0.7 * high),
+        ("cavity-left",): (-0.3 * high, 0.0, 0.0),
+        ("cavity-right",): (0.3 * high, 0.0, 0.0),
+    }
+    found = [place for names, place in places.items() if name.startswith(names)]
+    return np.array(found[0] if found else (0.0, 0.0, 0.0))
 
 
 def _height(closed: Mold) -> float:
-    block = closed.part("cavity").body
-    levels = [s.start.z for s in block.outline] if isinstance(block, Prism) else [0.0]
+    blocks = [p.body for p in closed.parts if p.name.startswith("cavity")]
+    levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
     return max(levels) - min(levels)

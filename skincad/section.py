@@ -41,7 +41,8 @@ class Frame:
 
 @dataclass(frozen=True)
 class SlotPlace:
-    """One slot of the section: `direction` is the unit vector along its depth, outward."""
+    """One slot of the section, as wide as what is drawn out of it or cast into it: `direction` is the unit
+    vector along its depth, outward."""
 
     ridge: int
     side: Literal["S1", "S2"]
@@ -255,7 +256,7 @@ def _slots(design: Design) -> Iterator[SlotPlace]:
                 place.at(sign * slot.offset, slot.elevation),
                 Point(tip.x - origin.x, tip.z - origin.z),
                 slot.depth,
-                slot.thickness,
+                design.core_thickness,
             )
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from skincad.circuit.gain import CircuitGain
     from skincad.job import MakeResult
     from skincad.material.modulus import MaterialFit
-    from skincad.mechanics.check import ContactCheck
     from skincad.mechanics.film.answer import FilmStress
+    from skincad.mechanics.verdict import ContactCheck
     from skincad.quantities import Estimate
+    from skincad.simulation import Simulation
     from skincad.tables import Ranged
 
 
@@ -100,6 +102,33 @@ def stress_lines(states: list[FilmStress], file: str) -> list[str]:
     return [*lines, *(f"  note           {note}" for note in notes), f"  picture        {file}"]
 
 
+def scene_lines(found: Simulation) -> list[str]:
+    """Return what `simulate` prints."""
+    march, history = found.march, found.scene.history
+    last, asked = len(march.readings) - 1, history.steps
+    end = f"stopped at step {last} of {asked}: {march.stopped}" if march.stopped else f"{asked} steps"
+    first = [f"{r}: {step}" for r, step in enumerate(found.slip_steps, 1) if step is not None]
+    lines = [f"{found.scene.name}: {end}."]
+    lines += [f"  slips for good ridge and its step: {'  '.join(first) or 'none'}"]
+    for ridge in found.signals:
+        step = found.slip_steps[ridge - 1]
+        if step is not None and found.gross_slip_step is not None:
+            lead = float(march.time[found.gross_slip_step] - march.time[step])
+            lines.append(f"  lead           ridge {ridge} slips {1e3 * lead:.3g} ms before all do")
+    lines += [
+        f"  error          {error:.1g} MPa of ridge {ridge}'s differential stress, of mesh"
+        for ridge, error in (found.error or {}).items()
+    ]
+    energy = found.energy
+    return [
+        *lines,
+        f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ of friction, "
+        f"{energy['imbalance']:.1e} missing",
+        f"  model          {march.unknowns} unknowns, {found.seconds['total']:.2f} s",
+        *(f"  note           {warning}" for warning in found.warnings),
+    ]
+
+
 def make_lines(result: MakeResult) -> list[str]:
     """Return what `make` prints."""
     rows = [
@@ -137,3 +166,28 @@ def material_lines(fit: MaterialFit) -> list[str]:
 def ranged_toml(ranged: Ranged) -> str:
     """Return a number with its range as a TOML value."""
     return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"
+
+
+def circuit_lines(found: CircuitGain, files: list[str]) -> list[str]:
+    """Return what `circuit` prints."""
+    slopes, sweep = found.slopes, found.circuit.sweep
+    fitted = f"from {sweep.low:g} to {sweep.fit_high:g} Hz"
+    if slopes.cutoff.value is None:
+        lines = [f"{found.name}: {slopes.below} {fitted}, without a cut-off."]
+    else:
+        lines = [
+            f"{found.name}: {slopes.below} up to a cut-off of {slopes.cutoff}, "
+            f"{slopes.above} above, {fitted}."
+        ]
+    lines.append(f"  fit            two lines are {slopes.rms:.2g} dB rms from the curve")
+    if found.measured:
+        fit, given = found.measured.calibration, found.measured.slopes
+        held = ", ".join(fit.at_bounds) or "none"
+        fixed = len(fit.combinations) - len(fit.open_combinations)
+        lines += [
+            f"  measured       {given.below}, cut-off {given.cutoff}, {given.above}",
+            f"  calibrated     {fit.rms:.2g} dB rms, {fit.agreeing} of {fit.starts} starts agree",
+            f"  fixed          {fixed} of {len(fit.combinations)} combinations; at bounds: {held}",
+        ]
+    lines += [f"  note           {warning}" for warning in found.warnings]
+    return [*lines, *(f"  written        {file}" for file in files)]

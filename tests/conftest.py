@@ -43,6 +43,14 @@ def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> MakeResult
     return skincad.make(yamada, tmp_path_factory.mktemp("made") / "yamada-2002")
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Show what long tests have to tell (`record_property("summary", ...)`), passed or not."""
+    for report in terminalreporter.getreports("passed") + terminalreporter.getreports("failed"):
+        for key, text in report.user_properties:
+            if key == "summary" and report.when == "call":
+                terminalreporter.write_line(f"{report.nodeid}: {text}")
+
+
 def run_skincad(*arguments: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run the command line in its own process, as a user does."""
     return subprocess.run(

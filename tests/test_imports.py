@@ -37,6 +37,8 @@ def run(*arguments: str) -> str:
         (run("templates"), (*CAD, *FE, *MESHES, "scipy")),
         (run("check", "plain-ridges"), (*CAD, *MESHES)),
         (run("check", "plain-ridges", "--tier", "winkler"), (*CAD, *FE, *MESHES)),
+        (run("simulate", "--help"), (*CAD, *FE, *MESHES, "scipy", "numpy", "pydantic")),
+        ("from skincad.scene import load_scene; load_scene('yamada-2002-slip')", (*CAD, *FE, *MESHES)),
         ("import skincad", (*CAD, *FE, *MESHES, "scipy", "numpy", "pydantic")),
         (
             "import skincad; from skincad.section import section; section(skincad.load('yamada-2002'))",

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from skincad import Estimate, check, load
-from skincad.mechanics.check import ContactCheck
+from skincad.mechanics.verdict import ContactCheck
 from skincad.wording import check_lines, verdict
 
 

@@ -1,69 +1,26 @@
-"""How a skin leaves its cavity: straight along its own -z, each ridge out of its groove.
-
-The fan of ridges is symmetric and leaves as one, so no ridge can give way sideways: every level of a ridge
-has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is squeezed by
-the nominal strain 1 - w / W; rubber keeps its volume and the skin is long, so it stretches upward by
-W / w - 1, and that is held against the elongation at break. Friction and the ridge's bending are left out.
-"""
+"""How a skin leaves its cavity: what would free its undercut ridges, and what is too much."""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-import numpy as np
 
 from skincad.catalog import silicone
-from skincad.curves import polygon
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.fabrication.finding import Finding
-from skincad.section import GUARD_TOLERANCE, section
+from skincad.solids.undercut import (
+    SAFE_SHARE,
+    VISIBLE,
+    Undercut,
+    safe_strain,
+    split_ridges,
+    squeezes,
+    undercuts,
+)
 
-SAFE_SHARE = 0.2  # assumption: a cast edge has nicks, from which it tears long before a test bar does
+__all__ = ["SAFE_SHARE", "Undercut", "drafted", "safe_strain", "squeezes", "undercut_findings", "undercuts"]
+
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
-_VISIBLE = 10 * GUARD_TOLERANCE  # mm; less is the chords' own error
-
-
-class Undercut(NamedTuple):
-    """A ridge's overhang: mm by which a flank widens towards the tip, and the nominal squeeze to pass it,
-    1 where nothing passes."""
-
-    width: float
-    strain: float
-
-
-def undercuts(design: Design) -> dict[int, float]:
-    """Return each ridge's overhang against the pull, mm, by its number."""
-    return {ridge: undercut.width for ridge, undercut in squeezes(design).items()}
-
-
-def squeezes(design: Design) -> dict[int, Undercut]:
-    """Return each ridge's undercut, by its number. Exact to the guards' chord tolerance; 0 is below it."""
-    return {ridge: _undercut(design, ridge) for ridge in range(1, design.ridge.count + 1)}
-
-
-def _undercut(design: Design, ridge: int) -> Undercut:
-    own = tuple(s for s in section(design).outline if s.ridge == ridge)
-    points = np.vstack([polygon(own, GUARD_TOLERANCE), own[-1].end])
-    summit = int(np.argmax(points[:, 1]))
-    sides = points[: summit + 1], (points[summit:] * [-1.0, 1.0])[::-1]  # each from its foot to the summit
-    mouths = [np.minimum.accumulate(side[:, 0]) for side in sides]
-    width = max(float((side[:, 0] - mouth).max()) for side, mouth in zip(sides, mouths, strict=True))
-    if width <= _VISIBLE:
-        return Undercut(0.0, 0.0)
-    levels = np.unique(np.concatenate([side[:, 1] for side in sides]))
-    levels = levels[(levels >= max(s[0, 1] for s in sides)) & (levels < points[summit, 1])]
-    # a side may dip at its foot where the ridge leans much: below the dip there is no groove
-    heights = [np.maximum.accumulate(side[:, 1]) for side in sides]
-    full = sum(np.interp(levels, z, side[:, 0]) for z, side in zip(heights, sides, strict=True))
-    free = sum(np.interp(levels, z, mouth) for z, mouth in zip(heights, mouths, strict=True))
-    return Undercut(width, min(1.0, float((1 - free / full).max())))
-
-
-def safe_strain(design: Design) -> float:
-    """Return the nominal squeeze that the silicone takes: its stretch is `SAFE_SHARE` of that at break."""
-    return 1 - 1 / (1 + SAFE_SHARE * silicone(design.material).elongation_at_break)
 
 
 def drafted(design: Design) -> tuple[float | None, float | None]:
@@ -76,7 +33,7 @@ def drafted(design: Design) -> tuple[float | None, float | None]:
     slope = 2 * math.tan(abs(design.lean(1)))
 
     def draft(root: float) -> float:
-        return slope * (ridge.height - ridge.crown + root**2 / (8 * radius)) + 4 * _VISIBLE
+        return slope * (ridge.height - ridge.crown + root**2 / (8 * radius)) + 4 * VISIBLE
 
     root = ridge.root_width
     for _ in range(_ROUNDS):
@@ -97,9 +54,10 @@ def _free(design: Design, key: str, value: float) -> bool:
 
 
 def undercut_findings(design: Design) -> list[Finding]:
-    """Return a finding for every ridge that is squeezed on its way out; an error beyond what is safe."""
-    limit = safe_strain(design)
-    found = {ridge: undercut for ridge, undercut in squeezes(design).items() if undercut.width > 0}
+    """Return a finding for every ridge that is squeezed on its way out; an error beyond what is safe. One
+    whose groove is split leaves freely."""
+    limit, free = safe_strain(design), split_ridges(design)
+    found = {r: undercut for r, undercut in squeezes(design).items() if undercut.width > 0 and r not in free}
     if not found:
         return []
     material = silicone(design.material)
@@ -126,7 +84,7 @@ def _cure(design: Design) -> str:
     ways = [
         *([f"root_width of {root:g} mm"] if root else []),
         *([f"tip_width of {tip:g} mm"] if tip else []),
-        'a split cavity (mold.split = "auto")' if "split" in type(design.mold).model_fields else "",
+        'a split cavity (mold.split = "auto")' if design.mold.split == "none" else "",
         "a larger curvature_radius, or fewer ridges",
     ]
     return ", or ".join(way for way in ways if way) + " frees the outermost ridge"

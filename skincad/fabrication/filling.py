@@ -19,7 +19,7 @@ from skincad.curves import polygon
 from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, vertical
-from skincad.fabrication.void import Void, open_trough, void
+from skincad.fabrication.void import Void, alone, open_trough, void
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Prism, Vector
 
@@ -130,6 +130,7 @@ def _remedy(design: Design, closed: Mold, now: float) -> str:
 
 def _fillings(design: Design, closed: Mold) -> list[_Filling]:
     """The closed mold's filling, and for an open pour the open trough's: level, or it would run over."""
+    closed = alone(design, closed)
     made = [(void(design, closed), True)]
     if design.mold.pour == "open":
         made.append((open_trough(closed), False))
@@ -139,13 +140,13 @@ def _fillings(design: Design, closed: Mold) -> list[_Filling]:
 
 def _surfaces(closed: Mold) -> list[_Surface]:
     """What bounds the skin in its section, by name; a prism, so x and z tell what a point is on. Where some
-    meet, the first one's name is told: shim, ridge, carrier, the rest."""
+    meet, the first one's name is told: shim or strip, ridge, carrier, the rest."""
     body = closed.part("skin").body
     if not isinstance(body, Prism):
         return []
     found = []
     for part in closed.parts:
-        if part.name.startswith("shim") and isinstance(part.body, Prism):
+        if part.name.startswith(("shim", "strip")) and isinstance(part.body, Prism):
             edge = shapely.LinearRing(polygon(part.body.outline, CHORD))
             found.append(_Surface(part.name, True, edge))
     segments = [*body.outline, *(s for hole in body.holes for s in hole)]

@@ -9,6 +9,7 @@ from skincad.catalog import processes
 from skincad.design import Design
 from skincad.fabrication.demolding import undercut_findings, undercuts
 from skincad.fabrication.finding import Finding
+from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, label, maker, shim_findings
 from skincad.fabrication.rules_of_layers import LAYER_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
@@ -16,7 +17,7 @@ from skincad.solids.mold import Mold, mold
 
 __all__ = ["Finding", "design_findings", "judged", "process_findings", "undercuts"]
 
-ALL_RULES = (*RULES, *TOOL_RULES, *LAYER_RULES)
+ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}
 
 

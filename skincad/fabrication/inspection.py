@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 from skincad.catalog import processes, silicone
 from skincad.design import Design
-from skincad.section import frame, section
+from skincad.section import frame
 from skincad.solids.plan import Part
 
 SHARE_OF_WALL = 3.0  # standard deviations: what the process itself lets a crest differ by
+CALLIPERS = 0.03  # mm, assumption: how well a soft part is measured across
+SCATTER = 0.002  # relative, assumption: what shrinkage differs by from batch to batch
 DENSITY = 0.01  # relative, assumption: a data sheet's density of a cured silicone
 LEAST_BUBBLE = 0.02  # of the skin's mass, assumption: less can't be told from flash that was left on
 
@@ -35,7 +37,7 @@ def inspection(design: Design, skin: Part, allowed_drops: tuple[float, ...] = ()
     limits = processes(design.printer)
     body = limits[design.mold.process]
     end = limits[design.mold.end_plate_process or design.mold.process]
-    wide = 2 * body.tolerance
+    wide = 2 * body.tolerance + CALLIPERS
     rows = [
         _symmetric("width across the back", design.skin.width, wide, "callipers, lightly"),
         _symmetric(
@@ -62,7 +64,8 @@ def inspection(design: Design, skin: Part, allowed_drops: tuple[float, ...] = ()
 
 
 def _symmetric(what: str, nominal: float, tolerance: float, how: str) -> Measure:
-    return Measure(what, nominal, nominal - tolerance, nominal + tolerance, "mm", how)
+    spread = tolerance + SCATTER * nominal
+    return Measure(what, nominal, nominal - spread, nominal + spread, "mm", how)
 
 
 def _mass(design: Design, skin: Part) -> Measure:
@@ -70,7 +73,7 @@ def _mass(design: Design, skin: Part) -> Measure:
     volume = skin.volume
     grams = volume * silicone(design.material).density * 1e-6
     tolerance = processes(design.printer)[design.mold.process].tolerance
-    surface = section(design).area and 2 * design.skin.width * design.skin.length
+    surface = 2 * design.skin.width * design.skin.length
     spread = grams * (DENSITY + LEAST_BUBBLE + tolerance * surface / volume)
     how = "balance; the trimmed skin without rivets, or less what the carrier weighed"
     return Measure("mass of the skin alone", grams, grams - spread, grams + spread, "g", how)

@@ -13,7 +13,7 @@ from skincad.fabrication.findings import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Part, swept
+from skincad.solids.plan import Axis, Body, Heading, Part, Revolved, swept
 
 FINER = 10.0  # the reference mesh's chords are this many times finer
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
@@ -42,7 +42,7 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
         )["max"]
         for a, b in ((0, 1), (1, 0))
     ]
-    meshes.set_current_mesh(0)
+    meshes.add_mesh(_pymeshlab_mesh(_with_flat_ends(part.body, mesh)), "flat ends")
     meshes.compute_selection_by_self_intersections_per_face()
     return MeshMeasure(
         watertight=bool(mesh.is_watertight and mesh.is_winding_consistent),
@@ -50,6 +50,20 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
         volume=float(mesh.volume),
         deviation=max(ways) + tolerance / FINER,
     )
+
+
+def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """Return a revolved body's mesh straightened, any other as it is: the library takes the rounding of a
+    slanting end's triangles for crossings.
+
+    Between two angle steps straightening takes section to section, so its plane trapezoids to rectangles,
+    one to one: they cross after if and only if they crossed before.
+    """
+    if not isinstance(body, Revolved):
+        return mesh
+    points = body.straightened(np.asarray(mesh.vertices))
+    points[:, 1] = points[:, 1].round(9)  # mm; an end's corners are level again
+    return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
 
 
 def _pymeshlab_mesh(mesh: trimesh.Trimesh) -> pymeshlab.Mesh:
@@ -77,12 +91,16 @@ def interference(assembled: Mold, tolerance: float) -> list[Finding]:
         for part in moving:
             path = manifold(swept(part, step.axis, step.travel, tolerance), tolerance)
             for name, other in solids.items():
-                if (part.name, name) == ("skin", "cavity"):
-                    continue  # the skin bends: the undercut rule judges it
+                if name == "cavity" and part.name.startswith(("skin", "strip")):
+                    continue  # the skin bends, and the strips in it: the undercut rule judges it
                 if (volume := _common(path, other)) > SLIVER:
-                    where = f"{part.name} against {name}, opening along {step.axis}"
+                    where = f"{part.name} against {name}, opening along {_way(step.axis)}"
                     found.append(_finding("interference", where, volume))
     return found
+
+
+def _way(axis: Axis | Heading) -> str:
+    return axis if isinstance(axis, str) else f"x {axis[0]:.3g}, z {axis[1]:.3g}"
 
 
 def _common(a: Manifold, b: Manifold) -> float:

@@ -61,10 +61,10 @@ def maker(design: Design, part: Part) -> str | None:
 
 
 def label(part: Part) -> str:
-    """Return how findings call a part: parts of both ends alike."""
+    """Return how findings call a part: parts of both ends alike, and pieces of a cavity."""
     if part.name.startswith("end-"):
         return " ".join(["end plates", *part.name.split("-")[2:]])
-    return part.name
+    return "cavity" if part.name.startswith("cavity") else part.name
 
 
 def grooves(case: Case) -> list[Feature]:
@@ -74,7 +74,8 @@ def grooves(case: Case) -> list[Feature]:
         return [Feature("groove of a ridge's tip", ridge.tip_width, ridge.height)]
     if case.part.name.endswith("-comb") and design.slot:
         gap = 2 * design.mold.slit_clearance
-        return [Feature("notch of a shim", design.slot.thickness + gap, design.slot.depth + gap)]
+        held = "strip" if design.mold.method == "cast-in" else "shim"
+        return [Feature(f"notch of a {held}", design.core_thickness + gap, design.slot.depth + gap)]
     return []
 
 
@@ -178,9 +179,9 @@ def shim_sag(design: Design) -> float:
     """Return how far a shim hangs through between its combs, flat and not pulled straight, mm.
 
     A beam on two supports under its own weight, 5 q l^4 / (384 E I) (handbooks), across its thickness: an
-    upright shim hangs by far less. 0 without slots.
+    upright shim hangs by far less. 0 without slots or shims.
     """
-    if design.slot is None:
+    if design.slot is None or design.mold.method != "shim":
         return 0.0
     return 5 / 32 * STEEL_WEIGHT * design.skin.length**4 / (STEEL_MODULUS * design.slot.thickness**2)
 

@@ -6,12 +6,17 @@ import math
 
 from skincad.catalog import Silicone, silicone
 from skincad.design import Design
-from skincad.fabrication.findings import Finding
-from skincad.fabrication.void import void
-from skincad.section import section
-from skincad.solids.inserts import GRIP, PIN_RADIUS
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.inspection import Measure, inspection_lines
+from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_buy
+from skincad.fabrication.void import alone, void
+from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.layout import BOLT_RADIUS, TAP_RADIUS, fits
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Bore
+from skincad.solids.plan import Bore, Prism
+from skincad.solids.shrinkage import poured, shrinkage
+from skincad.solids.skin import skin_part
+from skincad.solids.undercut import split_ridges
 
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
@@ -23,12 +28,20 @@ DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weig
 
 def poured_volume(design: Design, closed: Mold) -> float:
     """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
-    their bleeds, and the flash in the gap round the carrier."""
-    return void(design, closed).volume
+    their bleeds, and the flash in the gap round the carrier; for all skins of a gang."""
+    return design.mold.cavities * void(design, alone(design, closed)).volume
 
 
-def casting_sheet(design: Design, closed: Mold, findings: list[Finding], verdict: str, passed: bool) -> str:
-    """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job."""
+def casting_sheet(
+    design: Design,
+    closed: Mold,
+    findings: list[Finding],
+    verdict: str,
+    passed: bool,
+    measures: tuple[Measure, ...] = (),
+) -> str:
+    """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job,
+    `measures` the inspection list."""
     material = silicone(design.material)
     summary = (
         "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
@@ -40,17 +53,17 @@ def casting_sheet(design: Design, closed: Mold, findings: list[Finding], verdict
         "",
         *_parts(design, closed),
         *_mix(material, poured_volume(design, closed)),
-        *_order(design),
-        *_findings(design, material, findings),
+        *_order(design, closed),
+        *_findings(design, findings),
+        *(inspection_lines(measures) if measures else []),
     ]
     return "\n".join(lines) + "\n"
 
 
 def _parts(design: Design, closed: Mold) -> list[str]:
-    skin, choice = design.skin, design.mold
-    rows = [f"| {p.name} | {p.volume / 1000:.3f} |" for p in closed.parts if p.made == "made"]
+    skin, choice = poured(design).skin, design.mold
+    rows = [f"| {p.name} | {p.volume / 1000:.5g} |" for p in closed.parts if p.made == "made"]
     through = skin.length + 2 * choice.end_plate
-    upright = section(design).top + choice.floor + choice.carrier_thickness + choice.cover
     pins: dict[str, int] = {}
     for part in closed.parts:
         if isinstance(part.body, Bore):
@@ -58,20 +71,13 @@ def _parts(design: Design, closed: Mold) -> list[str]:
             pins[size] = pins.get(size, 0) + 1
     lengths = ", ".join(f"{count} of at most {size}" for size, count in pins.items())
     bought = [
-        f"M3 bolts with nuts: 4 of at least {math.ceil(through + NUT)} mm along y, "
-        f"2 of at least {math.ceil(upright + NUT)} mm for the cover (their nuts stand out of the floor)",
+        *_bolts(design, closed, through),
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
         "fit, end plates and cavity's top for a sliding one",
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
         "silicone)",
     ]
-    if design.slot:
-        count = 2 * design.ridge.count
-        size = f"{design.slot.thickness:g} x {design.slot.depth:g} mm"
-        bought.append(
-            f"{count} shims of spring steel, {size}, {math.ceil(through + GRIP)} mm long: slit or etched "
-            "from feeler stock, edges deburred"
-        )
+    bought += to_buy(design, through)
     return [
         "## Parts",
         "",
@@ -81,11 +87,51 @@ def _parts(design: Design, closed: Mold) -> list[str]:
         "|---|---|",
         *rows,
         "",
+        _shrinkage(design, closed),
+        "",
         "To buy:",
         "",
         *(f"- {row}" for row in bought),
         "",
     ]
+
+
+def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
+    """What holds the mold together, as the parts have it."""
+    plates = [part for part in closed.parts if part.name.startswith("end-b")]
+    cuts = [cut for part in plates for cut in part.cuts]
+    sunk = sum(isinstance(cut, Prism) and cut.axis == "y" for cut in cuts)
+    tapped = sum(isinstance(cut, Bore) and cut.radius == TAP_RADIUS for cut in cuts)
+    bolts = {BOLT_RADIUS, TAP_RADIUS}
+    count = sum(isinstance(cut, Bore) and cut.radius in bolts for cut in cuts)
+    nuts = f"with nuts, {sunk} of them sunk in end plate b"
+    ends = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled" if tapped else nuts
+    thread = fits(design, design.mold.process)
+    upright = [
+        (cut.radius, cut.length)
+        for part in closed.parts
+        for cut in part.cuts
+        if part.name in ("cavity", "cavity-base", "cavity-right")
+        and isinstance(cut, Bore)
+        and cut.axis == "z"
+    ]
+    passed = max((length for radius, length in upright if radius == BOLT_RADIUS), default=0.0)
+    held = max(length for radius, length in upright if radius == thread.thread)
+    hold = f"inserts in holes of {2 * thread.thread:g} mm" if thread.printed else "tapped holes"
+    long = math.ceil(through + (0 if sunk or tapped else NUT))
+    return [
+        f"M3 bolts: {count} of at least {long} mm along y, {ends}",
+        f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}",
+    ]
+
+
+def _shrinkage(design: Design, closed: Mold) -> str:
+    part, cavity = skin_part(design).volume, closed.part("skin").volume
+    share = 100 * shrinkage(design)
+    return (
+        f"Shrinkage: {share:.3g} % in length, so the skin of {part / 1000:.4f} cm3 cures from a cavity of "
+        f"{cavity / 1000:.4f} cm3."
+    )
 
 
 def _tip(design: Design) -> str:
@@ -103,94 +149,91 @@ def _tip(design: Design) -> str:
 def _mix(material: Silicone, volume: float) -> list[str]:
     grams = volume * material.density * 1e-6
     total = grams + DEAD_VOLUME
-    parts = f"mix {total:.2f} g by its data sheet"
+    parts = f"mix {total:.4g} g by its data sheet"
     if material.mix:
         a, b = (total * share / sum(material.mix) for share in material.mix)
-        parts = f"weigh {a:.2f} g of A and {b:.2f} g of B, {total:.2f} g"
+        parts = f"weigh {a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
     pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
     cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
     return [
         "## Silicone",
         "",
-        f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.3f} cm3, "
-        f"{grams:.2f} g.",
+        f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.4g} cm3, "
+        f"{grams:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
         f"Pot life {pot}; cure {cure} at room temperature.",
         "",
     ]
 
 
-def _order(design: Design) -> list[str]:
+def _order(design: Design, closed: Mold) -> list[str]:
     slots = design.slot is not None
     back = (
         "its holes widen upward and hold the skin like rivets"
         if design.mold.carrier == "perforated"
         else "prime its lower face for silicone, or the skin comes off"
     )
-    combs = (
-        "combs first; lay the shims into the notches, their long end out at end b, and pull them straight; "
-        "then the keepers, pressed down onto the combs while you tighten."
-    )
     close = [
         ("End a has the gate. " if design.mold.pour == "syringe" else "")
         + "Clean and dry all parts; release agent on cavity, end plates, cover"
-        + (" and shims" if slots else "")
+        + (" and shims" if slots and design.mold.method == "shim" else "")
         + ", none on the carrier.",
-        "Bolt the end plates to the cavity" + (f": {combs}" if slots else "."),
+        "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if slots else "."),
         *(_by_syringe if design.mold.pour == "syringe" else _open)(design, back),
         "Lay the mold level to cure. Top up the reservoir over the vent: it feeds what shrinks and what "
         "bubbles leave.",
     ]
-    draw = "Draw the shims out along y, towards end b."
-    if design.film:
-        draw = (
-            f"Glue each film strip ({design.film.thickness * 1000:.0f} um, numbered in strips.dxf) to the "
-            "short tail of its shim at end a, wet it with fresh silicone, and draw the shim out along "
-            "y, towards end b: the strip follows it in. It is too thin to be pushed. Mark its polarity; the "
-            "same side faces +x in every slot."
-        )
     leave = [
-        *([draw] if slots else []),
+        *freed(design),
         "Take all bolts out, the cover's first. "
         + ("Cut the sprue at the gate, take" if design.mold.pour == "syringe" else "Take")
-        + " the end plates off along y.",
-        "Take the cover off upward; what stood in reservoir and bleeds tears, or is cut flush.",
-        "Push the carrier up from its two ends; the skin leaves the cavity with it. Cut the flash there.",
+        + " the end plates off along y, a screwdriver in the notches at their sides.",
+        "Lift the cover where it stood over the end plates; what stood in reservoir and bleeds tears, or is "
+        "cut flush.",
+        *_out(design, closed),
     ]
     steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
     return ["## In this order", "", *steps, ""]
+
+
+def _out(design: Design, closed: Mold) -> list[str]:
+    """How the skin and its cavity part."""
+    pulls = any(cut.radius == TAP_RADIUS for cut in closed.part("carrier").cuts if isinstance(cut, Bore))
+    grip = "by two M3 screws in its blind holes" if pulls else "from its two ends"
+    if not split_ridges(design):
+        return [f"Pull the carrier up {grip}; the skin leaves the cavity with it. Cut the flash there."]
+    return [
+        f"Hold the carrier {grip} and draw the base plate off downward. Tilt the two outer pieces of the "
+        "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
+        "its own ridges. Cut the flash at the carrier; that on the split crowns must be thin: wipe it off, "
+        "don't cut into a crown.",
+    ]
 
 
 def _by_syringe(design: Design, back: str) -> list[str]:
     return [
         f"Lay the carrier on its ledge ({back}), then cover and bolts.",
         f"Degas the mix. Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
-        "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir.",
+        "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
+        + filled_slowly(design),
         "Plug the gate or leave the syringe in it: it is the lowest point.",
     ]
 
 
 def _open(design: Design, back: str) -> list[str]:
+    held = "shims" if design.mold.method == "shim" else "strips"
     return [
         "Degas the mix. Lay the mold level and pour in a thin stream along one side, until the silicone "
-        "stands a little above the ledge; degas once more, pierce what bubbles stay on ridges and shims.",
+        f"stands a little above the ledge; degas once more, pierce what bubbles stay on ridges and {held}."
+        + filled_slowly(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",
         "Cover and bolts; silicone rises in the bleeds and in the reservoir. Fill up through the reservoir.",
     ]
 
 
-def _findings(design: Design, material: Silicone, findings: list[Finding]) -> list[str]:
+def _findings(design: Design, findings: list[Finding]) -> list[str]:
     notes = [f"- {finding}" for finding in findings]
     if design.mold.carrier == "perforated":
         notes.append("- The carrier is held by rivets of silicone: a light pull test before use.")
-    if material.platinum_cure and design.mold.process == "sla":
-        notes.append(
-            "- Platinum silicone does not cure against many SLA resins: wash, post-cure and bake the parts, "
-            "seal them, and cast a trial first."
-        )
-    notes.append(
-        f"- Inspect: skin {design.skin.width:g} x {design.skin.length:g} mm across the back, "
-        f"{section(design).top:.3f} mm to the middle crest; no ridge torn."
-    )
-    return ["## Watch", "", *notes]
+    return ["## Watch", "", *notes, ""]

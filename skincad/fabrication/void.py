@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from skincad import curves
 from skincad.design import Design
-from skincad.solids.mold import Mold
+from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Body, Bore, Prism
+from skincad.solids.shrinkage import poured
 
 ABOVE = "cover"  # name of the spaces in the cover: what is left in them is cut off
 
@@ -43,14 +44,21 @@ class Void:
         return math.fsum(space.body.volume for space in self.spaces)
 
 
+def alone(design: Design, closed: Mold) -> Mold:
+    """Return the mold of one skin: all skins of a gang fill alike."""
+    return closed if design.mold.cavities == 1 else mold(design.with_(mold={"cavities": 1}))
+
+
 def void(design: Design, closed: Mold) -> Void:
-    """Return what the silicone fills: skin, gate, the carrier's holes and vent, the gap round the carrier,
-    bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are taped when full."""
-    carrier, skin = closed.part("carrier"), closed.part("skin")
+    """Return what the silicone fills in a mold of one skin: skin, gate, the carrier's holes and vent, the gap
+    round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
+    taped when full."""
+    design, carrier, skin = poured(design), closed.part("carrier"), closed.part("skin")
     top = design.mold.carrier_thickness + design.mold.cover
     spaces = [Space("skin", skin.body)]
-    names = ["vent", *(f"carrier hole {i}" for i in range(1, len(carrier.cuts)))]
-    spaces += [Space(name, cut) for name, cut in zip(names, carrier.cuts, strict=True)]
+    holes = [cut for cut in carrier.cuts if isinstance(cut, Bore) and cut.start[2] == 0.0]  # not blind
+    names = ["vent", *(f"carrier hole {i}" for i in range(1, len(holes)))]
+    spaces += [Space(name, cut) for name, cut in zip(names, holes, strict=True)]
     spaces += [Space("gap round the carrier", ring) for ring in _gap(design, carrier.body)]
     spaces += [Space(ABOVE, bore, top, counts=False) for bore in _over(closed)]
     spaces += [Space("gate", bore) for bore in _gates(closed)]

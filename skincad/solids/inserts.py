@@ -1,4 +1,4 @@
-"""What lies in the mold while it is poured and is no part of it: shims, and the pins that locate it."""
+"""What lies in the mold while it is poured and is no part of it: shims or strips, and its dowel pins."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from skincad.design import Design
 from skincad.section import section
 from skincad.solids.plan import Bore, Part, Prism, Vector
 
-STEEL = (0.62, 0.65, 0.70)
+STEEL, SILVER = (0.62, 0.65, 0.70), (0.80, 0.80, 0.74)
 PIN_RADIUS = 1.0  # mm, source: ISO 2338 dowel pin, 2 mm
 GRIP = 6.0  # mm, assumption: what pliers hold of a shim beyond the end plates
+STUB = 2.0  # mm, assumption: room for a knife between an end plate and a strip's tab
 
 
 def shims(design: Design) -> list[Part]:
@@ -24,6 +25,37 @@ def shims(design: Design) -> list[Part]:
         )
         for slot in section(design).slots
     ]
+
+
+def strips(design: Design) -> list[Part]:
+    """Return the film strip of every slot as it is cast in: straight through both combs, to where its tabs
+    are cut off before the mold opens. None without film.
+
+    The tabs, wider than a notch, stand beyond and are on the cutting pattern only.
+    """
+    film = design.film
+    if film is None:
+        return []
+    half, (a, b) = design.skin.length / 2, stands_out(design)
+    return [
+        Part(
+            f"strip-{slot.ridge}-{slot.side}",
+            SILVER,
+            "bought",
+            Prism(flipped(slot.loop(film.thickness)), "y", -half - a, half + b),
+        )
+        for slot in section(design).slots
+    ]
+
+
+def stands_out(design: Design) -> tuple[float, float]:
+    """Return what a strip stands out of the skin at end a and b once its tabs are cut off, mm: the lead on
+    the wiring side; a strip that is cast in goes through its end plates besides."""
+    if design.film is None:
+        return 0.0, 0.0
+    through, stub = (design.mold.end_plate, STUB) if design.mold.method == "cast-in" else (0.0, 0.0)
+    wired, other = through + design.film.lead, through + stub
+    return (wired, other) if design.film.wiring_side == "a" else (other, wired)
 
 
 def pin(name: str, start: Vector, axis: str, length: float) -> Part:

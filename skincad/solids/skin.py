@@ -1,13 +1,13 @@
-"""The skin: its section swept along y."""
+"""The skin: its section swept along y, straight or turned about an axis along x."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from skincad.curves import flipped
+from skincad.curves import Loop, flipped
 from skincad.design import Design
-from skincad.section import section
-from skincad.solids.plan import Part, Prism
+from skincad.section import Section, section
+from skincad.solids.plan import Part, Prism, Revolved
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -16,24 +16,40 @@ COLOUR = (0.93, 0.72, 0.62)
 
 
 def skin_part(design: Design) -> Part:
-    """Return the skin as designed: back at z = 0, ridges up, -length/2 to length/2 along y."""
-    shape, half = section(design), design.skin.length / 2
+    """Return the skin as designed: back at z = 0, ridges up, -length/2 to length/2 along y.
+
+    With a second curvature the section is the one at y = 0, its ends are planes through the axis.
+    """
+    shape = section(design)
     slots = tuple(s.loop() for s in shape.slots)
-    return Part("skin", COLOUR, "cast", Prism(shape.outline, "y", -half, half, slots))
+    return Part("skin", COLOUR, "cast", along_skin(design, shape.outline, slots))
 
 
-def cast_skin(design: Design) -> Part:
-    """Return the skin as it lies in its mold, ridges down."""
-    shape, half = section(design), design.skin.length / 2
+def cast_skin(design: Design, shape: Section | None = None) -> Part:
+    """Return the skin as it lies in its mold, ridges down; of this section where it is given."""
+    shape = shape or section(design)
     slots = tuple(flipped(s.loop()) for s in shape.slots)
-    return Part("skin", COLOUR, "cast", Prism(flipped(shape.outline), "y", -half, half, slots))
+    return Part("skin", COLOUR, "cast", along_skin(design, flipped(shape.outline), slots, -1.0))
+
+
+def along_skin(design: Design, outline: Loop, holes: tuple[Loop, ...], up: float = 1.0) -> Prism | Revolved:
+    """Return a loop swept along the skin's length, `up` = -1 where the ridges point down.
+
+    A doubly curved skin turns about the axis curvature_radius_y below the base circle's summit; `length` is
+    the arc of that summit.
+    """
+    skin, half = design.skin, design.skin.length / 2
+    radius = skin.curvature_radius_y
+    if radius is None:
+        return Prism(outline, "y", -half, half, holes)
+    return Revolved(outline, up * (skin.thickness - radius), -half / radius, half / radius, holes)
 
 
 def skin_solid(design: Design) -> cq.Workplane:
-    """Return the skin's exact solid, mm, in the design's frame; arcs are cylinders.
+    """Return the skin's exact solid, mm, in the design's frame; arcs are cylinders, or tori and spheres.
 
     Raises InputError for a section that is not valid, KernelError when the CAD kernel's solid is not valid
-    or its volume is not the section's area times the length.
+    or its volume is not the section's area times its centroid's path.
     """
     from skincad.solids.occ import workplane
 

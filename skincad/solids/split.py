@@ -10,6 +10,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from skincad.curves import Loop, Point, Segment
 from skincad.design import Design
@@ -27,7 +28,9 @@ def split_height(design: Design, shape: Section) -> tuple[float, float, float]:
     over = [_over_base(p, radius, thickness) for p in corners]
     height = min(over)
     angle = max(math.atan2(p.x, radius + p.z - thickness) for p in corners)
-    angle += design.slot.thickness / radius if design.slot else 0.0
+    wide = design.core_thickness + 2 * design.mold.slit_clearance
+    # beyond the outermost corner lies the rest of its mouth, which a tilt stretches
+    angle += wide * max(1.0, math.tan(math.radians(abs(design.slot.tilt if design.slot else 0.0)))) / radius
     level = thickness + height - 2 * (radius + height) * math.sin(angle / 2) ** 2
     return height, level, angle
 
@@ -49,7 +52,12 @@ def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segme
     here, last = Point(-reach, level), Point(reach, level)
     comb = [Segment(Point(-half, level), here)]
     keeper = list(comb)
-    for notch in sorted(_notch(design, slot, height) for slot in shape.slots):
+    notches = sorted(_notch(design, slot, height) for slot in shape.slots)
+    for one, other in pairwise(shapely.Polygon(notch) for notch in notches):
+        if one.intersects(other):
+            gap = design.mold.slit_clearance
+            raise InputError("mold.slit_clearance", "neighbouring notches of the comb meet", gap, "reduce it")
+    for notch in notches:
         between, mouth = arc(here, notch[0]), arc(notch[0], notch[-1])
         comb += [between, *path(notch)]
         keeper += [between, mouth]
@@ -59,16 +67,18 @@ def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segme
 
 
 def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
-    """Corners of a comb's notch, from its mouth on the split circle round the slot's outer end."""
+    """Corners of a comb's notch, from its mouth on the split circle round the slot's outer end. A shim has
+    its clearance there too; a strip that is cast in lies on the notch's bottom, its datum."""
     radius, gap = design.skin.curvature_radius, design.mold.slit_clearance
     a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
+    bottom = slot.depth / 2 if design.mold.method == "cast-in" else b
     along, mouth = np.array(slot.direction), []
     for side in (-a, a):
         foot = slot.at(side, -b)
         start = np.array([foot.x, foot.z - design.skin.thickness])
         u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
         mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
-    return [mouth[0], slot.at(-a, b), slot.at(a, b), mouth[1]]
+    return [mouth[0], slot.at(-a, bottom), slot.at(a, bottom), mouth[1]]
 
 
 def _angle(point: Point, design: Design) -> float:

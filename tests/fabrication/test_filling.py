@@ -24,6 +24,12 @@ from skincad.solids.plan import Bore, Part, Prism
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids
 
 
+@pytest.fixture
+def yamada(yamada: Design) -> Design:
+    """Without shrinkage, so that the closed forms have round numbers."""
+    return yamada.with_(mold={"shrinkage": 0.0})
+
+
 def air(space: Void, tilt: float, chord: float = 1e-3) -> list:
     return trapped(cells(space, chord), vertical(tilt))
 

@@ -31,3 +31,21 @@ def test_a_pin_moved_across_its_axis_is_refused() -> None:
     pin = Part("pin", (0, 0, 0), "bought", Bore((0, 0, 0), "z", 1.0, 0.5))
     with pytest.raises(ValueError, match="pin moves along its axis only"):
         swept(pin, "y", 1.0, 1e-3)
+
+
+def test_moved_aside_a_prism_sweeps_its_shadow_along_the_heading() -> None:
+    part = Part("p", (0, 0, 0), "made", box(1.0, (0.0, 2.0), (0.0, 1.0), "y"))
+    path = swept(part, (math.sin(0.3), -math.cos(0.3)), 5.0, 1e-3)
+    across = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
+    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * across), rel=1e-12)
+
+
+def test_a_blind_hole_leaves_no_way_open_in_what_is_swept() -> None:
+    blind = Part("p", (0, 0, 0), "made", box(2, (0, 4), (0, 4), "y"), (Bore((0, 0, 2), "y", 3.0, 0.5),))
+    assert swept(blind, "y", 2.0, 1e-3).volume == pytest.approx(4 * 6 * 4)
+
+
+def test_a_pin_along_y_moved_down_sweeps_a_stadium() -> None:
+    pin = Part("pin", (0, 0, 0), "bought", Bore((0, 0, 0), "y", 3.0, 1.0))
+    path = swept(pin, "z", -4.0, 1e-5)
+    assert path.volume == pytest.approx(3.0 * (math.pi + 8.0), rel=1e-4)  # chords within 1e-5 mm

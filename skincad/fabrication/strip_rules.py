@@ -1,0 +1,106 @@
+"""Rules for strips and shims: do they stay where the section has them, before, in and after the pour."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from skincad.catalog import processes, silicone
+from skincad.design import Design
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.strips import (
+    PVDF_YIELD,
+    Pour,
+    Strip,
+    deflection,
+    pour,
+    released,
+    straight_pull,
+    strip,
+    weight,
+)
+
+MOST_PULL = 1 / 3  # assumption: of the yield stress; more creeps in the hours of a cure
+MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
+SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures
+DRIFT_SHARE = 0.25  # of the silicone beside it; further, a capillary force that grows as 1 / gap pulls it on
+PLACE_SHARE = 0.1  # assumption: of slot.offset; more unbalances a pair by more than a fifth
+SETTLED = 0.1  # assumption: of the pot life, in which a strip must be back
+
+
+def misplaced(design: Design) -> float:
+    """Return how far a strip or shim may lie from its place in the section, mm: the slit clearance and the
+    tolerance of the process that makes the combs."""
+    maker = design.mold.end_plate_process or design.mold.process
+    return design.mold.slit_clearance + processes(design.printer)[maker].tolerance
+
+
+def strip_findings(design: Design) -> list[Finding]:
+    """Return the rules `strip sag`, `strip stress`, `strip drift`, `strip release` and `strip place`; none
+    without slots."""
+    rod, flow = strip(design), pour(design)
+    if rod is None or flow is None or design.slot is None:
+        return []
+    cast = [*_sag(design, rod), *_stress(rod, flow)] if design.mold.method == "cast-in" else []
+    return [*cast, *_drift(design, rod, flow), *_release(design, rod), *_place(design)]
+
+
+def _sag(design: Design, rod: Strip) -> list[Finding]:
+    """At rest in the silicone, which is how it cures; in air, before, its load is larger, but that passes."""
+    load = weight(rod, silicone(design.material).density)
+    sag, limit = abs(deflection(rod, load)), SAG_SHARE * (design.slot.offset if design.slot else 0.0)
+    if sag <= limit:
+        return []
+    remedy = f"film.tension of {straight_pull(rod, load, limit):.2g} N or more, or a shorter skin"
+    return [Finding("strip sag", "strips, by their weight in silicone", sag, limit, "mm", "warning", remedy)]
+
+
+def _stress(rod: Strip, flow: Pour) -> list[Finding]:
+    stress, limit = (rod.tension + flow.pull) / rod.section, MOST_PULL * PVDF_YIELD
+    if stress <= limit:
+        return []
+    least = max(limit * rod.section - flow.pull, 0.0)
+    remedy = f"film.tension of at most {least:.2g} N, or a thicker film; it yields at {PVDF_YIELD:g} MPa"
+    severity: Literal["error", "warning"] = "error" if stress > PVDF_YIELD else "warning"
+    return [Finding("strip stress", "strips, by their tension", stress, limit, "MPa", severity, remedy)]
+
+
+def _drift(design: Design, rod: Strip, flow: Pour) -> list[Finding]:
+    """While the front passes; and whether a strip is back long before the silicone sets."""
+    found, name = [], "strips" if design.mold.method == "cast-in" else "shims"
+    limit = DRIFT_SHARE * flow.beside
+    slower = f"mold.fill_time of {design.mold.fill_time * flow.drift / limit:.2g} s or more"
+    stronger = ", more tension or a thicker film" if rod.tension else ", or a thicker slot"
+    if flow.drift > limit:
+        where = f"{name}, while they are poured round"
+        found.append(Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger))
+    pot_life = silicone(design.material).pot_life_min
+    if pot_life is not None and flow.settling > SETTLED * 60 * pot_life:
+        where, remedy = f"{name}, coming back after the pour", "a thinner silicone" + stronger
+        limit = SETTLED * 60 * pot_life
+        found.append(Finding("strip drift", where, flow.settling, limit, "s", "warning", remedy))
+    return found
+
+
+def _release(design: Design, rod: Strip) -> list[Finding]:
+    """A note: the skin comes out shorter than designed."""
+    strain = released(design)
+    if strain <= MOST_RELEASE:
+        return []
+    remedy = f"film.tension of {rod.tension * MOST_RELEASE / strain:.2g} N"
+    return [
+        Finding("strip release", "skin, shortened by its strips", strain, MOST_RELEASE, "", "note", remedy)
+    ]
+
+
+def _place(design: Design) -> list[Finding]:
+    """A note: stress across the film grows about as its distance from the axis (assumption), so a pair is out
+    of balance by up to both errors by the offset."""
+    off, offset = misplaced(design), design.slot.offset if design.slot else math.inf
+    if off <= PLACE_SHARE * offset:
+        return []
+    remedy = (
+        f"calibrate each pair, S1 and S2 may differ by {100 * 2 * off / offset:.0f} %; or a smaller "
+        "slit_clearance, a finer process for the combs, or a larger design"
+    )
+    return [Finding("strip place", "strips in their slits", off, PLACE_SHARE * offset, "mm", "note", remedy)]

@@ -1,0 +1,199 @@
+"""The cavity: the block with the ridges' negative, in one piece or parted through the summits of ridges.
+
+A parted cavity stands on a base plate. Each split runs from a crown's summit down that ridge's own axis. The
+ridges fan out, so a piece between two splits widens downward: wedged between its neighbours, on the base and
+between the end plates it can't move, and once the base is off it leaves down its own middle direction, past
+flanks that lean away from it. The outer pieces leave half a pitch further outward. The price: a parting line
+on the summit of each ridge that is split, where a flash has to be kept thin.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+from skincad.curves import Loop, Point, Segment
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.section import Section
+from skincad.solids.layout import (
+    BOLT_RADIUS,
+    EDGE,
+    PIN_DEPTH,
+    THREAD,
+    Layout,
+    at_least,
+    cover_bolts,
+    cover_pins,
+    fits,
+)
+from skincad.solids.plan import Body, Bore, Heading, Part, Prism, box, shifted
+from skincad.solids.shrinkage import on_grid
+from skincad.solids.split import path
+
+FOOT = 1.0  # mm, assumption: least of a piece under the deepest ridge, to be held by
+BASE_PIN = 3.0  # mm, assumption: of a pin in the base, and as much in the piece on it
+GREY, STONE = (0.75, 0.77, 0.80), (0.66, 0.69, 0.74)
+
+
+def cavity(design: Design, shape: Section, place: Layout) -> Part:
+    """Return the block with one trough for each skin: its negative, and the carrier's seat above it."""
+    single = (*_rim(design, place, 1), *_negative(shape.outline), *_rim(design, place, -1))
+    lands = [shifted(single, x) for x in reversed(place.centres)]  # from right to left
+    outline = list(_across(Point(place.half, place.bottom), Point(place.half, place.top), lands[0][0].start))
+    for here, there in zip(lands, [*lands[1:], None], strict=True):
+        outline += here
+        outline += path([here[-1].end, there[0].start]) if there else []
+    left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
+    outline += path([outline[-1].end, *left, outline[0].start])
+    bores = [*_along(place, (place.comb_bolt, place.keeper_bolt)), *_pin_holes(design, place)]
+    thread = fits(design, design.mold.process).thread
+    upright = [Bore((x, y, place.top - THREAD), "z", THREAD, thread) for x, y in cover_bolts(place)]
+    cuts = (*bores, *upright, *_sockets(design, place, (-1, 1)))
+    return Part("cavity", GREY, "made", Prism(tuple(outline), "y", -place.end, place.end), cuts)
+
+
+def parted(outline: Loop, ridges: list[int]) -> Loop:
+    """Return the section's outline with the crowns of these ridges cut in two at their summits, so that skin
+    and pieces have the same corners there."""
+    halved: list[Segment] = []
+    for s in outline:
+        if s.kind == "crown" and s.ridge in ridges:
+            middle, bulge = s.point(0.5), math.tan(s.sweep / 8)
+            halved += [replace(s, end=middle, bulge=bulge), replace(s, start=middle, bulge=bulge)]
+        else:
+            halved.append(s)
+    return tuple(halved)
+
+
+def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[int]) -> list[Part]:
+    """Return base, outer pieces and the pieces between, from left to right. `shape` is parted at `ridges`."""
+    level, half = _base_level(design, place), place.end
+    chunks, summits = _chunks(shape.outline, ridges)
+    feet = [_foot(design, ridge, s, level) for ridge, s in zip(reversed(ridges), summits, strict=True)]
+    most = place.outer - BOLT_RADIUS - EDGE
+    if max(abs(f.x) for f in feet) > most:
+        rule = f"spreads the cavity's pieces to {max(abs(f.x) for f in feet):.4g} mm, beyond {most:.4g} mm"
+        raise InputError("skin.curvature_radius", rule, design.skin.curvature_radius, "enlarge mold.wall")
+    right = [Point(feet[0].x, level), Point(place.half, level), Point(place.half, place.top)]
+    left = [Point(-place.half, place.top), Point(-place.half, level), feet[-1]]
+    rims = _rim(design, place, 1), _rim(design, place, -1)
+    outlines = [(*path([*right, rims[0][0].start]), *rims[0], *chunks[0], *path([summits[0], feet[0]]))]
+    for i in range(1, len(summits)):
+        sides = path([feet[i - 1], summits[i - 1]]), path([summits[i], feet[i], feet[i - 1]])
+        outlines.append((*sides[0], *chunks[i], *sides[1]))
+    last = path([feet[-1], summits[-1]])
+    outlines.append((*last, *chunks[-1], *rims[1], *path([rims[1][-1].end, *left])))
+    names = ["cavity-left", *(f"cavity-{i}" for i in range(1, len(summits))), "cavity-right"]
+    cuts = {"cavity-left": _wall_cuts(design, place, -1), "cavity-right": _wall_cuts(design, place, 1)}
+    pieces = [
+        Part(name, STONE, "made", Prism(outline, "y", -half, half), cuts.get(name, ()))
+        for name, outline in zip(names, reversed(outlines), strict=True)
+    ]
+    return [_base(design, place, level), *pieces]
+
+
+def headings(design: Design, ridges: list[int]) -> list[Heading]:
+    """Return the direction (x, z) in which each piece leaves, from left to right."""
+    leans = [design.lean(ridge) for ridge in ridges]
+    beyond = design.ridge.pitch / (2 * design.skin.curvature_radius)
+    middle = [(a + b) / 2 for a, b in pairwise(leans)]
+    angles = [leans[0] - beyond, *middle, leans[-1] + beyond]
+    return [(math.sin(angle), -math.cos(angle)) for angle in angles]
+
+
+def base_pins(design: Design, place: Layout) -> list[tuple[float, float, float]]:
+    """Return the lower ends of the pins that locate the outer pieces on the base."""
+    level = _base_level(design, place)
+    return [(x, y, level - BASE_PIN) for x, y in cover_pins(place)]
+
+
+def _base(design: Design, place: Layout, level: float) -> Part:
+    depth = on_grid(min(THREAD, level - place.bottom - EDGE))
+    own = fits(design, design.mold.process)
+    cuts: list[Body] = [*_along(place, (place.comb_bolt,)), *_pin_holes(design, place)]
+    cuts += [Bore((x, y, level - depth), "z", depth, own.thread) for x, y in cover_bolts(place)]
+    cuts += [Bore(start, "z", BASE_PIN, own.press) for start in base_pins(design, place)]
+    body = box(place.half, (-place.end, place.end), (place.bottom, level), "y")
+    return Part("cavity-base", GREY, "made", body, tuple(cuts))
+
+
+def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
+    level, slide = _base_level(design, place), fits(design, design.mold.process).slide
+    bolts = [(x, y) for x, y in cover_bolts(place) if x * side > 0]
+    pins = [(x, y) for x, y in cover_pins(place) if x * side > 0]
+    return (
+        *(cut for cut in _along(place, (place.keeper_bolt,)) if cut.start[0] * side > 0),
+        *(Bore((x, y, level), "z", place.top - level, BOLT_RADIUS) for x, y in bolts),
+        *(Bore((x, y, level), "z", BASE_PIN, slide) for x, y in pins),
+        *_sockets(design, place, (side,)),
+    )
+
+
+def _base_level(design: Design, place: Layout) -> float:
+    level = on_grid(place.comb_bolt + BOLT_RADIUS + EDGE)
+    at_least("mold.floor", design.mold.floor, level - place.bottom + FOOT, "base and feet of a split cavity")
+    room = place.top - PIN_DEPTH - level
+    at_least("mold.floor", room, BASE_PIN + EDGE, "pins over and under a wall of a split cavity")
+    return level
+
+
+def _foot(design: Design, ridge: int, summit: Point, level: float) -> Point:
+    """Where a ridge's axis from its summit meets the base."""
+    return Point(summit.x + (summit.z - level) * math.tan(design.lean(ridge)), level)
+
+
+def _chunks(outline: Loop, ridges: list[int]) -> tuple[list[Loop], list[Point]]:
+    """The negative from right to left, cut at the summits of these ridges, and the summits."""
+    negative = _negative(outline)
+    cuts = []
+    for ridge in reversed(ridges):
+        own = [i for i, s in enumerate(negative) if s.ridge == ridge]
+        cuts.append(own[len(own) // 2])
+    ends = [0, *cuts, len(negative)]
+    chunks = [negative[a:b] for a, b in pairwise(ends)]
+    return chunks, [negative[i].start for i in cuts]
+
+
+def _negative(outline: Loop) -> Loop:
+    """The section's outline but its back, upside down, from right to left, the cavity on its left."""
+    return tuple(
+        replace(s, start=Point(s.start.x, -s.start.z), end=Point(s.end.x, -s.end.z), bulge=-s.bulge)
+        for s in outline
+        if s.kind != "back"
+    )
+
+
+def _rim(design: Design, place: Layout, side: int) -> Loop:
+    """The carrier's seat on one side: from the top down at the right, up at the left."""
+    points = [
+        Point(side * place.trough, place.top),
+        Point(side * place.trough, 0.0),
+        Point(side * design.skin.width / 2, 0.0),
+    ]
+    return tuple(path(points if side > 0 else points[::-1]))
+
+
+def _across(*points: Point) -> Loop:
+    return tuple(path(list(points)))
+
+
+def _along(place: Layout, heights: tuple[float, ...]) -> list[Bore]:
+    return [Bore((x, -place.end, z), "y", 2 * place.end, BOLT_RADIUS) for x in place.lanes for z in heights]
+
+
+def _pin_holes(design: Design, place: Layout) -> list[Bore]:
+    depth = on_grid(min(PIN_DEPTH, 0.4 * design.skin.length))
+    press = fits(design, design.mold.process).press
+    ends = (-place.end, place.end - depth)
+    return [Bore((x, y, place.comb_pin), "y", depth, press) for x in place.pins for y in ends]
+
+
+def _sockets(design: Design, place: Layout, sides: tuple[int, ...]) -> list[Bore]:
+    slide = fits(design, design.mold.process).slide
+    return [
+        Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, slide)
+        for x, y in cover_pins(place)
+        if math.copysign(1, x) in sides
+    ]

@@ -1,0 +1,127 @@
+"""Carrier and cover: the rigid backing with its holes and vent, and the lid with bleeds and reservoir."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.solids.layout import BOLT_RADIUS, EDGE, TAP_RADIUS, Layout, cover_bolts, cover_pins, fits
+from skincad.solids.plan import Body, Bore, Part, box, moved
+
+HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
+MOST_HOLES = (
+    60  # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
+)
+BLEED = 0.4  # mm, assumption: radius of the cover's bleed over each of them, or it would fill with air only
+CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
+CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
+OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
+UNDER_PULL = 1.0  # mm, assumption: what a pull hole leaves of the carrier over the silicone
+LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
+GLASS = (0.70, 0.85, 0.95)
+
+
+def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
+    """The vent: in the middle of end b, as near to the end plate as the carrier allows."""
+    radius, gap = design.mold.vent / 2, design.mold.clearance
+    room = min(design.skin.width, design.skin.length) - 2 * (gap + EDGE)
+    if 2 * radius > room:
+        raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", 2 * radius)
+    return Bore((0.0, place.end - gap - radius - EDGE / 2, low), "z", thick, radius)
+
+
+def _reservoir(design: Design, place: Layout) -> Bore:
+    """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
+    vent, end = _vent(design, place, 0.0, 1.0), place.end
+    own, inner = design.mold.reservoir, vent.start[1] - vent.radius
+    wide = own / 2 if own else max(CUP, end - inner + CUP_RIM)
+    y = min(end, end + design.mold.end_plate - EDGE / 2 - wide)
+    need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
+    most = min(place.outer - place.centres[-1] - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
+    most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
+    if not need <= wide <= most:
+        rule = f"must be from {2 * need:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
+        raise InputError("mold.reservoir", rule, 2 * wide)
+    return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide)
+
+
+def _bleed(hole: tuple[float, float]) -> tuple[float, float]:
+    """Place of the bleed over a carrier's hole: inside its rim, at end b's side, which is the highest."""
+    return hole[0], hole[1] + HOLD[1] - BLEED
+
+
+def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
+    """Places (x, y) of the carrier's holes; none for a plain carrier."""
+    if design.mold.carrier == "plain":
+        return []
+    vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
+    beside = (cup.end_radius or 0.0) + BLEED + EDGE / 2
+    small, large, spacing = HOLD
+    wide, long = design.skin.width - 2 * (small + EDGE), design.skin.length - 2 * (large + EDGE)
+    spacing = max(spacing, math.sqrt(max(wide, 0.0) * max(long, 0.0) / MOST_HOLES))
+    places = [
+        (x, y)
+        for x in _grid(wide, spacing)
+        for y in _grid(long, spacing)
+        if math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
+        and math.dist(_bleed((x, y)), cup.start[:2]) > beside
+    ]
+    if not places:
+        raise InputError(
+            "mold.carrier",
+            "finds no room for a hole beside the vent, so nothing would hold the skin",
+            design.mold.carrier,
+            'take carrier = "plain" and a primer, a smaller vent or a larger skin',
+        )
+    return places
+
+
+def carrier(design: Design, place: Layout) -> Part:
+    """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
+    them holds like rivets; blind threads from above lift the skin out, the only grip that it needs."""
+    thick, gap = design.mold.carrier_thickness, design.mold.clearance
+    small, large, _ = HOLD
+    holes: list[Body] = [_vent(design, place, 0.0, thick)]
+    holes += [Bore((x, y, 0.0), "z", thick, small, large) for x, y in _rivets(design, place)]
+    half = place.end - gap
+    body = box(place.trough - gap, (-half, half), (0.0, thick))
+    return Part("carrier", GLASS, "made", body, (*holes, *_pulls(design, place)))
+
+
+def _pulls(design: Design, place: Layout) -> list[Bore]:
+    """Two tapped holes in the carrier's top that end over the silicone, opposite each other, as near to its
+    middle as they clear all that silicone fills; none where they don't."""
+    thick, gap = design.mold.carrier_thickness, design.mold.clearance
+    x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
+    if thick < UNDER_PULL + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
+        return []
+    vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
+    filled = [(*vent.start[:2], vent.radius), (*cup.start[:2], cup.radius)]
+    filled += [(*hole, HOLD[1]) for hole in _rivets(design, place)]
+    for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
+        pair = (-x, -y), (x, y)
+        if all(math.dist(p, (a, b)) > r + TAP_RADIUS + EDGE / 2 for p in pair for a, b, r in filled):
+            return [Bore((*p, UNDER_PULL), "z", thick - UNDER_PULL, TAP_RADIUS) for p in pair]
+    return []
+
+
+def _grid(room: float, spacing: float) -> list[float]:
+    count = max(0, math.floor(room / spacing)) + 1 if room >= 0 else 0
+    return [(i - (count - 1) / 2) * spacing for i in range(count)]
+
+
+def cover(design: Design, place: Layout) -> Part:
+    """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
+    plates: once these are off, it is lifted there."""
+    thick, end = design.mold.cover, place.end + design.mold.end_plate
+    press = fits(design, design.mold.lid_process).press
+    bores: list[Body] = [Bore((x, y, place.top), "z", thick, BOLT_RADIUS) for x, y in cover_bolts(place)]
+    bores += [Bore((x, y, place.top), "z", thick, press) for x, y in cover_pins(place)]
+    over = [_reservoir(design, place)]
+    over += [Bore((*_bleed(hole), place.top), "z", thick, BLEED) for hole in _rivets(design, place)]
+    bores += [moved(bore, x) for x in place.centres for bore in over]
+    body = box(place.half, (-end, end), (place.top, place.top + thick))
+    return Part("cover", GLASS, "made", body, tuple(bores))

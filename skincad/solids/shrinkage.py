@@ -1,0 +1,57 @@
+"""Shrinkage: the mold is made larger than the skin as designed, which is the cured part.
+
+The cavity is the skin's section and length, all times 1 / (1 - s): isotropic, as silicone cures that nothing
+holds. The carrier holds the back along x and y, so that near it the skin stays up to s times its distance
+from the middle larger, and its thickness shrinks up to (1 + nu) / (1 - nu), nearly three, times s. A shim is
+bought: its place moves with the silicone, its size doesn't.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from skincad.catalog import silicone
+from skincad.design import Design
+from skincad.tables import Table
+
+_GRID = 2.0**40  # per mm
+_HEIGHTS = ("floor", "end_plate", "cover", "carrier_thickness", "clearance")
+_Table = TypeVar("_Table", bound=Table)
+
+
+def shrinkage(design: Design) -> float:
+    """Return the linear shrinkage that the mold makes up for: the design's own, or its silicone's."""
+    own = design.mold.shrinkage
+    return silicone(design.material).shrinkage if own is None else own
+
+
+def poured(design: Design) -> Design:
+    """Return the design of what is poured, so that it cures to `design`: every length of skin and ridge, and
+    a slot's place, times 1 / (1 - shrinkage). It may pass a key's limit by that much, so it isn't checked.
+
+    Lengths along y and z that bores end at are put on a binary grid, and stay on it when they are added.
+    """
+    by = 1 / (1 - shrinkage(design))
+    skin = _scaled(design.skin, by)
+    slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
+    heights = {key: on_grid(getattr(design.mold, key)) for key in _HEIGHTS}
+    return design.model_copy(
+        update={
+            "skin": skin.model_copy(update={"length": on_grid(skin.length)}),
+            "ridge": _scaled(design.ridge, by),
+            "slot": slot,
+            "mold": design.mold.model_copy(update=heights),
+        }
+    )
+
+
+def on_grid(length: float) -> float:
+    """Return a length on a grid of 1e-12 mm whose sums below 4 m are exact: a bore that ends 1e-15 mm before
+    a face leaves a film in a print mesh."""
+    return round(length * _GRID) / _GRID
+
+
+def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:
+    """Return a table with its lengths (or those of `keys`) times a factor; a count stays."""
+    old = {key: getattr(table, key) for key in keys or type(table).model_fields}
+    return table.model_copy(update={k: v * by for k, v in old.items() if isinstance(v, float)})

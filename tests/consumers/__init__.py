@@ -1,0 +1,43 @@
+"""Programs and libraries that read what `make` writes, each by its own code.
+
+`CONSUMERS` names them all; a module has `missing()`, why it can't run here or "", and `complaints(job)`, what
+it finds wrong in the files of one make.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from skincad.design import Design
+from skincad.job import MakeResult, PartReport
+from skincad.solids.mold import mold
+
+CONSUMERS = ("prusaslicer", "gmsh", "lib_3mf", "dxf", "meshlab", "camlib", "steps")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A design and what `make` made of it."""
+
+    design: Design
+    made: MakeResult
+
+    def file(self, name: str) -> Path:
+        """Return the path of a file that was made."""
+        return self.made.folder / name
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all parts of the closed mold."""
+        return [part.name for part in mold(self.design).parts]
+
+    @property
+    def printed(self) -> list[PartReport]:
+        """Parts with an STL of their own, the skin among them."""
+        return [part for part in self.made.parts if self.file(f"{part.name}.stl").is_file()]
+
+
+def volume_slack(part: PartReport) -> float:
+    """Return by how much a mesh may differ from the exact volume, mm3: its deviation over all its surface."""
+    return part.deviation * part.area

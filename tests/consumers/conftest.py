@@ -1,0 +1,23 @@
+"""One `make` of each template for all consumers: yamada-2002 always, the others among the slow tests."""
+
+from __future__ import annotations
+
+import pytest
+
+import skincad
+from skincad.catalog import template_names
+from tests.consumers import Job
+
+
+def _marks(name: str) -> list[pytest.MarkDecorator]:
+    # a group keeps a template's tests in one process, so that it is made once
+    group = pytest.mark.xdist_group(f"made {name}")
+    return [group] if name == "yamada-2002" else [group, pytest.mark.slow]
+
+
+@pytest.fixture(scope="session", params=[pytest.param(name, marks=_marks(name)) for name in template_names()])
+def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Job:
+    design = skincad.load(request.param)
+    if request.param == "yamada-2002":
+        return Job(design, request.getfixturevalue("made"))
+    return Job(design, skincad.make(design, tmp_path_factory.mktemp("made") / request.param))

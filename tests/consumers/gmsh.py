@@ -1,0 +1,88 @@
+"""gmsh re-reads STEP: number and volume of solids, and the assembly's names and colours."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from skincad.solids.mold import mold
+from tests.consumers import Job
+
+VOLUME = 1e-9  # relative, of the kernel that wrote it against the one that reads it
+# mm3: what the kernel's quadrature of a thin strip is off, whose faces are 1000 times as long as thick
+STRIP = 1e-8
+COLOUR = 1e-3
+_SCRIPT = """SetFactory("OpenCASCADE");
+Geometry.OCCTargetUnit = "MM";
+solids() = ShapeFromFile("{path}");
+For i In {{0 : #solids() - 1}}
+  mass() = Mass Volume{{solids(i)}};
+  Printf("VOLUME %.17g", mass(0));
+EndFor
+"""
+
+
+@dataclass(frozen=True)
+class Read:
+    """What gmsh says of a STEP file: volumes in mm3, names and linear colours by solid."""
+
+    volumes: tuple[float, ...]
+    names: tuple[str, ...]
+    colours: tuple[tuple[float, ...], ...]
+
+
+def missing() -> str:
+    """Return why it can't run here, or ""."""
+    return "" if shutil.which("gmsh") else "gmsh is not installed"
+
+
+def read(path: Path) -> Read:
+    """Return what gmsh reads from a STEP file."""
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "read.geo"
+        script.write_text(_SCRIPT.format(path=path.resolve()))
+        done = subprocess.run(
+            ["gmsh", str(script), "-"], capture_output=True, text=True, check=False, timeout=300
+        )
+    if done.returncode or "Error" in done.stdout + done.stderr:
+        raise RuntimeError(f"gmsh on {path.name}: {(done.stdout + done.stderr)[-2000:]}")
+    return Read(
+        tuple(float(volume) for volume in re.findall(r"VOLUME (\S+)", done.stdout)),
+        tuple(name.rpartition("/")[2] for name in re.findall(r"Label '(.*?)' \(3D\)", done.stdout)),
+        tuple(
+            tuple(float(c) for c in colour.split(","))
+            for colour in re.findall(r"Color \((.*?)\) \(3D", done.stdout)
+        ),
+    )
+
+
+def complaints(job: Job) -> list[str]:
+    """Return every STEP file without one solid of its volume, and what the assembly lost."""
+    wrong = []
+    for part in job.made.parts:
+        volumes = read(job.file(f"{part.name}.step")).volumes
+        if len(volumes) != 1 or abs(volumes[0] - part.volume) > VOLUME * part.volume:
+            wrong.append(f"{part.name}.step: {volumes} mm3, made were {part.volume:.12g}")
+    return wrong + _of_assembly(job)
+
+
+def _of_assembly(job: Job) -> list[str]:
+    parts, found = mold(job.design).parts, read(job.file("assembly.step"))
+    if found.names != tuple(part.name for part in parts) or len(found.volumes) != len(parts):
+        return [f"assembly.step: {len(found.volumes)} solids named {', '.join(found.names)}"]
+    wrong = []
+    for part, volume, colour in zip(parts, found.volumes, found.colours, strict=True):
+        if abs(volume - part.volume) > VOLUME * part.volume + STRIP:
+            wrong.append(f"assembly.step: {part.name} of {volume:.12g} mm3, planned {part.volume:.12g}")
+        if any(abs(a - _linear(b)) > COLOUR for a, b in zip(colour, part.colour, strict=True)):
+            wrong.append(f"assembly.step: {part.name} is coloured {colour}")
+    return wrong
+
+
+def _linear(value: float) -> float:
+    """A file's sRGB value as the linear one that gmsh prints (IEC 61966-2-1)."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4

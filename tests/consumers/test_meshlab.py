@@ -1,0 +1,30 @@
+"""MeshLab finds nothing wrong with the STL files, and they are as near to the STEP files as was asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import trimesh
+
+from skincad.job import MakeResult
+from tests.consumers import Job, meshlab
+
+
+def test_no_file_cuts_itself_is_open_or_strays_from_its_step(job: Job) -> None:
+    assert meshlab.complaints(job) == []
+
+
+def test_flaws_are_seen(made: MakeResult, tmp_path: Path) -> None:
+    torn = trimesh.load_mesh(made.folder / "cover.stl")
+    torn.vertices[0] += [30.0, 0.0, 10.0]  # one corner pulled through the far side
+    torn.update_faces([i != 50 for i in range(len(torn.faces))])
+    torn.export(tmp_path / "torn.stl")
+    found = " ".join(meshlab.flaws(tmp_path / "torn.stl"))
+    assert "self-intersecting faces" in found
+    assert "open edges" in found
+
+
+def test_a_file_that_was_moved_is_seen(made: MakeResult) -> None:
+    shape = trimesh.load_mesh(made.folder / "cover.stl")
+    shape.apply_translation([0.0, 0.0, 0.01])
+    assert meshlab.deviation(made.folder / "cover.stl", shape) >= 0.0099  # its single precision

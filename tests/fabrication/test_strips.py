@@ -1,0 +1,213 @@
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+import skincad
+from skincad.catalog import template_names
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.strip_rules import misplaced, strip_findings
+from skincad.fabrication.strips import (
+    Strip,
+    deflection,
+    drag,
+    pour,
+    released,
+    straight_pull,
+    strip,
+    weight,
+)
+
+ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")
+LOAD = 1e-6  # N/mm
+
+
+@pytest.fixture
+def cast() -> Design:
+    return skincad.load("cast-in")
+
+
+def by_rule(design: Design) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in strip_findings(design)}
+
+
+def test_without_tension_a_rod_is_a_beam() -> None:
+    slack = replace(ROD, tension=0.0)
+    bending = 3000.0 * 0.4 * 0.05**3 / 12
+    assert slack.bending == pytest.approx(bending, rel=1e-12)
+    assert deflection(slack, LOAD) == pytest.approx(5 * LOAD * 20.0**4 / (384 * bending), rel=1e-12)
+    held = replace(slack, ends="built in")
+    assert deflection(held, LOAD) == pytest.approx(LOAD * 20.0**4 / (384 * bending), rel=1e-12)
+
+
+def test_with_much_tension_a_rod_is_a_string() -> None:
+    """What stiffness takes off a string's sag is 2 / u^2 (hinged) or 2 / u (built in) of it."""
+    tight = replace(ROD, tension=20.0)
+    string = LOAD * 20.0**2 / (8 * 20.0)
+    u = 10.0 * math.sqrt(20.0 / tight.bending)
+    assert deflection(tight, LOAD) == pytest.approx(string * (1 - 2 / u**2), rel=1e-9)
+    assert deflection(replace(tight, ends="built in"), LOAD) == pytest.approx(string * (1 - 2 / u), rel=2e-3)
+
+
+@pytest.mark.parametrize("ends", ["hinged", "built in"])
+@pytest.mark.parametrize("u", [0.3, 2.0, 8.0])
+def test_between_beam_and_string_it_is_the_tie_rods_equation(ends: str, u: float) -> None:
+    """E I y'''' - T y'' = q, solved as a boundary value problem with E I = q = 1 over the length 2."""
+    middle = replace(ROD, length=2.0, depth=12.0, thickness=1.0, modulus=1.0, tension=u**2, ends=ends)
+    assert middle.bending == 1.0
+
+    def slope(_: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return np.vstack([y[1], y[2], y[3], 1.0 + u**2 * y[2]])
+
+    def held(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        second = 2 if ends == "hinged" else 1
+        return np.array([a[0], b[0], a[second], b[second]])
+
+    x = np.linspace(0.0, 2.0, 41)
+    solved = solve_bvp(slope, held, x, np.zeros((4, x.size)), tol=1e-8, max_nodes=10_000)
+    assert solved.success
+    assert deflection(middle, 1.0) == pytest.approx(float(solved.sol(1.0)[0]), rel=1e-6)  # its own tolerance
+
+
+@pytest.mark.parametrize("ends", ["hinged", "built in"])
+def test_the_series_for_little_tension_meets_the_closed_form(ends: str) -> None:
+    """At u = 0.01 the closed form has lost all but six digits."""
+    rod = replace(ROD, ends=ends)
+    scale = rod.bending * (2 / rod.length) ** 2
+    below, above = (deflection(replace(rod, tension=scale * u**2), LOAD) for u in (0.009999, 0.010001))
+    assert below == pytest.approx(above, rel=2e-6)
+    assert math.isfinite(deflection(replace(rod, tension=1e9), LOAD))
+
+
+def test_weight_is_less_by_what_floats() -> None:
+    assert weight(ROD) == pytest.approx(0.4 * 0.05 * 1780e-9 * 9.81, rel=1e-12)
+    assert weight(ROD, 1780.0) == 0.0
+    assert weight(ROD, 2000.0) < 0
+
+
+def test_the_pull_asked_for_keeps_the_sag_below_its_limit() -> None:
+    pull = straight_pull(ROD, LOAD, 1e-3)
+    assert pull == pytest.approx(LOAD * 400 / 8e-3, rel=1e-12)
+    sag = deflection(replace(ROD, tension=pull), LOAD)
+    assert 0.95e-3 < sag < 1e-3  # stiffness takes off a little
+
+
+def test_drag_by_hand_and_at_its_limits() -> None:
+    """10 Pa s, 0.2 mm/s, a strip of 0.4 mm: a cylinder of 0.1 mm, 0.5 mm from the wall."""
+    by_hand = 4 * math.pi * 10e-6 * 0.2 / math.log(5 + math.sqrt(24))
+    assert drag(10.0, 0.2, 0.4, 0.5) == pytest.approx(by_hand, rel=1e-12)
+    assert drag(10.0, 0.2, 0.4, 0.5, along=True) == pytest.approx(by_hand / 2, rel=1e-12)
+    # a narrow gap: lubrication, 2 pi mu U sqrt(2 r / gap)
+    narrow = 2 * math.pi * 10e-6 * 0.2 * math.sqrt(2 * 0.1 / 1e-6)
+    assert drag(10.0, 0.2, 0.4, 0.1 + 1e-6) == pytest.approx(narrow, rel=1e-5)
+    with pytest.raises(ValueError, match="must be beyond"):
+        drag(10.0, 0.2, 0.4, 0.1)
+
+
+def test_what_lies_between_the_combs(yamada: Design, cast: Design) -> None:
+    film, shim = strip(cast), strip(yamada)
+    assert film is not None
+    assert shim is not None
+    assert (film.thickness, film.modulus, film.ends) == (0.052, 3000.0, "hinged")
+    assert film.stress == pytest.approx(0.05 / (0.052 * 0.375), rel=1e-12)
+    assert film.hung == pytest.approx(5.0968, rel=1e-4)  # 0.05 N / 9.81
+    assert (shim.thickness, shim.modulus, shim.tension) == (0.05, 200e3, 0.0)
+    assert strip(skincad.load("plain-ridges")) is None
+
+
+def test_a_tension_that_is_not_given_is_a_twentieth_of_the_yield_stress(yamada: Design) -> None:
+    rod = strip(yamada.with_(mold={"method": "cast-in"}))
+    assert rod is not None
+    assert rod.stress == pytest.approx(45.0 / 20, rel=1e-12)
+
+
+def test_the_pour_by_hand(cast: Design) -> None:
+    """The strip's edge at the tip's side is 0.675 mm below the crown on the axis: at 0.24 mm aside the crown
+    has fallen by 0.045 x (0.24 / 0.375)^2."""
+    flow, rod = pour(cast), strip(cast)
+    assert flow is not None
+    assert rod is not None
+    wall = 0.675 - 0.045 * (0.24 / 0.375) ** 2
+    by_hand = 4 * math.pi * 20e-6 * (18.0 / 120) / math.acosh(wall / (0.375 / 4))
+    assert flow.drag == pytest.approx(by_hand, rel=5e-3)  # shrinkage of 0.1 %, and the crown's arc
+    assert flow.drift == pytest.approx(flow.drag * 18.0**2 / (8 * 0.05), rel=2e-2)  # a string
+    assert flow.settling == pytest.approx(flow.drag / 0.15 * 18.0**2 / (math.pi**2 * 0.05), rel=2e-2)
+    slow = pour(cast.with_(mold={"fill_time": 240.0}))
+    assert slow is not None
+    assert slow.drag == pytest.approx(flow.drag / 2, rel=1e-12)
+    assert slow.settling == pytest.approx(flow.settling, rel=1e-12)
+
+
+def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -> None:
+    own = 0.05 / (0.052 * 0.375 * 3000)
+    area = skincad.skin_solid(cast).val().Volume() / 18.0
+    film = 18 * 0.052 * 0.375 * 3000
+    assert released(cast) == pytest.approx(own * film / (film + 0.356 * area), rel=1e-9)
+    assert released(yamada) == 0.0
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_templates_have_no_strip_finding_above_a_note(name: str) -> None:
+    assert all(finding.severity == "note" for finding in strip_findings(skincad.load(name)))
+
+
+def test_the_cast_in_template_has_none_at_all(cast: Design) -> None:
+    assert strip_findings(cast) == []
+
+
+@pytest.mark.parametrize(
+    ("rule", "change", "key"),
+    [
+        ("strip sag", {"film": {"tension": 1e-5}, "skin": {"length": 60.0}}, "film.tension"),
+        ("strip stress", {"film": {"tension": 0.5}}, "film.tension"),
+        ("strip drift", {"mold": {"fill_time": 1.0}}, "mold.fill_time"),
+        ("strip release", {"film": {"tension": 0.2}}, "film.tension"),
+    ],
+)
+def test_a_finding_goes_by_its_own_remedy(cast: Design, rule: str, change: dict, key: str) -> None:
+    bad = cast.with_(**change)
+    found = by_rule(bad)[rule]
+    assert found.measured > found.limit
+    value = float(re.search(rf"{key} of (?:at most )?([\d.e+-]+)", found.remedy)[1])
+    table, field = key.split(".")
+    factor = 1.05 if rule in ("strip sag", "strip drift") else 0.95  # the remedy has two digits
+    assert rule not in by_rule(bad.with_(**{table: {field: value * factor}}))
+
+
+def test_beyond_yield_is_an_error(cast: Design) -> None:
+    assert by_rule(cast.with_(film={"tension": 0.5}))["strip stress"].severity == "warning"  # 26 MPa
+    assert by_rule(cast.with_(film={"tension": 1.0}))["strip stress"].severity == "error"  # 51 MPa
+
+
+def test_a_strip_that_comes_back_too_late_is_told(cast: Design) -> None:
+    late = cast.with_(film={"tension": 1e-5}, skin={"length": 60.0}, mold={"fill_time": 1e5})
+    found = by_rule(late)["strip drift"]
+    assert (found.unit, found.limit) == ("s", pytest.approx(0.1 * 25 * 60))
+    assert found.measured > found.limit
+
+
+def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> None:
+    assert misplaced(cast) == pytest.approx(0.01 + 0.003)
+    assert misplaced(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
+    found = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
+    assert (found.severity, found.limit) == ("note", pytest.approx(0.024))
+    assert "may differ by 50 %" in found.remedy  # 2 x 0.06 / 0.24
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"film": None, "contact": {"film": "loose"}}, "mold.method"),
+        ({"skin": {"curvature_radius_y": 100.0}}, "mold.method"),
+        ({"film": {"electrode_margin": 0.1875}}, "film.electrode_margin"),
+    ],
+)
+def test_what_cannot_be_cast_in_is_refused(cast: Design, change: dict, key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        cast.with_(**change)
+    assert refused.value.key == key

@@ -1,0 +1,60 @@
+"""Several skins in one block: each as if alone, between common plates."""
+
+from __future__ import annotations
+
+import pytest
+
+import skincad
+from skincad.design import Design
+from skincad.fabrication.filling import pockets
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold
+from skincad.fabrication.sheet import poured_volume
+from skincad.solids.mold import mold
+from skincad.solids.occ import solid
+
+
+def gang(name: str, count: int) -> Design:
+    return skincad.load(name).with_(mold={"cavities": count})
+
+
+@pytest.mark.parametrize(("name", "count"), [("yamada-2002", 4), ("plain-ridges", 2), ("lab-bench", 3)])
+def test_a_gang_opens_freely_and_holds_as_many_skins(name: str, count: int) -> None:
+    closed = mold(gang(name, count))
+    skins = [p for p in closed.parts if p.made == "cast"]
+    assert len(skins) == len([p for p in closed.parts if p.name.startswith("carrier")]) == count
+    assert interference(closed, 1e-3) == []
+
+
+@pytest.mark.parametrize(("name", "count"), [("yamada-2002", 4), ("plain-ridges", 2)])
+def test_parts_of_a_gang_are_solids_of_their_volume(name: str, count: int) -> None:
+    for part in mold(gang(name, count)).parts:
+        assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9)
+
+
+def test_every_skin_of_a_gang_is_the_single_one_moved(yamada: Design) -> None:
+    one = mold(yamada).part("skin")
+    centres = []
+    for part in mold(gang("yamada-2002", 3)).parts:
+        if part.made == "cast":
+            assert part.volume == pytest.approx(one.volume, rel=1e-12)  # moments about each one's own corner
+            centres.append(manifold(part, 1e-3).bounding_box()[0] - manifold(one, 1e-3).bounding_box()[0])
+    assert centres[1] == pytest.approx(0.0, abs=1e-12)
+    assert centres[2] == pytest.approx(-centres[0], abs=1e-12)
+    assert centres[2] > 11.0 + 2 * 2.0 + 2 * 1.7  # skin, ledges, a bolt between
+
+
+def test_gates_reservoirs_and_bolts_are_one_for_each_and_one_between() -> None:
+    """Genus counts through holes: bolts in count + 1 lanes, a gate for each skin."""
+    closed = mold(gang("yamada-2002", 4))
+    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.made == "made"}
+    assert genus["cavity"] == 2 * 5
+    assert genus["end-a-comb"] == 5 + 2
+    assert genus["end-a-keeper"] == 5 + 4
+    assert genus["cover"] == 4 + 4 * 5  # bolts and pins; reservoir and four bleeds each
+
+
+def test_grams_and_air_are_those_of_the_single_mold_times_the_skins(yamada: Design) -> None:
+    single, many = mold(yamada), gang("yamada-2002", 4)
+    assert poured_volume(many, mold(many)) == pytest.approx(4 * poured_volume(yamada, single), rel=1e-12)
+    assert pockets(many, mold(many), 1.0) == pockets(yamada, single, 1.0)

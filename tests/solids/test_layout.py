@@ -1,0 +1,118 @@
+"""Screws, nuts, pins, pry notches and pull holes: that they fit, and that they open where they should."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import skincad
+from skincad.catalog import processes, template_names
+from skincad.design import Design
+from skincad.fabrication.meshes import manifold
+from skincad.solids.layout import NUT_FLATS, fits
+from skincad.solids.mold import mold
+from skincad.solids.plan import Bore, Part, Prism
+
+HEIGHT = 2.4  # mm, ISO 4032, M3
+
+
+def plug(cut: Bore | Prism) -> Part:
+    return Part("plug", (0, 0, 0), "made", cut)
+
+
+def pockets(design: Design) -> list[tuple[Part, Prism]]:
+    return [
+        (part, cut)
+        for part in mold(design).parts
+        for cut in part.cuts
+        if isinstance(cut, Prism) and cut.axis == "y"
+    ]
+
+
+@pytest.mark.parametrize("name", ["lab-bench", "nozzle-04", "plain-ridges"])
+def test_a_nut_goes_into_each_pocket_of_a_printed_end_plate_and_does_not_turn(name: str) -> None:
+    found = pockets(skincad.load(name))
+    assert len(found) == 4
+    for part, cut in found:
+        assert part.name.startswith("end-b")
+        assert cut.high == part.body.high  # open outward
+        assert cut.high - cut.low >= HEIGHT
+        levels = [s.start.z for s in cut.outline]
+        flats = max(levels) - min(levels)
+        # play as the process needs it, but less than what lets a hexagon turn: corner to corner
+        assert NUT_FLATS + 0.2 <= flats + 1e-9 < 2 / math.sqrt(3) * NUT_FLATS
+
+
+def test_pocket_and_bolt_hole_are_one_way_through_without_a_film(yamada: Design) -> None:
+    """Two cuts that meet on a face: by genus one hole each; a film between would make it none."""
+    plate = mold(skincad.load("plain-ridges")).part("end-b")
+    assert manifold(plate, 1e-3).genus() == 4 + 2  # bolts, pins
+    assert pockets(yamada) == []  # wire-cut: tapped
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_cuts_lie_in_their_part_and_meet_no_other_by_volume(name: str) -> None:
+    for part in mold(skincad.load(name)).parts:
+        body = manifold(Part("body", (0, 0, 0), "made", part.body), 1e-3)
+        plugs = [manifold(plug(cut), 1e-3) for cut in part.cuts]
+        for i, one in enumerate(plugs):
+            assert (one - body).volume() < 1e-9, (part.name, i)
+            assert all((one ^ other).volume() < 1e-9 for other in plugs[i + 1 :]), (part.name, i)
+
+
+def test_pins_press_and_slide_as_the_process_needs(yamada: Design) -> None:
+    known = processes()
+    tight = yamada.with_(mold={"clearance": 0.0})
+    for name in ("fdm", "sla", "cnc", "edm"):
+        own = fits(tight, name)
+        assert own.slide == 1.0 + known[name].clearance
+        assert 1.0 <= own.press < own.slide
+        assert (own.press == 1.0) == (known[name].layer == 0)  # metal is reamed
+    assert fits(yamada, None).slide == 1.0 + yamada.mold.clearance
+
+
+def test_holes_of_an_end_plate_are_those_of_its_process(yamada: Design) -> None:
+    printed = yamada.with_(mold={"end_plate_process": "fdm", "clearance": 0.0})
+    holes = {cut.radius for cut in mold(printed).part("end-a-comb").cuts if isinstance(cut, Bore)}
+    assert holes == {1.7, 1.2}
+
+
+def test_a_screwdriver_finds_a_notch_at_each_side_of_each_end_plate() -> None:
+    for name in template_names():
+        closed = mold(skincad.load(name))
+        cavity = closed.part("cavity").body if name != "steep-fingertip" else closed.part("cavity-base").body
+        for part in closed.parts:
+            notches = [c for c in part.cuts if isinstance(c, Prism) and c.axis == "z"]
+            if not part.name.startswith("end-"):
+                assert notches == []
+                continue
+            assert len(notches) in (2, 4), (name, part.name)
+            for notch in notches:
+                corners = [s.start for s in notch.outline]
+                assert sum(abs(corner.z) == cavity.high for corner in corners) == 2  # on the parting
+                assert notch.high - notch.low >= 3.0
+
+
+def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
+    with_pulls = 0
+    for name in template_names():
+        design = skincad.load(name)
+        closed = mold(design)
+        carrier = closed.part("carrier")
+        pulls = [c for c in carrier.cuts if isinstance(c, Bore) and c.start[2] > 0]
+        assert len(pulls) in (0, 2)
+        with_pulls += bool(pulls)
+        filled = [c for c in carrier.cuts if c not in pulls]
+        inside = [
+            c
+            for c in closed.part("cover").cuts
+            if abs(c.start[0]) < design.skin.width / 2 and c not in filled
+        ]
+        for pull in pulls:
+            assert pull.start[2] + pull.length == design.mold.carrier_thickness
+            for other in (*filled, *inside):
+                apart = math.dist(pull.start[:2], other.start[:2])
+                wide = max(other.radius, other.end_radius or 0.0) if other in filled else other.radius
+                assert apart > pull.radius + wide + 0.2, name
+    assert with_pulls >= 6

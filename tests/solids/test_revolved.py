@@ -1,0 +1,190 @@
+"""Skins that are curved along y too: the section revolved, by formula, CAD kernel and print mesh."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import skincad
+from skincad import export
+from skincad.design import Design
+from skincad.fabrication.measures import measure
+from skincad.fabrication.meshes import mesh
+from skincad.section import section
+from skincad.solids.mold import mold
+from skincad.solids.occ import KernelError, solid
+from skincad.solids.plan import Part, Revolved, swept
+from skincad.solids.skin import cast_skin, skin_part, skin_solid
+
+# the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
+RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]
+
+
+def bent(design: Design, radius: float, **skin: float) -> Design:
+    return design.with_(skin={"curvature_radius_y": radius, **skin})
+
+
+def body(part: Part) -> Revolved:
+    assert isinstance(part.body, Revolved)
+    return part.body
+
+
+@pytest.mark.parametrize("radius", RADII)
+def test_solid_is_valid_and_of_pappus_volume_ridges_up_and_down(yamada: Design, radius: float) -> None:
+    design = bent(yamada, radius)
+    shape = section(design)
+    # area times its centroid's path; the radius of that path is curvature_radius_y at z = thickness
+    path = design.skin.length * (1 + (shape.centroid.z - design.skin.thickness) / radius)
+    for part in (skin_part(design), cast_skin(design)):
+        assert part.volume == pytest.approx(shape.area * path, rel=1e-12)  # two ways to add the same terms
+        # the kernel stores an axis 1e8 mm away with 1e-8 mm, of some 4 mm
+        assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9 if radius < 1e8 else 1e-8)
+
+
+def test_hard_sections_revolve(variants: dict[str, Design]) -> None:
+    for name, design in variants.items():
+        for radius in (1.5 * design.skin.thickness + design.skin.length, design.skin.curvature_radius):
+            part = skin_part(bent(design, radius))
+            # arcs that rise by less than the kernel's 1e-7 mm become lines
+            slack = 1e-7 * design.skin.width * design.skin.length
+            assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9, abs=slack), name
+
+
+def test_a_flat_second_curvature_tends_to_the_straight_skin(yamada: Design) -> None:
+    straight = skin_part(yamada).volume
+    for radius in (1e3, 1e5, 1e7):
+        off = (skin_part(bent(yamada, radius)).volume / straight - 1) * radius
+        # the centroid lies 1.9 mm below the base circle's summit, so the change is -1.9 mm / R, and no more
+        assert off == pytest.approx(section(yamada).centroid.z - yamada.skin.thickness, rel=1e-7)
+    low, high = mesh(skin_part(bent(yamada, 1e8)), 1e-3).bounds
+    assert np.allclose([low, high], mesh(skin_part(yamada), 1e-3).bounds, atol=1e-3)  # chords
+
+
+def test_a_skin_without_the_key_is_the_prism_that_it_was(yamada: Design) -> None:
+    assert yamada.skin.curvature_radius_y is None
+    assert skin_part(yamada).body == replace(skin_part(yamada).body, low=-6.0, high=6.0, axis="y")
+
+
+@pytest.mark.parametrize("asked", [0.02, 2e-3])
+@pytest.mark.parametrize("radius", [8.0, 30.0, 60.0, 1e3])
+def test_mesh_is_closed_and_keeps_what_was_asked(yamada: Design, radius: float, asked: float) -> None:
+    for part in (skin_part(bent(yamada, radius)), cast_skin(bent(yamada, radius))):
+        shape = mesh(part, asked)
+        seen = measure(part, shape, asked)
+        assert seen.watertight
+        assert seen.self_intersections == 0
+        assert asked / 4 < seen.deviation <= 1.1 * asked  # a tenth is the reference mesh's own: it is added
+        assert 0.99 * part.volume < shape.volume < part.volume  # chords of what is mostly convex
+
+
+def test_corners_lie_on_the_true_surface_of_a_sphere(yamada: Design) -> None:
+    """With both radii 60 mm the base is a sphere of 60 mm about the axis, whatever the mesh says."""
+    plain = yamada.with_(slot=None, film=None, contact={"film": None}, ridge={"count": 1})
+    shape = mesh(skin_part(bent(plain, 60.0)), 1e-2)
+    away = np.linalg.norm(shape.vertices - [0.0, 0.0, 4.0 - 60.0], axis=1)
+    beside = (np.abs(shape.vertices[:, 0]) > 1.0) & (away > 59.0)
+    assert beside.sum() > 50
+    assert np.allclose(away[beside], 60.0, atol=1e-12)  # rounding of 60 mm
+
+
+@pytest.mark.parametrize(("relative", "least", "most"), [(True, 1.5, 5.0), (False, 0.0, 1.5)])
+def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
+    yamada: Design, relative: bool, least: float, most: float
+) -> None:
+    """By default its tolerance is relative: measured 2.9 times the asked one, 0.8 where it is absolute."""
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+
+    part, asked = skin_part(bent(yamada, 30.0)), 5e-3
+    shape = solid(part)
+    BRepMesh_IncrementalMesh(shape.wrapped, asked, relative, 0.5, False)
+    corners, faces = shape.tessellate(asked, 0.5)  # reads the mesh that is there
+    theirs = trimesh.Trimesh(np.array([c.toTuple() for c in corners]), np.array(faces), process=False)
+    assert least * asked < measure(part, theirs, asked).deviation < most * asked
+    assert measure(part, mesh(part, asked), asked).deviation <= 1.1 * asked
+
+
+def test_skin_is_symmetric_about_both_planes(yamada: Design) -> None:
+    plain = yamada.with_(slot=None, film=None, contact={"film": None})
+    box = solid(skin_part(bent(plain, 30.0))).BoundingBox(1e-6)
+    assert box.xmin == pytest.approx(-box.xmax, abs=1e-6)
+    assert box.ymin == pytest.approx(-box.ymax, abs=1e-6)
+    where = solid(skin_part(bent(yamada, 30.0))).Center()
+    assert (where.x, where.y) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_length_is_the_summits_arc_and_ends_point_at_the_axis(yamada: Design) -> None:
+    turned = body(skin_part(bent(yamada, 30.0)))
+    end = turned.placed(np.array([[0.0, 4.0], [0.0, 0.0]]), turned.high)
+    assert math.atan2(end[0, 1], end[0, 2] - turned.centre) * 30.0 == pytest.approx(6.0, rel=1e-14)
+    assert end[0, 1] / (end[0, 2] + 26.0) == pytest.approx(end[1, 1] / (end[1, 2] + 26.0), rel=1e-13)
+    assert turned.placed(np.array([[1.0, 2.0]]), 0.0).tolist() == [[1.0, 0.0, 2.0]]
+
+
+@pytest.mark.parametrize("radius", [8.0, 1e3, 1e8])
+def test_straightening_takes_turned_points_back(yamada: Design, radius: float) -> None:
+    points = np.array([[0.5, 4.2], [-3.0, 0.0], [0.0, 3.0]])
+    for part in (skin_part(bent(yamada, radius)), cast_skin(bent(yamada, radius))):
+        turned = body(part)
+        signed = points * [1.0, math.copysign(1.0, -turned.centre)]
+        back = turned.straightened(turned.placed(signed, 0.7 * turned.high))
+        assert np.allclose(back[:, [0, 2]], signed, atol=1e-14)  # rounding of 4 mm, also for a far axis
+        assert np.allclose(back[:, 1], 0.7 * turned.high * abs(turned.centre), rtol=1e-7)
+
+
+def test_a_torn_mesh_of_a_revolved_skin_is_seen(yamada: Design) -> None:
+    part = skin_part(bent(yamada, 30.0))
+    torn = mesh(part, 0.02)
+    torn.vertices[len(torn.vertices) // 2] += [5.0, 0.0, 3.0]
+    assert measure(part, torn, 0.02).self_intersections > 0
+
+
+def test_step_file_reads_back_with_the_same_volume(yamada: Design, tmp_path: Path) -> None:
+    import cadquery as cq
+
+    design = bent(yamada, 30.0)
+    export.write_step(skin_solid(design), tmp_path / "skin.step")
+    again = cq.importers.importStep(str(tmp_path / "skin.step")).val()
+    assert again.Volume() == pytest.approx(skin_part(design).volume, rel=1e-9)
+    kinds = {face.geomType() for face in skin_solid(design).faces().vals()}
+    assert {"TORUS", "CONE", "CYLINDER"} <= kinds
+
+
+def test_a_section_across_the_axis_is_refused_by_the_kernels_check(yamada: Design) -> None:
+    part = skin_part(bent(yamada, 30.0))
+    with pytest.raises(KernelError):
+        solid(replace(part, body=replace(body(part), centre=2.0)))
+
+
+@pytest.mark.parametrize(
+    ("skin", "key", "words"),
+    [
+        ({"curvature_radius_y": 4.9}, "skin.curvature_radius_y", "at least 5 mm"),
+        ({"curvature_radius_y": 7.0}, "skin.length", "below 11 mm"),
+        ({"curvature_radius_y": 0.5}, "skin.curvature_radius_y", "must be"),
+        ({"curvature_radius_y": 1e9}, "skin.curvature_radius_y", "must be"),
+        ({"curvature_radius_y": -30.0}, "skin.curvature_radius_y", "must be"),
+    ],
+)
+def test_what_cannot_be_revolved_is_refused(yamada: Design, skin: dict, key: str, words: str) -> None:
+    with pytest.raises(skincad.InputError, match=words) as refused:
+        yamada.with_(skin=skin)
+    assert refused.value.key == key
+
+
+def test_a_mold_is_refused_and_nothing_is_written(yamada: Design, tmp_path: Path) -> None:
+    design = bent(yamada, 30.0)
+    with pytest.raises(skincad.InputError, match="has no mold yet"):
+        mold(design)
+    with pytest.raises(skincad.InputError, match="has no mold yet"):
+        skincad.make(design, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_revolved_part_is_not_swept_along_a_straight_axis(yamada: Design) -> None:
+    with pytest.raises(ValueError, match="moves along its axis only"):
+        swept(skin_part(bent(yamada, 30.0)), "z", 5.0, 1e-3)

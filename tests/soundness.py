@@ -1,0 +1,145 @@
+"""What is wrong with a random design: `python -m tests.soundness [first [last]]`, seeds of random_designs.
+
+`faults` builds it all: exact solids against formulas, print meshes, interference closed and while opening,
+findings, casting sheet. The contact check is left out: it sees no part, and costs most.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import tomlkit
+from manifold3d import Manifold
+
+from skincad.catalog import silicone
+from skincad.design import Design
+from skincad.fabrication.filling import filling_findings
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold, mesh
+from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.solids.mold import Mold, mold
+from tests.poured_by_solids import Kit, poured_by_solids
+from tests.random_designs import drawn
+
+CHORD = 2e-3  # mm, asked of the print meshes
+OF_DESIGN = {
+    "undercut"
+}  # errors that a design may well have: it is told, and nothing is wrong with its parts
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a seed: its design as TOML, refusals before it, and what is wrong with it."""
+
+    seed: int
+    toml: str
+    refused: tuple[str, ...]
+    faults: tuple[str, ...]
+    seconds: float
+
+
+def outcome(seed: int, *, kernel: bool = True) -> Outcome:
+    """Return what is wrong with a seed's design; an exception is told as a fault, never lost."""
+    started = time.perf_counter()
+    found = drawn(seed)
+    wrong: list[str] = []
+    try:
+        wrong += faults(found.design, kernel=kernel)
+    except Exception as failure:  # whatever it is, it is what this looks for
+        wrong.append(f"{type(failure).__name__}: {failure}")
+    text = tomlkit.dumps(found.design.model_dump(exclude_none=True))
+    return Outcome(seed, text, found.refused, tuple(wrong), time.perf_counter() - started)
+
+
+def faults(design: Design, *, kernel: bool = True) -> Iterator[str]:
+    """Yield what is wrong: an invalid or open part, two volumes that differ, interference, a wrong mass."""
+    closed = mold(design)
+    yield from _solid_faults(closed) if kernel else ()
+    yield from _mesh_faults(closed)
+    gap = min(design.mold.clearance, design.mold.slit_clearance) or CHORD
+    fine = max(1e-4, min(CHORD, gap / 10))  # as `make` takes it
+    yield from map(str, interference(closed, fine))
+    findings = [*design_findings(design, closed), *filling_findings(design, closed)]
+    yield from (str(f) for f in findings if f.severity == "error" and f.rule not in OF_DESIGN)
+    yield from _sheet_faults(design, closed, casting_sheet(design, closed, findings, "Passes.", True))
+
+
+def _solid_faults(closed: Mold) -> Iterator[str]:
+    from skincad.solids.occ import solid  # loads the CAD kernel
+
+    for part in closed.parts:
+        shape = solid(
+            part
+        )  # KernelError unless BRepCheck finds it valid, and its volume the formula's to 1e-9
+        if len(shape.Faces()) < 3:
+            yield f"{part.name}: {len(shape.Faces())} faces"
+
+
+def _mesh_faults(closed: Mold) -> Iterator[str]:
+    for part in closed.parts:
+        shape = mesh(part, CHORD)
+        if not (shape.is_watertight and shape.is_winding_consistent):
+            yield f"{part.name}: its mesh is open"
+        # chords keep within CHORD of the surface, so the volume between is at most that times the area
+        error, most = abs(shape.volume - part.volume), CHORD * shape.area
+        if not error <= most:
+            yield f"{part.name}: mesh {shape.volume:.6g} mm3, formula {part.volume:.6g}, {most:.2g} allowed"
+
+
+def _sheet_faults(design: Design, closed: Mold, sheet: str) -> Iterator[str]:
+    (found,) = re.findall(r"the mold takes ([\d.]+) cm3, ([\d.]+) g", sheet)
+    volume, grams = 1000 * float(found[0]), float(found[1])
+    formula = poured_volume(design, closed)
+    if abs(volume - formula) > 0.5:  # mm3: the sheet's last digit
+        yield f"casting sheet: {volume} mm3, poured are {formula:.2f}"
+    if abs(grams - formula * silicone(design.material).density * 1e-6) > 0.005:
+        yield f"casting sheet: {grams} g of {formula:.2f} mm3"
+    solids = {part.name: manifold(part, 1e-3) for part in closed.parts}
+    spaces = poured_by_solids(solids, Kit(_bounds, _block, Manifold.decompose, Manifold.volume))
+    # bores are polygons within 1e-3 mm: the skin's and carrier's surface, once
+    most = 1e-3 * sum(
+        s.surface_area() for n, s in solids.items() if n.startswith(("skin", "carrier", "cover"))
+    )
+    if abs(spaces - formula) > most:
+        yield f"poured: {formula:.3f} mm3 by formula, {spaces:.3f} by booleans, {most:.2g} allowed"
+
+
+def _bounds(solid: Manifold) -> Any:
+    box = solid.bounding_box()
+    return box[:3], box[3:]
+
+
+def _block(box: Any) -> Manifold:
+    return Manifold.cube(tuple(np.subtract(box[1], box[0]))).translate(box[0])
+
+
+def summary(outcomes: list[Outcome]) -> str:
+    """Return counts, refusals by key, and each failure with the TOML that reproduces it."""
+    refused = Counter(key for o in outcomes for key in o.refused)
+    bad = [o for o in outcomes if o.faults]
+    seconds = sum(o.seconds for o in outcomes)
+    lines = [
+        f"{len(outcomes)} random designs, {len(bad)} with faults, {seconds:.0f} s of work; "
+        f"{refused.total()} draws refused: " + ", ".join(f"{key} {n}" for key, n in refused.most_common())
+    ]
+    for each in bad:
+        lines += [f"seed {each.seed}: {fault}" for fault in each.faults] + [each.toml]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Print the summary of some seeds."""
+    first, last = (int(n) for n in (*sys.argv[1:], *("0", "500")[len(sys.argv) - 1 :]))
+    print(summary([outcome(seed) for seed in range(first, last)]))
+
+
+if __name__ == "__main__":
+    main()

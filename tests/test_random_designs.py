@@ -1,0 +1,65 @@
+"""Five hundred random designs: every part sound, every failure told with the design that shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from skincad.design import Design
+from skincad.solids.mold import Mold
+from tests import soundness
+from tests.random_designs import drawn
+from tests.soundness import outcome, summary
+
+SEEDS = 500
+CHUNKS = 10  # shared out to the processes
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object], None]) -> None:
+    size = SEEDS // CHUNKS
+    found = [outcome(seed) for seed in range(chunk * size, (chunk + 1) * size)]
+    told = summary(found)
+    record_property("summary", told)
+    print(told)
+    assert not any(each.faults for each in found), told
+
+
+def test_a_few_of_them_without_the_cad_kernel() -> None:
+    found = [outcome(seed, kernel=False) for seed in range(3)]
+    assert not any(each.faults for each in found), summary(found)
+
+
+def test_a_seed_draws_the_same_design_again() -> None:
+    assert drawn(7) == drawn(7)
+
+
+def test_what_is_drawn_varies() -> None:
+    designs = [drawn(seed).design for seed in range(60)]
+    for seen in (
+        {d.slot is None for d in designs},
+        {d.film is None for d in designs},
+        {d.mold.pour == "open" for d in designs},
+        {d.mold.carrier == "plain" for d in designs},
+    ):
+        assert seen == {True, False}
+    assert len({d.mold.process for d in designs}) == 4
+
+
+def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wrong formula is seen by mesh and by the poured volume; what raises is a fault with its seed."""
+    true = soundness.poured_volume
+    monkeypatch.setattr(soundness, "poured_volume", lambda *given: 1.2 * true(*given))
+    told = outcome(0, kernel=False).faults
+    assert any("casting sheet" in fault for fault in told)
+    assert any("poured" in fault for fault in told)
+
+    def broken(design: Design, closed: Mold) -> float:
+        raise ZeroDivisionError("on purpose")
+
+    monkeypatch.setattr(soundness, "poured_volume", broken)
+    text = summary([outcome(0, kernel=False)])
+    assert "seed 0: ZeroDivisionError: on purpose" in text
+    assert 'name = "random-0"' in text
