@@ -181,6 +181,16 @@ def test_any_friction_is_marched_or_refused_with_its_reason(mu: float) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("mu", [2.0, 3.0, 5.0])
+def test_much_friction_holds_the_scenes_own_pull(mu: float) -> None:
+    """Where the sets cycle from the last step's, another start settles: sliding, sticking, less friction."""
+    found = slipped(0, f"effects.friction.coefficient={mu}")
+    assert found.march.stopped is None
+    assert found.gross_slip_step is None
+    assert found.march.column("residual").max() <= 1e-10
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.3, 0.4999, 0.49999])
 def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
     from skincad.catalog import template_text

@@ -10,7 +10,7 @@ their anchor from step to step, so a held load does not creep. Implicit in time:
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +25,8 @@ Index = NDArray[np.int64]
 
 SWEEPS = 40  # with all points updated at once; five to ten are usual, beyond this it cycles
 SINGLE = 80  # with the worst point alone updated
+SLIGHT = 0.3  # a coefficient below which the sets settle by themselves
+LESS = 0.8  # of the coefficient, for a start
 KEPT = 8  # factorisations of the last sets, for the steps in which they stay
 ROUNDING = 1e-12  # relative; what counts as zero when the sets are updated
 ACCEPTED = 1e-10  # relative; a larger residual is never accepted
@@ -79,7 +81,7 @@ class _Step:
     """One step's data and scales."""
 
     def __init__(self, skin: Pressed, before: Grip, drive: Drive, cone: Cone) -> None:
-        self.before, self.drive, self.cone = before, drive, cone
+        self.skin, self.before, self.drive, self.cone = skin, before, drive, cone
         m = self.m = skin.gap.size
         c, self.solved = skin.compliance, skin.solved
         self.xx, self.xz, self.zx, self.zz = c[:m, :m], c[:m, m:], c[m:, :m], c[m:, m:]
@@ -91,15 +93,45 @@ class _Step:
         self.limit = np.where(before.status >= RIGHT, cone.kinetic, cone.static)
 
     def settled(self, all_slip: float = 0.0) -> Grip:
-        """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way."""
-        status = self._start() if not all_slip else self._sliding(all_slip)
+        """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
+
+        Much friction makes the sets cycle from where the last step left them, although an equilibrium is
+        near: then the search starts anew from all points sliding, and from all sticking.
+        """
+        starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
+        sweeps = 0
+        for status in starts:
+            found, took = self._swept(status, all_slip)
+            sweeps += took
+            if found is not None:
+                return found
+        raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
+
+    def _starts(self) -> Iterator[Status]:
+        """Where to look: the sets before; all that touched sliding either way, or sticking; the sets of less
+        friction."""
+        first = self._start()
+        yield first
+        ways = (RIGHT, LEFT) if (self.drive.tangential or 0.0) >= 0 else (LEFT, RIGHT)
+        for way in (*ways, STICK):
+            yield np.where(first != OPEN, way, OPEN).astype(np.int8)
+        if self.cone.static > SLIGHT:
+            less = Cone(LESS * self.cone.static, LESS * self.cone.kinetic)
+            weak = _Step(self.skin, self.before, self.drive, less)
+            try:
+                yield weak.settled().status
+            except ContactError:
+                return
+
+    def _swept(self, status: Status, all_slip: float) -> tuple[Grip | None, int]:
+        """The state that the sets lead to, or None where they cycle; and the sweeps that it took."""
         seen: set[bytes] = set()
         single = False
         for sweep in range(SWEEPS + SINGLE):
             trial = self._solve(status, all_slip)
             wrong, wanted = self._violations(trial, status, all_slip)
             if not wrong.any():
-                return self._accepted(trial, status, sweep + 1, all_slip)
+                return self._accepted(trial, status, sweep + 1, all_slip), sweep + 1
             single = single or sweep >= SWEEPS or status.tobytes() in seen
             seen.add(status.tobytes())
             status = status.copy()
@@ -107,9 +139,7 @@ class _Step:
             status[change] = wanted[change]
             if not (status != OPEN).any():
                 status[int(np.argmin(trial.w))] = STICK if not all_slip else self._way(all_slip)
-        raise ContactError(
-            f"the sets of open, sticking and slipping points do not settle in {sweep + 1} sweeps"
-        )
+        return None, SWEEPS + SINGLE
 
     def _start(self) -> Status:
         """The sets before, or from rest the points within a stiff guess of the approach, sticking."""
