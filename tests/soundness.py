@@ -98,9 +98,9 @@ def _sheet_faults(design: Design, closed: Mold, sheet: str) -> Iterator[str]:
     (found,) = re.findall(r"the mold takes ([\d.]+) cm3, ([\d.]+) g", sheet)
     volume, grams = 1000 * float(found[0]), float(found[1])
     formula = poured_volume(design, closed)
-    if abs(volume - formula) > 0.5:  # mm3: the sheet's last digit
+    if abs(volume / formula - 1) > 1e-3:  # the sheet has four digits
         yield f"casting sheet: {volume} mm3, poured are {formula:.2f}"
-    if abs(grams - formula * silicone(design.material).density * 1e-6) > 0.005:
+    if abs(grams / (formula * silicone(design.material).density * 1e-6) - 1) > 1e-3:
         yield f"casting sheet: {grams} g of {formula:.2f} mm3"
     solids = {part.name: manifold(part, 1e-3) for part in closed.parts}
     spaces = poured_by_solids(solids, Kit(_bounds, _block, Manifold.decompose, Manifold.volume))

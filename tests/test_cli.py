@@ -71,6 +71,7 @@ def test_a_format_is_written_alone(tmp_path: Path) -> None:
     assert sorted(p.name for p in (tmp_path / "here").iterdir()) == ["make.json", "section.dxf"]
 
 
+@pytest.mark.slow
 def test_same_input_same_bytes(tmp_path: Path) -> None:
     """On one BLAS thread or two, whatever the order of Python's sets, and in any folder."""
     for name, environment in (
@@ -159,7 +160,9 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("kind", ["step", "stl", "3mf", "dxf", "png"])
+@pytest.mark.parametrize(
+    "kind", ["dxf", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("step", "stl", "3mf", "png"))]
+)
 def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path, kind: str) -> None:
     """Files above 8 kB fail as on a full disk; the CAD kernel itself says nothing of it."""
     run_skincad("make", "plain-ridges", "--format", "md", "-o", "here", cwd=tmp_path)

@@ -274,6 +274,7 @@ def test_a_negative_force_is_refused(tmp_path: Path) -> None:
         material_test(csv(tmp_path, "approach_mm,force_N", STRAIN, STRESS - 0.05))
 
 
+@pytest.mark.slow
 def test_strips_keep_their_modulus_whatever_the_design_said(tmp_path: Path, curve: PadCurve) -> None:
     """A pad of 0.8 MPa, said to be of 0.5, pressed to 4 N, used up to 2 N.
 

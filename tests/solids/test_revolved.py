@@ -46,6 +46,7 @@ def test_solid_is_valid_and_of_pappus_volume_ridges_up_and_down(yamada: Design, 
         assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9 if radius < 1e8 else 1e-8)
 
 
+@pytest.mark.slow
 def test_hard_sections_revolve(variants: dict[str, Design]) -> None:
     for name, design in variants.items():
         for radius in (1.5 * design.skin.thickness + design.skin.length, design.skin.curvature_radius):
