@@ -68,16 +68,20 @@ def test_with_a_films_own_coupling_the_network_stays_at_20_db_a_decade() -> None
 
 
 def test_the_papers_statements_fix_four_of_ten_combinations() -> None:
+    """Which constants the other six mix hangs on the machine's rounding: only their number is told."""
     found = calibrate(*paper_target())
     assert len(found.combinations) - len(found.open_combinations) == 4
-    # scaling film and branch alike is the first that is open: all capacitances up, all impedances down
-    first = found.open_combinations[0].exponents
-    assert set(first) == {
-        "capacitance",
-        "motional_resistance",
-        "motional_inductance",
-        "series_resistance",
-    }
+
+
+def test_scaling_film_and_branch_alike_is_open(shipped: Constants) -> None:
+    """All capacitances up and all impedances down: the level moves, the curve's shape does not."""
+    frequency, _ = paper_target()
+    up = {name: 2.0 * getattr(shipped, name) for name in ("capacitance", "motional_capacitance")}
+    impedances = ("motional_resistance", "motional_inductance", "series_resistance")
+    down = {name: 0.5 * getattr(shipped, name) for name in impedances}
+    scaled = decibels(exact_response(replace(shipped, **up, **down), frequency))
+    change = scaled - decibels(exact_response(shipped, frequency))
+    assert np.std(change) < 1e-4  # the virtual ground is none quite: it stays below a thousandth of OPEN
 
 
 def test_open_combinations_do_not_change_the_curve(shipped: Constants) -> None:
