@@ -196,11 +196,12 @@ def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
 
 def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> PartReport:
     from skincad.fabrication.measures import measure
+    from skincad.solids.occ import volume
 
     seen = measure(part, mesh, chord)
     return PartReport(
         name=part.name,
-        volume=solid.Volume(),
+        volume=volume(part, solid),
         area=solid.Area(),
         faces=len(solid.Faces()),
         valid=True,  # else KernelError, before anything was written
@@ -225,7 +226,7 @@ def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
 
     design, closed = job.design, job.closed
     printed = {p.name: p for p in closed.parts if p.made == "made"}
-    flat = {name: laid(job.meshes[name], laid_on_end(design, part)) for name, part in printed.items()}
+    flat = {name: laid(job.meshes[name], laid_on_end(design, part), part) for name, part in printed.items()}
     coloured = {name: (flat[name], part.colour) for name, part in printed.items()}
     turned, colour = job.skin[1], closed.part("skin").colour
     stl = {"skin": turned, **flat}

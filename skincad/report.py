@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from io import BytesIO
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from skincad.fabrication.meshes import upright
 from skincad.render import shaded, view
 from skincad.section import section
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Prism
+from skincad.solids.plan import Prism, Turned
 from skincad.solids.skin import COLOUR
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
@@ -106,11 +107,12 @@ def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
 def _apart(name: str, closed: Mold) -> np.ndarray:
     """Where a part is drawn, relative to the closed mold, mm."""
     high = _height(closed)
-    block = next(p.body for p in closed.parts if p.name.startswith("cavity"))
-    side = 1.1 * (block.high - block.low) if isinstance(block, Prism) else 0.0
+    side = 1.1 * closed.length
     if name.startswith(("end-", "pin-a", "pin-b")) and not name.startswith("pin-base"):
         out = side * (1.0 if name.startswith("end") else 0.5) * (-1 if name[4] == "a" else 1)
-        return np.array([0.0, out, 0.25 * high if name.endswith("keeper") else 0.0])
+        body, lift = closed.part(name).body, 0.25 * high if name.endswith("keeper") else 0.0
+        lean = body.angle if isinstance(body, Turned) else 0.0
+        return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
     places = {
         ("cover", "pin-cover"): (0.0, 0.0, 2.3 * high),
         ("carrier",): (0.0, 0.0, 1.7 * high),

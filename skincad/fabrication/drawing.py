@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from xml.sax.saxutils import escape
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from skincad.curves import Loop, polygon
 from skincad.design import Design
 from skincad.section import frame, section
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Prism
+from skincad.solids.plan import Part, Prism, Revolved, Turned, corners
 
 PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
 TEXT = 2.8  # mm
@@ -39,7 +41,8 @@ class View:
 
 def drawing(design: Design, closed: Mold) -> str:
     """Return the drawing as an SVG document."""
-    rows = [*_section_view(design), *_ridge_view(design), *_mold_view(closed)]
+    bent = design.skin.curvature_radius_y is not None
+    rows = [*_section_view(design), *_ridge_view(design), *(_bent_view if bent else _mold_view)(closed)]
     title = f"{design.name}: all lengths in mm, silicone {design.material.name or 'own'}"
     rows.append(_text(5.0, PAGE[1] - 4.0, title, "start"))
     style = (
@@ -69,6 +72,8 @@ def _section_view(design: Design) -> list[str]:
     radius = (
         f"R {skin.curvature_radius:g}, {design.ridge.count} ridges at {design.ridge.pitch:g} along the arc"
     )
+    if skin.curvature_radius_y is not None:
+        radius += f"; R {skin.curvature_radius_y:g} along y"
     rows.append(_text(80.0, middle - 4.0, radius))
     rows.append(
         _text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; length along the ridges {skin.length:g}")
@@ -145,6 +150,49 @@ def _mold_view(closed: Mold) -> list[str]:
     rows += _upright(right + 5.0, bottom, top, f"{size[1]:.4g}", right)
     rows.append(_text(142.0, 134.5, f"closed mold from above, scale {scale:.3g} : 1; height {size[2]:.4g}"))
     return rows
+
+
+def _bent_view(closed: Mold) -> list[str]:
+    """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
+    kinds = {"cavity": "mold", "end-": "mold", "cover": "mold", "carrier": "hole", "skin": "skin"}
+    rings = [
+        (k, _side(part)) for name, k in kinds.items() for part in closed.parts if part.name.startswith(name)
+    ]
+    points = np.vstack([ring for _, ring in rings])
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = float(min(50.0 / (high - low)[0], 36.0 / (high - low)[1]))
+    view = View((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    rows = []
+    for kind, ring in rings:
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(y, z) for y, z in ring))
+        rows.append(f'<polygon class="{kind}" points="{steps}"/>')
+    (left, bottom), (right, top) = view.at(*low), view.at(*high)
+    rows += _across(left, right, bottom + 5.0, f"{high[0] - low[0]:.4g}", bottom)
+    rows += _upright(right + 5.0, bottom, top, f"{high[1] - low[1]:.4g}", right)
+    cavity = closed.part("cavity").body
+    lean = math.degrees(cavity.grid.half) if isinstance(cavity, Prism) and cavity.grid else 0.0
+    words = f"closed mold from the side, scale {scale:.3g} : 1; ends lean by {lean:.3g} degrees"
+    return [*rows, _text(142.0, 134.5, words)]
+
+
+def _side(part: Part) -> NDArray[np.float64]:
+    """A part's outline in (y, z), `(n, 2)` mm: of a body that turns, its section's height turned."""
+    body = part.body
+    if isinstance(body, Prism) and body.axis == "x":
+        return corners(body, body.outline, CHORD)
+    if isinstance(body, Revolved) and body.grid:
+        z = polygon(body.outline, CHORD)[:, 1]
+        angles = body.grid.angles(body.low, body.high, CHORD)
+        arcs = [[body.placed(np.array([[0.0, end]]), a)[0, 1:] for a in angles] for end in (z.min(), z.max())]
+        return np.array([*arcs[0], *arcs[1][::-1]])
+    own = body.body if isinstance(body, Turned) else body
+    if not isinstance(own, Prism):
+        raise ValueError(f"{part.name}: no pin is drawn from the side")
+    (_, y0, z0), (_, y1, z1) = _extent(own)
+    ring = np.array([[0.0, y, z] for y, z in ((y0, z0), (y1, z0), (y1, z1), (y0, z1))])
+    if isinstance(body, Turned):
+        ring = body.placed(ring)
+    return ring[:, 1:]
 
 
 def _extent(body: Prism) -> tuple[tuple[float, float, float], tuple[float, float, float]]:

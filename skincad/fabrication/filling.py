@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -20,7 +20,8 @@ from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, vertical
 from skincad.fabrication.void import Void, alone, open_trough, void
-from skincad.solids.mold import Mold
+from skincad.solids.layout import end_angle
+from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Prism, Vector
 
 CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
@@ -89,6 +90,8 @@ def filling_findings(design: Design, closed: Mold) -> list[Finding]:
     At a ridge or slot `LEAST` is the limit; in the skin's body a bubble `BUBBLE` of its thickness across;
     pockets of one kind are told together.
     """
+    if design.skin.curvature_radius_y is not None:
+        return _bent_findings(design)
     found = pockets(design, closed)
     if not found:
         return _level(design)
@@ -97,6 +100,29 @@ def filling_findings(design: Design, closed: Mold) -> list[Finding]:
     for pocket in found:
         kinds[pocket.harm, pocket.where.rstrip("0123456789")].append(pocket)
     return [*_level(design), *(_finding(design, own, remedy) for own in kinds.values())]
+
+
+def _bent_findings(design: Design) -> list[Finding]:
+    """Both ends of a doubly curved skin rise, by the angle that they lean. What stays at an end is judged on
+    the straight mold of the section at that end's slope: a pocket is short against curvature_radius_y."""
+    straight = design.with_(skin={"curvature_radius_y": None})
+    closed, rise, tilt = mold(straight), math.degrees(end_angle(design)), design.mold.pour_tilt
+    remedy, found = "fill under vacuum, or hold the filled mold under it before cure", []
+    if tilt <= rise:
+        where = "end a, which is high too until mold.pour_tilt is above the angle by which it leans"
+        leave = f"mold.pour_tilt above {rise:.3g}; or fill slowly: its air leaves round the carrier"
+        found.append(Finding("trapped air", where, tilt, rise, "deg", "note", leave))
+    for end, slope in (("b", rise + tilt), ("a", rise - tilt)):
+        if slope <= 0:
+            continue
+        kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
+        for pocket in pockets(straight, closed, slope):
+            kinds[pocket.harm, pocket.where.rstrip("0123456789")].append(pocket)
+        for own in kinds.values():
+            told = _finding(design, own, remedy)
+            place = told.where.replace("end b", f"end {end}")
+            found.append(replace(told, where=f"{place}, in a straight mold at the slope of end {end}"))
+    return found
 
 
 def _level(design: Design) -> list[Finding]:

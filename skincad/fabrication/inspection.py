@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from skincad.catalog import processes, silicone
@@ -40,19 +41,18 @@ def inspection(design: Design, skin: Part, allowed_drops: tuple[float, ...] = ()
     wide = 2 * body.tolerance + CALLIPERS
     rows = [
         _symmetric("width across the back", design.skin.width, wide, "callipers, lightly"),
-        _symmetric(
-            "length along the ridges", design.skin.length, wide + 2 * end.tolerance, "callipers, lightly"
-        ),
+        _symmetric(*_length(design), wide + 2 * end.tolerance, "callipers, lightly"),
         _symmetric("pitch of the ridges", design.ridge.pitch, wide, "microscope, mean of all"),
     ]
     own = SHARE_OF_WALL * body.crest_sigma
+    back = "flat back" if design.skin.curvature_radius_y is None else "back, in the middle of its length"
     for ridge in range(1, design.ridge.count + 1):
         height = frame(design, ridge).at(0.0, design.ridge.height).z
         allowed = allowed_drops[ridge - 1] if allowed_drops else own
         drop = min(own, allowed)
         rows.append(
             Measure(
-                f"crest of ridge {ridge} over the flat back",
+                f"crest of ridge {ridge} over the {back}",
                 height,
                 height - drop,
                 height + own,
@@ -61,6 +61,16 @@ def inspection(design: Design, skin: Part, allowed_drops: tuple[float, ...] = ()
             )
         )
     return (*rows, _mass(design, skin))
+
+
+def _length(design: Design) -> tuple[str, float]:
+    """What is measured of the length, and its value: with a second curvature a chord."""
+    radius, skin = design.skin.curvature_radius_y, design.skin
+    if radius is None:
+        return "length along the ridges", skin.length
+    return "length of the back, straight from end to end", 2 * (radius - skin.thickness) * math.sin(
+        skin.length / 2 / radius
+    )
 
 
 def _symmetric(what: str, nominal: float, tolerance: float, how: str) -> Measure:

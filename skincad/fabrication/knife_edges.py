@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from skincad.curves import Loop, Point, Segment
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule
-from skincad.solids.plan import Bore
+from skincad.solids.plan import Prism
 
 LEAST_ANGLE = 30.0  # deg, assumption: a more pointed edge of metal or resin chips within a few castings
 _SHORTEST = 1e-6  # mm; a shorter segment has no direction to speak of
@@ -36,9 +36,10 @@ def _heading(segment: Segment, fraction: float) -> float:
 
 def _knife_edge(case: Case) -> Iterator[Finding]:
     """The sharpest corner of a part; no process makes a plan's angle blunter."""
-    if isinstance(case.part.body, Bore):
+    body = case.along.body
+    if not isinstance(body, Prism):
         return
-    place, angle = min(edges(case.part.body.outline), key=lambda edge: edge[1])
+    place, angle = min(edges(body.outline), key=lambda edge: edge[1])
     if angle < LEAST_ANGLE:
         where = f"{case.label}, x {place.x:.3g}, z {place.z:.3g} mm"
         remedy = "a slot or flank that meets its parting line less flatly, or a larger curvature_radius"

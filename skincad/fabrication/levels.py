@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from skincad import curves
 from skincad.errors import RefusedError
 from skincad.fabrication.void import Void
-from skincad.solids.plan import Bore, Prism, Revolved
+from skincad.solids.plan import Bore, Prism
 
 Points = NDArray[np.float64]
 TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none
@@ -82,7 +82,7 @@ def cells(space: Void, tolerance: float) -> Cells:
     outlets: list[tuple[int, Points]] = []
     for index, part in enumerate(space.spaces):
         first = len(corners)
-        if isinstance(part.body, Revolved):
+        if not isinstance(part.body, Prism | Bore):
             raise RefusedError(f"{part.name}: how it fills is known of prisms and bores alone")
         made = _prism(part.body, tolerance) if isinstance(part.body, Prism) else _bore(part.body, tolerance)
         corners += made.corners

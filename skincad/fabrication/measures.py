@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pymeshlab
+import shapely
 import trimesh
 from manifold3d import Manifold
+from numpy.typing import NDArray
 
+from skincad.curves import polygon
 from skincad.fabrication.findings import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Axis, Body, Heading, Part, Revolved, swept
+from skincad.solids.plan import Body, Part, Prism, Reaching, Revolved, Turned
+from skincad.solids.sweep import Way, swept
 
 FINER = 10.0  # the reference mesh's chords are this many times finer
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
@@ -32,6 +37,9 @@ class MeshMeasure:
 
 def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
     """Measure a part's print mesh against one `FINER` times finer; that one's own error is added."""
+    frames = [_with_flat_ends(part.body, mesh)]
+    if isinstance(part.body, Prism) and part.body.grid:
+        frames.append(mesh)  # the library takes other coplanar faces for crossings in each; real ones in both
     finer = mesh_of(part, tolerance / FINER)
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(_pymeshlab_mesh(mesh), "print")
@@ -42,23 +50,40 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
         )["max"]
         for a, b in ((0, 1), (1, 0))
     ]
-    meshes.add_mesh(_pymeshlab_mesh(_with_flat_ends(part.body, mesh)), "flat ends")
-    meshes.compute_selection_by_self_intersections_per_face()
     return MeshMeasure(
         watertight=bool(mesh.is_watertight and mesh.is_winding_consistent),
-        self_intersections=meshes.current_mesh().selected_face_number(),
+        self_intersections=int(np.logical_and.reduce([_crossing(m) for m in frames]).sum()),
         volume=float(mesh.volume),
         deviation=max(ways) + tolerance / FINER,
     )
 
 
-def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """Return a revolved body's mesh straightened, any other as it is: the library takes the rounding of a
-    slanting end's triangles for crossings.
+def _crossing(mesh: trimesh.Trimesh) -> NDArray[np.bool_]:
+    """Which faces cross others, `(n,)`, and some that only touch, by rounding, on a slanting plane."""
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(_pymeshlab_mesh(mesh), "print")
+    meshes.compute_selection_by_self_intersections_per_face()
+    return np.asarray(meshes.current_mesh().face_selection_array(), dtype=bool)
 
-    Between two angle steps straightening takes section to section, so its plane trapezoids to rectangles,
-    one to one: they cross after if and only if they crossed before.
+
+def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """Return the mesh of a body whose ends slant with ends that don't, any other as it is: the library takes
+    the rounding of a slanting end's triangles for crossings. Faces cross after if and only if before.
+
+    A turned body is turned back. A prism along x with a grid has ends in planes through the grid's axis: the
+    projective map (x, y, -c) / (c - z), c the axis's height, takes them to parallel planes, any plane to a
+    plane. In a revolved body, between two angle steps, straightening takes section to section, so plane
+    trapezoids to rectangles, one to one.
     """
+    if isinstance(body, Turned):
+        points = body.returned(np.asarray(mesh.vertices)).round(12)
+        return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
+    if isinstance(body, Prism) and body.grid:
+        x, y, z = np.asarray(mesh.vertices).T
+        centre = body.grid.centre
+        points = np.column_stack([x, y, np.full(len(x), -centre)]) * (centre / (centre - z))[:, None]
+        points[:, 1] = points[:, 1].round(9)
+        return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
     if not isinstance(body, Revolved):
         return mesh
     points = body.straightened(np.asarray(mesh.vertices))
@@ -76,38 +101,85 @@ def interference(assembled: Mold, tolerance: float) -> list[Finding]:
     All meshes take their corners from the same exact section, so touching faces share none. `tolerance`
     (mm) must be well below the clearances.
     """
-    solids = {part.name: manifold(part, tolerance) for part in assembled.parts}
-    names = list(solids)
+    shapes = {part.name: _Shape(part, manifold(part, tolerance), tolerance) for part in assembled.parts}
+    names = list(shapes)
     found = [
         _finding("interference", f"{a} in {b}, closed", volume)
         for i, a in enumerate(names)
-        for b in names[i + 1 :]
-        if (volume := _common(solids[a], solids[b])) > SLIVER
+        for b, volume in _shared(shapes[a], [shapes[name] for name in names[i + 1 :]])
     ]
     for step in assembled.opening:
-        moving = [part for part in assembled.parts if part.name in step.parts]
-        for name in step.parts:
-            del solids[name]
-        for part in moving:
-            path = manifold(swept(part, step.axis, step.travel, tolerance), tolerance)
-            for name, other in solids.items():
-                if name == "cavity" and part.name.startswith(("skin", "strip")):
-                    continue  # the skin bends, and the strips in it: the undercut rule judges it
-                if (volume := _common(path, other)) > SLIVER:
-                    where = f"{part.name} against {name}, opening along {_way(step.axis)}"
-                    found.append(_finding("interference", where, volume))
+        moving = [shapes.pop(name) for name in step.parts]
+        for one in moving:
+            name, way = one.part.name, swept(one.part, step.axis, step.travel, tolerance)
+            # the skin bends, and the strips in it: the undercut rule judges it
+            free = "cavity" if name.startswith(("skin", "strip")) else ""
+            path = _Shape(way, manifold(way, tolerance), tolerance)
+            others = [other for other in shapes.values() if other.part.name != free]
+            for other, volume in _shared(path, others):
+                where = f"{name} against {other}, opening along {_way(step.axis)}"
+                found.append(_finding("interference", where, volume))
     return found
 
 
-def _way(axis: Axis | Heading) -> str:
+class _Shape(NamedTuple):
+    """A part, its mesh, and the tolerance of its chords in mm."""
+
+    part: Part
+    mesh: Manifold
+    tolerance: float
+
+
+def _shared(one: _Shape, others: list[_Shape]) -> list[tuple[str, float]]:
+    """Which others share volume with a part, and how much, mm3."""
+    volumes = [(other.part.name, _common(one, other)) for other in others]
+    return [(name, volume) for name, volume in volumes if volume > SLIVER]
+
+
+def _way(axis: Way) -> str:
     return axis if isinstance(axis, str) else f"x {axis[0]:.3g}, z {axis[1]:.3g}"
 
 
-def _common(a: Manifold, b: Manifold) -> float:
-    low, high = a.bounding_box(), b.bounding_box()
+def _common(a: _Shape, b: _Shape) -> float:
+    low, high = a.mesh.bounding_box(), b.mesh.bounding_box()
     if any(low[i] >= high[i + 3] or high[i] >= low[i + 3] for i in range(3)):
         return 0.0
-    return float((a ^ b).volume())
+    one, other = a.part, b.part
+    if isinstance(one.body, Revolved) and isinstance(other.body, Revolved) and not (one.cuts or other.cuts):
+        return _turned_alike(one.body, other.body, a.tolerance / 2)
+    if any(_lies_in(p, q, a.tolerance / 2) for p, q in ((one, other), (other, one))):
+        return 0.0
+    return float((a.mesh ^ b.mesh).volume())
+
+
+def _turned_alike(a: Revolved, b: Revolved, tolerance: float) -> float:
+    """What two bodies that turn about one axis share, mm3: what their sections share, times its path. Meshes
+    that touch all along a slot share up to 1e-6 mm3 by rounding."""
+    angle = min(a.high, b.high) - max(a.low, b.low)
+    common = _region(a, tolerance).intersection(_region(b, tolerance))
+    if angle <= 0 or common.is_empty:
+        return 0.0
+    return float(common.area * abs(common.centroid.y - a.centre) * angle)
+
+
+def _lies_in(inner: Part, outer: Part, tolerance: float) -> bool:
+    """Whether a turned part lies all in one turned cut of another one, as a skin in its trough: meshes that
+    touch everywhere take the boolean a hundred times longer."""
+    body = inner.body
+    if not isinstance(body, Revolved):
+        return False
+    cuts = [cut.built for cut in outer.cuts if isinstance(cut, Reaching)]
+    return any(
+        cut.low <= body.low
+        and body.high <= cut.high
+        and _region(body, tolerance).difference(_region(cut, tolerance)).area * body.volume <= SLIVER
+        for cut in cuts
+        if isinstance(cut, Revolved)
+    )
+
+
+def _region(body: Revolved, tolerance: float) -> shapely.Polygon:
+    return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in body.holes])
 
 
 def _finding(rule: str, where: str, volume: float) -> Finding:

@@ -11,15 +11,29 @@ from manifold3d import Manifold, Mesh64, OpType, triangulate
 from numpy.typing import NDArray
 
 from skincad import curves
-from skincad.solids.plan import Body, Bore, Part, Prism, Revolved
+from skincad.solids.grid import turn_steps
+from skincad.solids.plan import (
+    Body,
+    Bore,
+    Part,
+    Prism,
+    Reaching,
+    Revolved,
+    Turned,
+    corners,
+    own,
+)
 
 Array = NDArray[np.float64]
 
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
+_X_IS_THIRD = np.array([2, 0, 1])
 
 
 def manifold(part: Part, tolerance: float) -> Manifold:
     """Return the part as a manifold whose chords keep within `tolerance` mm of the true surfaces."""
+    if isinstance(part.body, Turned):
+        return _placed(manifold(own(part), tolerance), part.body)
     cuts = [_body(cut, tolerance) for cut in part.cuts]
     body = _body(part.body, tolerance)
     return body - Manifold.batch_boolean(cuts, OpType.Add) if cuts else body  # cuts may touch on a face
@@ -39,10 +53,15 @@ def upright(shape: trimesh.Trimesh) -> trimesh.Trimesh:
     return turned
 
 
-def laid(shape: trimesh.Trimesh, on_end: bool) -> trimesh.Trimesh:
+def laid(shape: trimesh.Trimesh, on_end: bool, part: Part | None = None) -> trimesh.Trimesh:
     """Return the mesh as it is printed: on the bed at z = 0, in the middle of x and y; on its y face where
-    `on_end`."""
+    `on_end`. A `part` that leans in its mold is first turned back, and a block whose ends lean onto one."""
     placed = shape.copy()
+    frame = part.body if part else None
+    if isinstance(frame, Prism) and frame.grid and on_end:
+        frame = Turned(frame, frame.grid.centre, -frame.grid.half, 0.0)
+    if isinstance(frame, Turned):
+        placed.vertices = frame.returned(np.asarray(placed.vertices)).round(12)  # mm; a face is level again
     if on_end:
         placed.vertices = placed.vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
     low, high = placed.bounds
@@ -50,7 +69,16 @@ def laid(shape: trimesh.Trimesh, on_end: bool) -> trimesh.Trimesh:
     return placed
 
 
+def _placed(shape: Manifold, place: Turned) -> Manifold:
+    turn, shift = place.placement()
+    return shape.transform(np.column_stack([turn, shift]))
+
+
 def _body(body: Body, tolerance: float) -> Manifold:
+    if isinstance(body, Reaching):
+        return _body(body.built, tolerance)
+    if isinstance(body, Turned):
+        return _placed(_body(body.body, tolerance), body)
     if isinstance(body, Bore):
         return _bore(body, tolerance)
     return _prism(body, tolerance) if isinstance(body, Prism) else _revolved(body, tolerance)
@@ -59,11 +87,13 @@ def _body(body: Body, tolerance: float) -> Manifold:
 def _prism(prism: Prism, tolerance: float) -> Manifold:
     """Triangulate the ends and join them; corners keep their exact digits, so that a bore that ends on a
     face really opens it (a library's polygon class that rounds to 1e-8 mm left a film of that thickness)."""
-    corners, faces = _strips(prism, tolerance, 1)
-    ends = [np.column_stack([corners, np.full(len(corners), level)]) for level in (prism.low, prism.high)]
+    flat, faces = _strips(prism, tolerance, 1)
+    ends = [np.column_stack([flat, np.full(len(flat), level)]) for level in (prism.low, prism.high)]
     points = np.vstack(ends)
     if prism.axis == "y":
         points, faces = points[:, _Y_IS_THIRD], faces[:, ::-1]
+    if prism.axis == "x":
+        points = points[:, _X_IS_THIRD]
     return Manifold(Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(faces)))
 
 
@@ -71,29 +101,30 @@ def _revolved(body: Revolved, tolerance: float) -> Manifold:
     """Join copies of the section at even angles. Between two of them a chord of the section sweeps a plane
     trapezoid, so the section's sagitta and the turn's add up: each has half of the tolerance."""
     half = tolerance / 2
-    arm = float(np.abs(curves.polygon(body.outline, half)[:, 1] - body.centre).max()) + half
-    widest = 4 * math.asin(min(1.0, math.sqrt(half / (2 * arm))))  # its sagitta is 2 arm sin^2(widest / 4)
-    steps = max(1, math.ceil((body.high - body.low) / widest))
-    corners, faces = _strips(body, half, steps)
-    points = np.vstack([body.placed(corners, angle) for angle in np.linspace(body.low, body.high, steps + 1)])
+    arm = float(np.abs(curves.polygon(body.outline, half)[:, 1] - body.centre).max())
+    angles = np.linspace(body.low, body.high, turn_steps(body.high - body.low, arm, half) + 1)
+    if body.grid:
+        angles = body.grid.angles(body.low, body.high, tolerance)
+    flat, faces = _strips(body, half, len(angles) - 1)
+    points = np.vstack([body.placed(flat, angle) for angle in angles])
     return Manifold(Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(faces[:, ::-1])))
 
 
 def _strips(body: Prism | Revolved, tolerance: float, steps: int) -> tuple[Array, NDArray[np.uint64]]:
     """The section's corners `(n, 2)` mm and the faces that join `steps + 1` copies of them, in order."""
-    loops = [curves.polygon(body.outline, tolerance)]
-    loops += [curves.polygon(hole, tolerance)[::-1] for hole in body.holes]
+    loops = [corners(body, body.outline, tolerance)]
+    loops += [corners(body, hole, tolerance)[::-1] for hole in body.holes]
     caps = np.asarray(triangulate(loops), dtype=np.uint64)
-    corners = np.vstack(loops)
+    flat = np.vstack(loops)
     first = np.concatenate([[0], np.cumsum([len(points) for points in loops])])
-    here = np.arange(len(corners), dtype=np.uint64)
+    here = np.arange(len(flat), dtype=np.uint64)
     onward = np.concatenate([np.roll(here[a:b], -1) for a, b in pairwise(first)])
-    top = np.uint64(len(corners))
+    top = np.uint64(len(flat))
     side = np.vstack(
         [np.stack([here, onward, onward + top], 1), np.stack([here, onward + top, here + top], 1)]
     )
     sides = [side + top * np.uint64(step) for step in range(steps)]
-    return corners, np.vstack([caps[:, ::-1], caps + top * np.uint64(steps), *sides])
+    return flat, np.vstack([caps[:, ::-1], caps + top * np.uint64(steps), *sides])
 
 
 def _bore(bore: Bore, tolerance: float) -> Manifold:

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from skincad.curves import Loop, Point, Segment, rectangle
 from skincad.design import Design, Film
-from skincad.errors import InputError
 from skincad.section import SlotPlace, section
 from skincad.solids.inserts import stands_out
 from skincad.solids.shrinkage import poured
@@ -49,12 +48,9 @@ class StripPattern:
 def strip_patterns(design: Design) -> list[StripPattern]:
     """Return the pattern of every strip, ridge by ridge from the drawing's foot up; none without film.
 
-    Raises InputError for a skin that is curved along y too: its strips are sectors of rings, not rectangles.
+    Strips of a skin that is curved along y too are cut straight, each as long as its slot's arc: the slot
+    bends them on edge by what `pattern_notes` says.
     """
-    bent = design.skin.curvature_radius_y
-    if bent is not None:
-        rule = "has no cutting pattern yet: its strips are not straight"
-        raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
     design = poured(design) if design.mold.method == "cast-in" else design
     film, shape = design.film, section(design)
     if film is None:
@@ -66,13 +62,26 @@ def strip_patterns(design: Design) -> list[StripPattern]:
 
 def pattern_notes(design: Design) -> list[str]:
     """Return what is written under the pattern."""
-    film = design.film
+    film, strain = design.film, _edge_strain(design)
     wiring, skins = film.wiring_side if film else "b", design.mold.cavities
     return [
         *([f"for one skin: cut it {skins} times"] if skins > 1 else []),
+        *([f"straight strips, bent on edge by their slots: strain {100 * strain:.2g} %"] if strain else []),
         "seen from the + side, which faces +x in every slot; end a left, end b right, ridges below",
         f"leads at end {wiring}, there the corner at the ridge is cut off; draw axis (d31) along the strips",
     ]
+
+
+def _arc(design: Design, slot: SlotPlace) -> float:
+    """A slot's arc along y by skin.length: 1 where it is straight."""
+    radius = design.skin.curvature_radius_y
+    return 1.0 if radius is None else 1 + (slot.centre.z - design.skin.thickness) / radius
+
+
+def _edge_strain(design: Design) -> float:
+    """Strain of a straight strip's edges in a slot that is bent along y."""
+    radius = design.skin.curvature_radius_y
+    return 0.0 if radius is None or design.slot is None else design.slot.depth / 2 / radius
 
 
 def row_height(design: Design) -> float:
@@ -87,7 +96,7 @@ def _half_tab(depth: float) -> float:
 
 def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> StripPattern:
     """One strip about z = `middle`, drawn with its wiring side at +x and mirrored where that is end a."""
-    half, h, margin = design.skin.length / 2, slot.depth / 2, film.electrode_margin
+    half, h, margin = design.skin.length / 2 * _arc(design, slot), slot.depth / 2, film.electrode_margin
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
     marks: tuple[float, ...]
     a, b = stands_out(design)

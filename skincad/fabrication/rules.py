@@ -20,10 +20,12 @@ from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.process import Process
 from skincad.section import GUARD_TOLERANCE, section
-from skincad.solids.plan import Bore, Part
+from skincad.solids.plan import Part, bores, own
+from skincad.solids.split import notch_rise
 
 STEEL_MODULUS = 200e3  # MPa, source: handbooks, spring steel 190 to 210 GPa
 STEEL_WEIGHT = 7.85e-6 * 9.81  # N/mm3, source: handbooks, 7850 kg/m3
+SHIM_ELASTIC = 0.006  # strain, source: handbooks, hardened spring steel yields at about 1200 of 200e3 MPa
 SAG_SHARE = 0.5  # assumption: of a slot's thickness; a shim that hangs through by more displaces its film
 _ROUNDING = 1e-9  # mm
 
@@ -37,6 +39,11 @@ class Case:
     label: str  # as findings call the part
     name: str  # of the process
     process: Process
+
+    @property
+    def along(self) -> Part:
+        """The part as its section along y is judged: straight where it is bent, upright where it leans."""
+        return self.part.straight or own(self.part)
 
 
 Rule = Callable[[Case], Iterator[Finding]]
@@ -139,8 +146,7 @@ def _slender(case: Case) -> Iterator[Finding]:
 def _hole(case: Case) -> Iterator[Finding]:
     sizes = [
         2 * min(cut.radius, cut.radius if cut.end_radius is None else cut.end_radius)
-        for cut in case.part.cuts
-        if isinstance(cut, Bore)
+        for cut in bores(case.part)
     ]
     if sizes and min(sizes) < case.process.hole - _ROUNDING:
         place = f"{case.label}, bore, by {case.name}"
@@ -164,6 +170,17 @@ def _slit_fit(case: Case) -> Iterator[Finding]:
         yield Finding("slit fit", place, given, limit, "mm", "note", remedy)
 
 
+def _notch_room(case: Case) -> Iterator[Finding]:
+    """A note where straight notches let silicone in beside shims that are arcs."""
+    if not case.part.name.endswith("-comb"):
+        return
+    room, gap = notch_rise(case.design, section(case.design).slots), case.design.mold.slit_clearance
+    if room > gap:
+        place = f"{case.label}, straight notches round shims that rise in them"
+        remedy = "cut the fins off the skin's ends; a thinner mold.end_plate leaves less"
+        yield Finding("notch room", place, room, gap, "mm", "note", remedy)
+
+
 def _cure(case: Case) -> Iterator[Finding]:
     material = silicone(case.design.material)
     if case.process.inhibits_platinum and material.platinum_cure:
@@ -172,7 +189,7 @@ def _cure(case: Case) -> Iterator[Finding]:
         yield Finding("cure inhibition", place, 1.0, 0.0, "", "note", remedy)
 
 
-RULES: tuple[Rule, ...] = (_gap, _wall, _slender, _hole, _clearance, _slit_fit, _cure)
+RULES: tuple[Rule, ...] = (_gap, _wall, _slender, _hole, _clearance, _slit_fit, _notch_room, _cure)
 
 
 def shim_sag(design: Design) -> float:
@@ -188,10 +205,29 @@ def shim_sag(design: Design) -> float:
 
 def shim_findings(design: Design) -> list[Finding]:
     """Return a warning where a shim is so slender that its own weight moves the slot."""
-    sag = shim_sag(design)
+    sag, found = shim_sag(design), _shim_bend(design)
     if design.slot is None or sag <= SAG_SHARE * design.slot.thickness:
-        return []
+        return found
     limit = SAG_SHARE * design.slot.thickness
     most = design.skin.length * (limit / sag) ** 0.25
     remedy = f"a skin.length of at most {most:.3g} mm, or a thicker slot; pull shims straight"
-    return [Finding("slender", "shims, hanging through", sag, limit, "mm", "warning", remedy)]
+    return [*found, Finding("slender", "shims, hanging through", sag, limit, "mm", "warning", remedy)]
+
+
+def shim_bend(design: Design) -> float:
+    """Return the strain that a straight shim would take, bent on edge into its slot's arc: half its depth by
+    the arc's radius. 0 where slots are straight."""
+    radius = design.skin.curvature_radius_y
+    if design.slot is None or radius is None or design.mold.method != "shim":
+        return 0.0
+    return design.slot.depth / 2 / radius
+
+
+def _shim_bend(design: Design) -> list[Finding]:
+    """A note where straight stock would stay bent. Below that it buckles sideways between its combs, so the
+    casting sheet asks for arcs in any case."""
+    strain = shim_bend(design)
+    if strain <= SHIM_ELASTIC:
+        return []
+    where, remedy = "shims, were they bent on edge from straight stock", "cut them as arcs, as the sheet says"
+    return [Finding("shim bend", where, strain, SHIM_ELASTIC, "", "note", remedy)]

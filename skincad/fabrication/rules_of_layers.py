@@ -13,7 +13,7 @@ from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule, maker
 from skincad.process import Process
-from skincad.solids.plan import Bore, Part
+from skincad.solids.plan import Part, bores, own
 
 BED = 1e-6  # mm, rounding of the lowest facets
 _ROUNDING = 1e-9  # mm
@@ -58,7 +58,7 @@ def _details(case: Case) -> Iterator[Finding]:
 def _overhang(case: Case) -> Iterator[Finding]:
     """Facets of the print mesh that lean out further than the process can without support, off the bed.
     Horizontal bores up to the process's bridge are left out: they close by themselves."""
-    process, part = case.process, case.part
+    process, part = case.process, own(case.part)
     if not process.layer:
         return
     end = on_end(part, process)
@@ -66,7 +66,7 @@ def _overhang(case: Case) -> Iterator[Finding]:
     cuts = tuple(
         cut
         for cut in part.cuts
-        if not (isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge)
+        if not any(b.axis != upright and 2 * b.radius <= process.bridge for b in bores(part, cut))
     )
     angle, area = overhang(replace(part, cuts=cuts), process, end)
     if area > 0:
@@ -82,7 +82,7 @@ def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:
     is beyond the process's, without the face on the bed; (0, 0) where none is."""
     from skincad.fabrication.meshes import laid, mesh
 
-    shape = laid(mesh(part, process.chord), end)
+    shape = laid(mesh(part, process.chord), end, part)
     down = -np.asarray(shape.face_normals)[:, 2]
     corners = np.asarray(shape.vertices)[np.asarray(shape.faces)]
     lifted = corners[:, :, 2].max(axis=1) > BED

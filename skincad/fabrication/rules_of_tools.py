@@ -11,6 +11,7 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.reach import ERROR, corner, left_standing
 from skincad.fabrication.rules import Case, Rule, grooves
 from skincad.section import section
+from skincad.solids.layout import end_angle
 from skincad.solids.plan import Prism
 
 _SHARP = 1.02  # a corner of 89 degrees leaves 2 % more than a right angle: no two are the same on a fan
@@ -21,7 +22,7 @@ _left = lru_cache(maxsize=64)(left_standing)
 def _reach(case: Case) -> Iterator[Finding]:
     """What the tool leaves: a warning in a ridge's groove beyond the tolerance, and elsewhere beyond what any
     tool leaves in a right angle; there a note where a part's sharp edge would not go in."""
-    reach, body = case.process.reach, case.part.body
+    reach, body = case.process.reach, case.along.body
     if not reach or not isinstance(body, Prism) or body.axis != "y":
         return
     milled_down = case.part.name.startswith("cavity") and case.process.based_on == "cnc"
@@ -91,4 +92,13 @@ def _depth(case: Case) -> Iterator[Finding]:
             yield Finding("tool depth", place, depth / tool, most, "tool diameters", "warning", remedy)
 
 
-TOOL_RULES: tuple[Rule, ...] = (_reach, _depth)
+def _straight_cut(case: Case) -> Iterator[Finding]:
+    """A wire is straight: it cuts no trough that is bent along it."""
+    if case.process.based_on == "edm" and case.part.straight:
+        angle = math.degrees(2 * end_angle(case.design))
+        place = f"{case.label}, bent along y, by {case.name}"
+        remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
+        yield Finding("tool reach", place, angle, 0.0, "deg end to end", "warning", remedy)
+
+
+TOOL_RULES: tuple[Rule, ...] = (_reach, _depth, _straight_cut)

@@ -6,6 +6,7 @@ import math
 
 from skincad.catalog import Silicone, silicone
 from skincad.design import Design
+from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, leave_steps, screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_buy
@@ -13,7 +14,7 @@ from skincad.fabrication.void import alone, void
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import BOLT_RADIUS, TAP_RADIUS, fits
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Bore, Prism
+from skincad.solids.plan import Bore, Prism, own
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part
 from skincad.solids.undercut import split_ridges
@@ -66,8 +67,9 @@ def _parts(design: Design, closed: Mold) -> list[str]:
     through = skin.length + 2 * choice.end_plate
     pins: dict[str, int] = {}
     for part in closed.parts:
-        if isinstance(part.body, Bore):
-            size = f"{math.floor(10 * part.body.length) / 10:g} mm"
+        dowel = own(part).body
+        if isinstance(dowel, Bore):
+            size = f"{math.floor(10 * dowel.length) / 10:g} mm"
             pins[size] = pins.get(size, 0) + 1
     lengths = ", ".join(f"{count} of at most {size}" for size, count in pins.items())
     bought = [
@@ -77,7 +79,7 @@ def _parts(design: Design, closed: Mold) -> list[str]:
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
         "silicone)",
     ]
-    bought += to_buy(design, through)
+    bought += to_buy(design, through) if skin.curvature_radius_y is None else arcs_to_buy(design)
     return [
         "## Parts",
         "",
@@ -118,10 +120,13 @@ def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
     passed = max((length for radius, length in upright if radius == BOLT_RADIUS), default=0.0)
     held = max(length for radius, length in upright if radius == thread.thread)
     hold = f"inserts in holes of {2 * thread.thread:g} mm" if thread.printed else "tapped holes"
+    upper = f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}"
+    if design.skin.curvature_radius_y is not None:
+        return [screws(design, closed, hold), upper]
     long = math.ceil(through + (0 if sunk or tapped else NUT))
     return [
         f"M3 bolts: {count} of at least {long} mm along y, {ends}",
-        f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}",
+        upper,
     ]
 
 
@@ -178,22 +183,38 @@ def _order(design: Design, closed: Mold) -> list[str]:
         + "Clean and dry all parts; release agent on cavity, end plates, cover"
         + (" and shims" if slots and design.mold.method == "shim" else "")
         + ", none on the carrier.",
-        "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if slots else "."),
-        *(_by_syringe if design.mold.pour == "syringe" else _open)(design, back),
+        *_closed_up(design, back),
         "Lay the mold level to cure. Top up the reservoir over the vent: it feeds what shrinks and what "
         "bubbles leave.",
     ]
     leave = [
         *freed(design),
+        *(_taken_off(design) if design.skin.curvature_radius_y is None else leave_steps()),
+        *_out(design, closed),
+    ]
+    steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
+    return ["## In this order", "", *steps, ""]
+
+
+def _closed_up(design: Design, back: str) -> list[str]:
+    """How the cleaned parts are put together and filled."""
+    if design.skin.curvature_radius_y is not None:
+        return close_steps(design, back)
+    return [
+        "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if design.slot is not None else "."),
+        *(_by_syringe if design.mold.pour == "syringe" else _open)(design, back),
+    ]
+
+
+def _taken_off(design: Design) -> list[str]:
+    """How end plates and cover come off."""
+    return [
         "Take all bolts out, the cover's first. "
         + ("Cut the sprue at the gate, take" if design.mold.pour == "syringe" else "Take")
         + " the end plates off along y, a screwdriver in the notches at their sides.",
         "Lift the cover where it stood over the end plates; what stood in reservoir and bleeds tears, or is "
         "cut flush.",
-        *_out(design, closed),
     ]
-    steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
-    return ["## In this order", "", *steps, ""]
 
 
 def _out(design: Design, closed: Mold) -> list[str]:

@@ -10,7 +10,10 @@ from skincad.fabrication.strip_rules import misplaced
 from skincad.fabrication.strips import deflection, pour, released, strip, weight
 from skincad.solids.inserts import GRIP
 
-NUMBERS = "number 1 is at the left, seen from end a, and end b is the reservoir's"
+NUMBERS = (
+    "number 1 is at the left, seen from end a, where the end plates' edges have their nicks: one at end a, "
+    "two at end b, the reservoir's"
+)
 
 
 def to_buy(design: Design, through: float) -> list[str]:
@@ -66,8 +69,9 @@ def freed(design: Design) -> list[str]:
     if design.slot is None:
         return []
     film = design.film
+    way = "along y" if design.skin.curvature_radius_y is None else "along its arc"
     if film is None:
-        return ["Draw the shims out along y, towards end b."]
+        return [f"Draw the shims out {way}, towards end b."]
     if design.mold.method == "cast-in":
         return [
             "Take the weights off and cut the strips' tabs off at their marks, outside the end plates; mark "
@@ -77,6 +81,6 @@ def freed(design: Design) -> list[str]:
     return [
         f"Glue each film strip ({film.thickness * 1000:.0f} um, numbered in strips.dxf; {NUMBERS}) by its "
         "tail to the short tail of its shim at end a, wet it with fresh silicone, and draw the shim out "
-        "along y, towards end b: the strip follows it in. It is too thin to be pushed. Mark its polarity; "
+        f"{way}, towards end b: the strip follows it in. It is too thin to be pushed. Mark its polarity; "
         "the same side faces +x in every slot. Cut the glued tail off at its mark."
     ]

@@ -1,5 +1,7 @@
 """Everything that silicone can reach in the closed mold: disjoint prisms and bores that touch on plane faces.
 
+In a doubly curved mold the skin and what touches its back are curved; volumes hold there as well.
+
 The seats (carrier on ledge, cover on carrier) and the shims' slits in the end plates count as tight.
 """
 
@@ -13,8 +15,9 @@ from numpy.typing import NDArray
 
 from skincad import curves
 from skincad.design import Design
+from skincad.solids.bowl import gap_beside
 from skincad.solids.mold import Mold, mold
-from skincad.solids.plan import Body, Bore, Prism
+from skincad.solids.plan import Body, Bore, Prism, bores
 from skincad.solids.shrinkage import poured
 
 ABOVE = "cover"  # name of the spaces in the cover: what is left in them is cut off
@@ -54,9 +57,10 @@ def void(design: Design, closed: Mold) -> Void:
     round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
     taped when full."""
     design, carrier, skin = poured(design), closed.part("carrier"), closed.part("skin")
-    top = design.mold.carrier_thickness + design.mold.cover
+    cover = closed.part("cover").body
+    top = cover.high if isinstance(cover, Prism) else math.inf
     spaces = [Space("skin", skin.body)]
-    holes = [cut for cut in carrier.cuts if isinstance(cut, Bore) and cut.start[2] == 0.0]  # not blind
+    holes = [cut for cut in carrier.cuts if isinstance(cut, Bore) and _is_through(cut)]
     names = ["vent", *(f"carrier hole {i}" for i in range(1, len(holes)))]
     spaces += [Space(name, cut) for name, cut in zip(names, holes, strict=True)]
     spaces += [Space("gap round the carrier", ring) for ring in _gap(design, carrier.body)]
@@ -70,10 +74,16 @@ def open_trough(closed: Mold) -> Void:
     return Void((Space("skin", closed.part("skin").body, open_at=0.0),))
 
 
+def _is_through(bore: Bore) -> bool:
+    return bore.start[2] == 0.0 or bore.within is not None
+
+
 def _gap(design: Design, carrier: Body) -> list[Prism]:
     gap = design.mold.clearance
     if gap == 0.0 or not isinstance(carrier, Prism):
         return []
+    if carrier.axis == "x":
+        return gap_beside(carrier, gap)
     corners = np.array([s.start for s in carrier.outline])
     (x, y), half = corners.max(axis=0), design.skin.length / 2
     outer = curves.rectangle(-float(x) - gap, float(x) + gap, -half, half)
@@ -84,14 +94,16 @@ def _gap(design: Design, carrier: Body) -> list[Prism]:
 def _over(closed: Mold) -> list[Bore]:
     """Bores of the cover over the carrier, the reservoir first; bolts and pins stand outside the trough."""
     carrier = closed.part("carrier").body
-    side = max(s.start.x for s in carrier.outline) if isinstance(carrier, Prism) else 0.0
+    if not isinstance(carrier, Prism):
+        return []
+    side = carrier.high if carrier.axis == "x" else max(s.start.x for s in carrier.outline)
     return [c for c in closed.part("cover").cuts if isinstance(c, Bore) and abs(c.start[0]) < side]
 
 
-def _gates(closed: Mold) -> list[Bore]:
+def _gates(closed: Mold) -> list[Body]:
     """Bores in the middle of end a: bolts and pins stand beside the skin."""
     plates = [part for part in closed.parts if part.name.startswith("end-a")]
-    return [c for p in plates for c in p.cuts if isinstance(c, Bore) and c.start[0] == 0.0]
+    return [c for p in plates for c in p.cuts if any(bore.start[0] == 0.0 for bore in bores(p, c))]
 
 
 def _rim(cup: Body) -> NDArray[np.float64] | None:

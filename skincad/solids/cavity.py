@@ -184,8 +184,7 @@ def _along(place: Layout, heights: tuple[float, ...]) -> list[Bore]:
 
 
 def _pin_holes(design: Design, place: Layout) -> list[Bore]:
-    depth = on_grid(min(PIN_DEPTH, 0.4 * design.skin.length))
-    press = fits(design, design.mold.process).press
+    press, depth = fits(design, design.mold.process).press, place.pin_depth
     ends = (-place.end, place.end - depth)
     return [Bore((x, y, place.comb_pin), "y", depth, press) for x in place.pins for y in ends]
 

@@ -1,4 +1,4 @@
-"""End plates: comb and keeper of each y end, the gate, the nuts' pockets and the pry notches."""
+"""End plates: comb and keeper of each y end, the gate, nuts' pockets, pry notches, marks."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from skincad.solids.layout import (
     NUT_DEPTH,
     TAP_RADIUS,
     Layout,
+    bevel,
     end_fits,
     nut_pocket,
 )
@@ -23,28 +24,33 @@ from skincad.solids.split import closed, split_edges, split_height
 
 GATE_SILL = 0.3  # mm, assumption: least skin below and above the gate, so that it can be trimmed
 PRY = (1.5, 6.0)  # mm, assumption: leg of a pry notch, at 45 degrees so that it prints, and its width
+MARK = (1.0, 2.0)  # mm, assumption: leg of a nick that a finger finds, at 45 degrees too, and its height
 LEAST_UNDER_NUT = 1.0  # mm, assumption: of an end plate
+BEVELLED = 1.0  # mm; a leaning end plate is drawn higher by this before its top is cut level
 DARK, GREEN = (0.45, 0.50, 0.58), (0.55, 0.75, 0.60)
 
 
 def end_plates(design: Design, shape: Section, place: Layout, end: str) -> list[Part]:
     """Return comb and keeper of one end, or a plain plate where there are no slots."""
-    thick = design.mold.end_plate
+    thick, bent = design.mold.end_plate, design.skin.curvature_radius_y is not None
     low, high = (-place.end - thick, -place.end) if end == "a" else (place.end, place.end + thick)
     lower = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.comb_bolt)]
     lower += [Bore((x, low, place.comb_pin), "y", thick, end_fits(design).slide) for x in place.pins]
     lower += _pry(design, place, end, (place.bottom, place.split))
+    lower += _marks(design, place, end)
     upper = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.keeper_bolt)]
-    upper += _pry(design, place, end, (place.split, place.top))
+    upper += _pry(design, place, end, (place.split, place.top - bevel(design)))
     if end == "a" and design.mold.pour == "syringe":
         gate = _gate(design, shape, low)
         upper += [moved(gate, x) for x in place.centres]
+    upper += [_bevelled(design, place, end)] if bent else []
+    top = place.top + BEVELLED if bent else place.top
     if not shape.slots:
-        body = box(place.half, (low, high), (place.bottom, place.top), "y")
+        body = box(place.half, (low, high), (place.bottom, top), "y")
         return [Part(f"end-{end}", DARK, "made", body, (*lower, *upper), lies_on_end=True)]
     toothed, smooth = _edges(design, shape, place)
     comb = closed(toothed, -place.bottom)
-    keeper = closed([s.reversed() for s in reversed(smooth)], -place.top)
+    keeper = closed([s.reversed() for s in reversed(smooth)], -top)
     return [
         Part(f"end-{end}-comb", DARK, "made", Prism(flipped(comb), "y", low, high), tuple(lower), True),
         Part(f"end-{end}-keeper", GREEN, "made", Prism(flipped(keeper), "y", low, high), tuple(upper), True),
@@ -52,8 +58,11 @@ def end_plates(design: Design, shape: Section, place: Layout, end: str) -> list[
 
 
 def _bolt(design: Design, place: Layout, end: str, low: float, x: float, z: float) -> list[Body]:
-    """A bolt's way through an end plate: a clearance hole, or at end b a nut's pocket or a thread."""
+    """A bolt's way through an end plate: a clearance hole, or at end b a nut's pocket or a thread. The plates
+    of a doubly curved mold are not parallel: each has its own screws into the cavity."""
     thick = design.mold.end_plate
+    if design.skin.curvature_radius_y is not None:
+        return [Bore((x, low, z), "y", thick, BOLT_RADIUS)]
     depth = min(NUT_DEPTH, thick - LEAST_UNDER_NUT)
     if end == "b" and not end_fits(design).printed:
         return [Bore((x, low, z), "y", thick, TAP_RADIUS)]
@@ -74,14 +83,37 @@ def _pry(design: Design, place: Layout, end: str, levels: tuple[float, float]) -
     face, out = (-place.end, -size) if end == "a" else (place.end, size)
     if height < wide / 2:
         return []
-    notches: list[Body] = []
-    for side in (-place.half, place.half):
-        towards = math.copysign(size, -side)
-        corners = [Point(side, face), Point(side + towards, face), Point(side, face + out)]
-        if towards * out < 0:
-            corners.reverse()
-        notches.append(Prism(loop(corners), "z", middle - height / 2, middle + height / 2))
-    return notches
+    low, high = middle - height / 2, middle + height / 2
+    return [_nick(side, face, out, (low, high)) for side in (-place.half, place.half)]
+
+
+def _marks(design: Design, place: Layout, end: str) -> list[Body]:
+    """Nicks in an end plate's outer edge, on the side where the strips' numbers begin: one at end a, two at
+    end b. Engraved numbers would be 0.6 mm high."""
+    size, height = min(MARK[0], design.mold.end_plate / 4), MARK[1]
+    out = place.end + design.mold.end_plate
+    face, into = (-out, size) if end == "a" else (out, -size)
+    levels = [place.comb_bolt] if end == "a" else [place.comb_bolt - height, place.comb_bolt + height]
+    return [_nick(-place.half, face, into, (z - height / 2, z + height / 2)) for z in levels]
+
+
+def _nick(side: float, face: float, into: float, levels: tuple[float, float]) -> Prism:
+    """A plate's upright edge at (`side`, `face`), cut off at 45 degrees between two levels."""
+    towards = math.copysign(into, -side)
+    corners = [Point(side, face), Point(side + towards, face), Point(side, face + into)]
+    if towards * into < 0:
+        corners.reverse()
+    return Prism(loop(corners), "z", *levels)
+
+
+def _bevelled(design: Design, place: Layout, end: str) -> Prism:
+    """What is cut off a plate that leans inward, so that its top is level with the cavity's: from the
+    cavity's edge on its inner face down to its outer face. In its own frame."""
+    top, out = place.top + BEVELLED, place.end + design.mold.end_plate
+    points = [Point(place.end, place.top), Point(out, place.top - bevel(design)), Point(out, top)]
+    points.append(Point(place.end, top))
+    side = points if end == "b" else [Point(-p.x, p.z) for p in reversed(points)]
+    return Prism(loop(side), "x", -place.half, place.half)
 
 
 def _edges(design: Design, shape: Section, place: Layout) -> tuple[list[Segment], list[Segment]]:

@@ -59,12 +59,15 @@ class Layout(NamedTuple):
     lanes: tuple[float, ...]  # x of the bolts along y
     pins: tuple[float, float]  # x of the end plates' pins
     outer: float  # x of the bolts along z
-    along: float  # y of the bolts and pins along z
+    along: float  # y of the bolts along z
+    pin_along: float  # y of the pins along z
+    pin_depth: float  # of the end plates' pins in the cavity
+    cover: float  # the cover's y end
     split: float  # height of the split at the bolts
     comb_bolt: float
     comb_pin: float
     keeper_bolt: float
-    keying: float
+    keying: tuple[float, float]  # (x, y) by which one of the cover's pins stands aside
     nut: float  # half width of a nut's pocket across its flats
 
 
@@ -91,14 +94,18 @@ def layout(design: Design, shape: Section) -> Layout:
     trough = skin.width / 2 + LEDGE + choice.clearance
     inner = max(trough + EDGE + BOLT_RADIUS, aside + slide + EDGE / 2)
     outer = inner + EDGE + 2 * BOLT_RADIUS
+    if skin.curvature_radius_y is not None:  # screws into threads beside the cover's, which may be inserts
+        outer += max(0.0, fits(design, choice.process).thread - BOLT_RADIUS)
     need = outer + BOLT_RADIUS + EDGE - skin.width / 2
     at_least("mold.wall", choice.wall, need, "two rows of bolts beside the trough")
     at_least("skin.length", skin.length, 9.0, "bolts and pins of a mold")
     top, bottom = choice.carrier_thickness, on_grid(-shape.top) - choice.floor
     split = -split_height(design, shape)[1]
+    depth = on_grid(min(PIN_DEPTH, 0.4 * skin.length))
     bolt = bottom + EDGE + nut
     at_least("mold.floor", split - bottom, 2 * (nut + EDGE), "bolt, nut and pin of a comb")
-    at_least("mold.carrier_thickness", top - split, 2 * (BOLT_RADIUS + BESIDE), "the bolts of the keeper")
+    room = top - bevel(design) - split
+    at_least("mold.carrier_thickness", room, 2 * (BOLT_RADIUS + BESIDE), "the bolts of the keeper")
     apart = trough + EDGE + BOLT_RADIUS  # of a middle and the lane in the wall beside it
     count = choice.cavities
     centres = tuple((2 * i + 1 - count) * apart for i in range(count))
@@ -115,13 +122,27 @@ def layout(design: Design, shape: Section) -> Layout:
         pins=(-far - inner + aside, far + inner - aside),
         outer=far + outer,
         along=max(2.0, skin.length / 4),
+        pin_along=max(2.0, skin.length / 4),
+        pin_depth=depth,
+        cover=skin.length / 2 + choice.end_plate,
         split=split,
         comb_bolt=bolt,
         comb_pin=bolt,
-        keeper_bolt=(split + top) / 2,
-        keying=KEYING + 2 * (slide - PIN_RADIUS),
+        keeper_bolt=(split + top - bevel(design)) / 2,
+        keying=(0.0, KEYING + 2 * (slide - PIN_RADIUS)),
         nut=nut,
     )
+
+
+def end_angle(design: Design) -> float:
+    """Return the angle by which an end plate of a doubly curved mold leans, rad; 0 where it is upright."""
+    radius = design.skin.curvature_radius_y
+    return 0.0 if radius is None else design.skin.length / 2 / radius
+
+
+def bevel(design: Design) -> float:
+    """Return by how much a leaning end plate is lower at its outer face than at its inner one, mm."""
+    return design.mold.end_plate * math.tan(end_angle(design))
 
 
 def at_least(key: str, given: float, need: float, what: str) -> None:
@@ -139,7 +160,8 @@ def cover_bolts(place: Layout) -> list[tuple[float, float]]:
 
 def cover_pins(place: Layout) -> list[tuple[float, float]]:
     """Return (x, y) of the cover's pins, on the other diagonal, one aside."""
-    return [(place.outer, -place.along), (-place.outer, place.along - place.keying)]
+    aside, along = place.keying
+    return [(place.outer, -place.pin_along), (aside - place.outer, place.pin_along - along)]
 
 
 def nut_pocket(place: Layout, x: float, z: float, low: float, high: float) -> Prism:

@@ -8,7 +8,17 @@ import numpy as np
 
 from skincad.design import Design
 from skincad.errors import InputError
-from skincad.solids.layout import BOLT_RADIUS, EDGE, TAP_RADIUS, Layout, cover_bolts, cover_pins, fits
+from skincad.solids.inserts import pin
+from skincad.solids.layout import (
+    BOLT_RADIUS,
+    EDGE,
+    PIN_DEPTH,
+    TAP_RADIUS,
+    Layout,
+    cover_bolts,
+    cover_pins,
+    fits,
+)
 from skincad.solids.plan import Body, Bore, Part, box, moved
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
@@ -27,7 +37,7 @@ GLASS = (0.70, 0.85, 0.95)
 def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
     """The vent: in the middle of end b, as near to the end plate as the carrier allows."""
     radius, gap = design.mold.vent / 2, design.mold.clearance
-    room = min(design.skin.width, design.skin.length) - 2 * (gap + EDGE)
+    room = min(design.skin.width, 2 * place.end) - 2 * (gap + EDGE)
     if 2 * radius > room:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", 2 * radius)
     return Bore((0.0, place.end - gap - radius - EDGE / 2, low), "z", thick, radius)
@@ -60,7 +70,7 @@ def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
     vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
     beside = (cup.end_radius or 0.0) + BLEED + EDGE / 2
     small, large, spacing = HOLD
-    wide, long = design.skin.width - 2 * (small + EDGE), design.skin.length - 2 * (large + EDGE)
+    wide, long = design.skin.width - 2 * (small + EDGE), 2 * place.end - 2 * (large + EDGE)
     spacing = max(spacing, math.sqrt(max(wide, 0.0) * max(long, 0.0) / MOST_HOLES))
     places = [
         (x, y)
@@ -82,7 +92,7 @@ def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
 def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs."""
-    thick, gap = design.mold.carrier_thickness, design.mold.clearance
+    thick, gap = place.top, design.mold.clearance
     small, large, _ = HOLD
     holes: list[Body] = [_vent(design, place, 0.0, thick)]
     holes += [Bore((x, y, 0.0), "z", thick, small, large) for x, y in _rivets(design, place)]
@@ -94,7 +104,7 @@ def carrier(design: Design, place: Layout) -> Part:
 def _pulls(design: Design, place: Layout) -> list[Bore]:
     """Two tapped holes in the carrier's top that end over the silicone, opposite each other, as near to its
     middle as they clear all that silicone fills; none where they don't."""
-    thick, gap = design.mold.carrier_thickness, design.mold.clearance
+    thick, gap = place.top, design.mold.clearance
     x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
     if thick < UNDER_PULL + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
@@ -116,7 +126,7 @@ def _grid(room: float, spacing: float) -> list[float]:
 def cover(design: Design, place: Layout) -> Part:
     """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
     plates: once these are off, it is lifted there."""
-    thick, end = design.mold.cover, place.end + design.mold.end_plate
+    thick, end = design.mold.cover, place.cover
     press = fits(design, design.mold.lid_process).press
     bores: list[Body] = [Bore((x, y, place.top), "z", thick, BOLT_RADIUS) for x, y in cover_bolts(place)]
     bores += [Bore((x, y, place.top), "z", thick, press) for x, y in cover_pins(place)]
@@ -125,3 +135,13 @@ def cover(design: Design, place: Layout) -> Part:
     bores += [moved(bore, x) for x in place.centres for bore in over]
     body = box(place.half, (-end, end), (place.top, place.top + thick))
     return Part("cover", GLASS, "made", body, tuple(bores))
+
+
+def cover_dowels(design: Design, place: Layout) -> list[Part]:
+    """Return the pins pressed into the cover; they slide in the cavity."""
+    length = design.mold.cover + PIN_DEPTH - design.mold.clearance
+    low = place.top + design.mold.cover - length
+    return [
+        pin(f"pin-cover-{side}", (x, y, low), "z", length)
+        for side, (x, y) in zip(("right", "left"), cover_pins(place), strict=True)
+    ]

@@ -38,14 +38,16 @@ from typing import TYPE_CHECKING, NamedTuple
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.section import section
+from skincad.solids.bent import bent_parts, check_bent, shims_turn
 from skincad.solids.cavity import BASE_PIN, base_pins, cavity, cavity_pieces, headings, parted
 from skincad.solids.ends import end_plates
 from skincad.solids.inserts import pin, shims, strips
-from skincad.solids.layout import PIN_DEPTH, Layout, cover_pins, layout
-from skincad.solids.lids import carrier, cover
-from skincad.solids.plan import Axis, Heading, Part, moved
+from skincad.solids.layout import Layout, layout
+from skincad.solids.lids import carrier, cover, cover_dowels
+from skincad.solids.plan import Part, Prism, moved
 from skincad.solids.shrinkage import on_grid, poured
 from skincad.solids.skin import cast_skin
+from skincad.solids.sweep import Way
 from skincad.solids.undercut import split_ridges
 
 if TYPE_CHECKING:
@@ -53,10 +55,11 @@ if TYPE_CHECKING:
 
 
 class Step(NamedTuple):
-    """One step of opening: these parts leave along an axis or heading, over this signed travel in mm."""
+    """One step of opening: these parts leave along an axis or heading, over this signed travel in mm, or turn
+    about their own axis by it in rad. y is an end plate's own where it leans."""
 
     parts: tuple[str, ...]
-    axis: Axis | Heading
+    axis: Way
     travel: float
 
 
@@ -71,29 +74,38 @@ class Mold:
         """Return the part of this name."""
         return next(p for p in self.parts if p.name == name)
 
+    @property
+    def length(self) -> float:
+        """Length of the cavity along y, mm, where it is longest."""
+        block = next(p.body for p in self.parts if p.name.startswith("cavity"))
+        if not isinstance(block, Prism):
+            raise ValueError("a cavity is a prism less its cuts")
+        if block.axis == "y":
+            return block.high - block.low
+        return 2 * max(s.start.x for s in block.outline)
+
 
 def mold(design: Design) -> Mold:
     """Return the closed mold's parts, the skin, shims or strips and pins in it, and the opening sequence.
 
-    Raises InputError when a bore, the gate or a notch finds no room, and for a doubly curved skin.
+    Raises InputError when a bore, the gate or a notch finds no room, and for what a doubly curved mold can't
+    be: split, for several skins, or poured open.
     """
-    bent = design.skin.curvature_radius_y
-    if bent is not None:
-        rule = "has no mold yet: cavity, end plates, carrier and shims are straight along y"
-        raise InputError(
-            "skin.curvature_radius_y", rule, bent, "skin_solid and check know it; or leave it out"
-        )
     ridges = split_ridges(design)
     if ridges and design.ridge.count % 2 == 0:
         rule = "parts an odd number of ridges only, so that the middle one leaves straight"
         raise InputError("mold.split", rule, design.ridge.count, "take one ridge more or less")
     if ridges and design.mold.cavities > 1:
         raise InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
+    check_bent(design)
     section(design)  # the part as designed must be one, not only the larger cavity
     design = poured(design)
     plain = section(design)
     shape = replace(plain, outline=parted(plain.outline, ridges))
     place = layout(design, shape)
+    if design.skin.curvature_radius_y is not None:
+        bent = tuple(bent_parts(design, shape, place))
+        return Mold(bent, tuple(_opening_bent(design, place, [p.name for p in bent])))
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else [cavity(design, shape, place)]
     ends = [part for end in ("a", "b") for part in end_plates(design, shape, place, end)]
     drawn, kept = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
@@ -128,6 +140,23 @@ def _opening(design: Design, place: Layout, names: list[str], ridges: list[int])
         yield Step((name,), ways[name], high)
 
 
+def _opening_bent(design: Design, place: Layout, names: list[str]) -> Iterator[Step]:
+    """Shims turn out along their arc, the cover goes up, the end plates leave square to their faces, and the
+    skin is pulled up with its carrier."""
+    far = 2 * design.skin.length + 4 * design.mold.end_plate
+    high = 2 * (place.top - place.bottom) + design.skin.length
+
+    def those(*starts: str) -> tuple[str, ...]:
+        return tuple(name for name in names if name.startswith(starts))
+
+    if those("shim"):
+        yield Step(those("shim"), "turn", shims_turn(design))
+    yield Step(those("cover", "pin-cover"), "z", high)
+    yield Step(those("end-a"), "y", -far)
+    yield Step(those("end-b"), "y", far)
+    yield Step(those("skin", "carrier"), "z", high)
+
+
 def _gang(place: Layout, parts: list[Part]) -> list[Part]:
     """The parts once for each skin; the first keep their names."""
     return [
@@ -151,16 +180,12 @@ def mold_solids(design: Design) -> dict[str, cq.Workplane]:
 
 def _pins(design: Design, place: Layout) -> list[Part]:
     """Pins pressed into the cavity's ends and into the cover; they slide in end plates and cavity."""
-    depth, thick = on_grid(min(PIN_DEPTH, 0.4 * design.skin.length)), design.mold.end_plate
+    depth, thick = place.pin_depth, design.mold.end_plate
     pins = []
     for side, x in zip(("left", "right"), place.pins, strict=True):
         pins.append(pin(f"pin-a-{side}", (x, -place.end - thick, place.comb_pin), "y", depth + thick))
         pins.append(pin(f"pin-b-{side}", (x, place.end - depth, place.comb_pin), "y", depth + thick))
-    length = design.mold.cover + PIN_DEPTH - design.mold.clearance
-    low = place.top + design.mold.cover - length
-    for side, (x, y) in zip(("right", "left"), cover_pins(place), strict=True):
-        pins.append(pin(f"pin-cover-{side}", (x, y, low), "z", length))
-    return pins
+    return [*pins, *cover_dowels(design, place)]
 
 
 def _base_pins(design: Design, place: Layout) -> list[Part]:

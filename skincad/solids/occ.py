@@ -14,7 +14,7 @@ from dataclasses import replace
 from skincad import curves
 from skincad.curves import Loop, Segment
 from skincad.errors import InputError, RefusedError
-from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Revolved
+from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Reaching, Revolved, Turned, own
 
 try:
     import cadquery as cq
@@ -27,14 +27,18 @@ try:
         BRepBuilderAPI_Transform,
     )
     from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.BRepGProp import BRepGProp
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepPrimAPI import (
         BRepPrimAPI_MakeCone,
         BRepPrimAPI_MakeCylinder,
         BRepPrimAPI_MakePrism,
         BRepPrimAPI_MakeRevol,
     )
+    from OCP.BRepTools import BRepTools
     from OCP.Geom import Geom_BezierCurve
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
+    from OCP.GProp import GProp_GProps
     from OCP.TColgp import TColgp_Array1OfPnt
     from OCP.TopAbs import TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
@@ -48,6 +52,7 @@ except ImportError as failure:  # a bare Linux has no libGL and libX11
     ) from failure
 
 KERNEL_TOLERANCE = 1e-7  # mm, source: OCCT's Precision::Confusion; an arc that rises less is a line to it
+ANGLE = 10.0  # rad, between a mesh's chords: no limit, so that the tolerance alone counts
 VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's formula
 
 
@@ -57,14 +62,29 @@ class KernelError(RefusedError):
 
 def solid(part: Part) -> cq.Solid:
     """Return the part's exact solid, mm. Raises KernelError unless it is one valid solid of its volume."""
+    if isinstance(part.body, Turned):
+        return cq.Solid(_only_solid(_turned(solid(own(part)).wrapped, part.body), part.name))
     part = replace(part, body=_flattened(part.body))
     result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
         raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
-    error = abs(result.Volume() - part.volume)
+    error = abs(volume(part, result) - part.volume)
     if not error <= VOLUME_TOLERANCE * part.volume + _rounding(part.body):
         raise KernelError(f"{part.name}: volume differs from its formula by {error / part.volume:.1e} of it")
     return result
+
+
+def volume(part: Part, made: cq.Solid) -> float:
+    """Return a solid's volume by the kernel, mm3.
+
+    Where a bore meets a curved face the kernel's usual integration misses 1e-4 mm3 of a bore: there it is
+    told to refine until it finds itself within `VOLUME_TOLERANCE`.
+    """
+    if not any(isinstance(cut, Bore) and cut.within for cut in part.cuts):
+        return float(made.Volume())
+    found = GProp_GProps()
+    BRepGProp.VolumeProperties_s(made.wrapped, found, VOLUME_TOLERANCE, False, False)
+    return float(found.Mass())
 
 
 def unchecked_solid(part: Part) -> cq.Solid:
@@ -78,6 +98,18 @@ def unchecked_solid(part: Part) -> cq.Solid:
 def workplane(part: Part) -> cq.Workplane:
     """Return the part's exact solid on a cadquery workplane, named by the part."""
     return cq.Workplane("XY").newObject([solid(part)])
+
+
+def tessellate(made: cq.Solid, tolerance: float) -> None:
+    """Give a solid a mesh whose chords keep within `tolerance` mm, absolute; none that it has is reused."""
+    BRepTools.Clean_s(made.wrapped)
+    BRepMesh_IncrementalMesh(made.wrapped, tolerance, False, ANGLE)
+
+
+def triangles(made: cq.Solid, tolerance: float) -> tuple[list[cq.Vector], list[tuple[int, int, int]]]:
+    """Return corners, mm, and triangles of the mesh that `tessellate` gave; faces share no corners."""
+    corners, faces = made.tessellate(tolerance, ANGLE)
+    return corners, faces
 
 
 def _flattened(body: Body) -> Body:
@@ -94,7 +126,7 @@ def _rise(segment: Segment) -> float:
 
 def _rounding(body: Body) -> float:
     """Volume, mm3, by which a swept body may be off because a far centre is stored with 16 digits."""
-    if isinstance(body, Bore):
+    if not isinstance(body, Prism | Revolved):
         return 0.0
     arcs = math.fsum(s.length * s.radius for s in body.outline if s.bulge)
     path = body.high - body.low
@@ -105,10 +137,19 @@ def _rounding(body: Body) -> float:
 
 
 def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:
-    return gp_Pnt(x, level, y) if axis == "y" else gp_Pnt(x, y, level)
+    return gp_Pnt(*_spread(x, y, axis, level))
+
+
+def _spread(x: float, y: float, axis: Axis, level: float = 0.0) -> tuple[float, float, float]:
+    """Coordinates of a loop's plane and along its axis, in the mold's frame."""
+    return {"x": (level, x, y), "y": (x, level, y), "z": (x, y, level)}[axis]
 
 
 def _body(body: Body) -> TopoDS_Shape:
+    if isinstance(body, Reaching):
+        return _body(body.built)
+    if isinstance(body, Turned):
+        return _turned(_body(body.body), body)
     if isinstance(body, Prism):
         return _prism(body)
     if isinstance(body, Revolved):
@@ -120,14 +161,21 @@ def _body(body: Body) -> TopoDS_Shape:
     return BRepPrimAPI_MakeCone(place, body.radius, body.end_radius, body.length).Shape()
 
 
+def _turned(shape: TopoDS_Shape, place: Turned) -> TopoDS_Shape:
+    turn, shift = place.placement()
+    motion = gp_Trsf()
+    motion.SetValues(*(float(v) for row, d in zip(turn, shift, strict=True) for v in (*row, d)))
+    return BRepBuilderAPI_Transform(shape, motion, True).Shape()
+
+
 def _prism(prism: Prism) -> TopoDS_Shape:
     """Sweep the face against its normal, which makes a solid of positive volume."""
     axis, size = prism.axis, prism.high - prism.low
     start, sweep = (prism.low, size) if axis == "y" else (prism.high, -size)
-    normal = gp_Dir(0, -1, 0) if axis == "y" else gp_Dir(0, 0, 1)
+    normal = gp_Dir(*_spread(0, 0, axis, -1 if axis == "y" else 1))
     plane = gp_Pln(_point(0.0, 0.0, axis, start), normal)  # given, because finding it takes half the time
     face = _face(prism, plane, axis, start)
-    along = gp_Vec(0, sweep, 0) if axis == "y" else gp_Vec(0, 0, sweep)
+    along = gp_Vec(*_spread(0, 0, axis, sweep))
     return BRepPrimAPI_MakePrism(face, along).Shape()
 
 
@@ -184,8 +232,8 @@ def _edge(segment: Segment, axis: Axis, level: float, turns: bool) -> object:
     centre = _point(middle_x + reach * x, middle_y + reach * y, axis, level)
     # A loop in (x, z) turns clockwise about +y. Angles count from behind the centre, so that no arc comes
     # near the seam at 0, where the kernel rounds an angle to its tolerance.
-    up = gp_Dir(0, 0, towards) if axis == "z" else gp_Dir(0, -towards, 0)
-    behind = gp_Dir(x, 0, y) if axis == "y" else gp_Dir(x, y, 0)
+    up = gp_Dir(*_spread(0, 0, axis, -towards if axis == "y" else towards))
+    behind = gp_Dir(*_spread(x, y, axis))
     circle = gp_Circ(gp_Ax2(centre, up, behind), radius)
     return BRepBuilderAPI_MakeEdge(circle, start, end).Edge()
 

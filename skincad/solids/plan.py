@@ -1,5 +1,7 @@
 """What a part is made of: a prism, a revolved loop or a bore, less such bodies. Plain data, no CAD kernel.
 
+Any prism or bore can be turned as a rigid body about an axis along x, as a doubly curved mold's ends are.
+
 One plan feeds the exact solid (`occ.py`), the print mesh (`fabrication/meshes.py`) and the volume formula,
 so each can be held against the others. Lengths are mm, in the mold's frame: x across the ridges, y along
 them, z up while pouring; the skin's back is at z = 0 and its ridges point down.
@@ -12,13 +14,14 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, TypeVar
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from skincad import curves
-from skincad.curves import Loop, Point, Segment
+from skincad.curves import Loop, Point
+from skincad.solids.grid import Grid
 
-Axis = Literal["y", "z"]
+Array = NDArray[np.float64]
+Axis = Literal["x", "y", "z"]
 Heading = tuple[float, float]  # (x, z), of length 1
 Vector = tuple[float, float, float]
 MadeBy = Literal["cast", "made", "bought"]
@@ -26,19 +29,26 @@ MadeBy = Literal["cast", "made", "bought"]
 
 @dataclass(frozen=True)
 class Prism:
-    """A loop swept along an axis: (x, z) along y, or (x, y) along z, from `low` to `high` mm."""
+    """A loop swept along an axis: (x, z) along y, (x, y) along z or (y, z) along x, from `low` to `high` mm.
+
+    With a `grid`, arcs of a loop in (y, z) are parts of the back, z = 0, turned about the grid's axis.
+    """
 
     outline: Loop
     axis: Axis
     low: float
     high: float
     holes: tuple[Loop, ...] = ()
+    grid: Grid | None = None
 
     @property
     def volume(self) -> float:
         """Area of the outline less its holes, times the length, mm3."""
         net = curves.area(self.outline) - math.fsum(curves.area(h) for h in self.holes)
         return net * (self.high - self.low)
+
+
+_GAUSS, _TURN = np.polynomial.legendre.leggauss(16), 32  # of the quadrature below: the integrand is smooth
 
 
 @dataclass(frozen=True)
@@ -50,12 +60,37 @@ class Bore:
     length: float
     radius: float
     end_radius: float | None = None
+    within: tuple[float, float] | None = None  # see below
+
+    # A bore along z into a cylinder about an axis along x, (z, radius) mm, as a carrier's lower face is one:
+    # it begins outside, so that its whole rim is cut, and only what lies inside counts as its volume.
 
     @property
     def volume(self) -> float:
-        """Volume of the cylinder or frustum, mm3."""
+        """Volume of the cylinder or frustum, mm3; inside `within` by a quadrature that rounding limits."""
         a, b = self.radius, self.radius if self.end_radius is None else self.end_radius
+        if self.within:
+            return self._inside(a, b - a, *self.within)
         return math.pi * self.length * (a * a + a * b + b * b) / 3
+
+    def _inside(self, radius: float, widens: float, centre: float, limit: float) -> float:
+        """Each straight line of the cone, at the share u of its radius, enters the cylinder at a share s of
+        its length: the smaller root of a quadratic. What follows is summed over u and the turn."""
+        nodes, weights = _GAUSS
+        turn = 2 * math.pi * np.arange(_TURN) / _TURN
+        u, weight = (nodes + 1) / 2, weights / 2 * (nodes + 1) / 2
+        m = np.outer(u, np.sin(turn))
+        begin, slope = self.start[1] + m * radius, m * widens  # y of the line is begin + slope s
+        under, rise = centre - self.start[2], self.length
+        a, b = slope**2 + rise**2, begin * slope - under * rise
+        c = begin**2 + (under - limit) * (under + limit)
+        s = c / (np.sqrt(b * b - a * c) - b)
+
+        def filled(s: Array) -> Array:
+            return radius**2 * s + radius * widens * s**2 + widens**2 * s**3 / 3
+
+        rest = rise * (filled(np.ones_like(s)) - filled(s))
+        return float(weight @ rest.sum(axis=1)) * 2 * math.pi / _TURN
 
 
 @dataclass(frozen=True)
@@ -71,7 +106,8 @@ class Revolved:
     low: float
     high: float
     holes: tuple[Loop, ...] = ()
-    axis: ClassVar[Literal["x"]] = "x"
+    grid: Grid | None = None
+    axis: ClassVar[Literal["turn"]] = "turn"
 
     @property
     def volume(self) -> float:
@@ -98,7 +134,61 @@ class Revolved:
         return np.column_stack([points[:, 0], angle * abs(self.centre), level])
 
 
-Body = Prism | Revolved | Bore
+@dataclass(frozen=True)
+class Turned:
+    """A prism or bore turned as a rigid body about the axis along x at z = `centre` mm by `angle` rad, +y
+    towards +z; before that it is moved along y so that its y = `base` mm comes to y = 0.
+
+    A part of such bodies is designed, judged and laid on a print bed in its own frame, before it is turned.
+    """
+
+    body: Prism | Bore
+    centre: float
+    angle: float
+    base: float
+    axis: ClassVar[Literal["turned"]] = "turned"
+
+    @property
+    def volume(self) -> float:
+        """Volume, mm3: turning keeps it."""
+        return self.body.volume
+
+    def placement(self) -> tuple[Array, Array]:
+        """Return rotation `(3, 3)` and shift `(3,)` mm, from the own frame to the mold's; nothing is formed
+        that would lose digits to a far axis."""
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+        fall = 2 * self.centre * math.sin(self.angle / 2) ** 2
+        return turn, np.array([0.0, self.centre * s - self.base * c, fall - self.base * s])
+
+    def placed(self, points: Array) -> Array:
+        """Return points `(n, 3)` mm of the own frame in the mold's."""
+        turn, shift = self.placement()
+        return points @ turn.T + shift
+
+    def returned(self, points: Array) -> Array:
+        """Return points `(n, 3)` mm of the mold's frame in the own one."""
+        turn, shift = self.placement()
+        return (points - shift) @ turn
+
+
+@dataclass(frozen=True)
+class Reaching:
+    """A cut that is built further than what it takes away: out of the part, or into what is cut besides it.
+    So it ends on no slanting face, on which a film of rounding would stay. `counts` is what it takes away.
+    """
+
+    counts: Prism | Revolved | Bore | Turned
+    built: Prism | Revolved | Bore | Turned
+    axis: ClassVar[Literal["reaching"]] = "reaching"
+
+    @property
+    def volume(self) -> float:
+        """Volume of what it takes away, mm3."""
+        return self.counts.volume
+
+
+Body = Prism | Revolved | Bore | Turned | Reaching
 
 
 @dataclass(frozen=True)
@@ -111,6 +201,7 @@ class Part:
     body: Body
     cuts: tuple[Body, ...] = ()
     lies_on_end: bool = False  # printed with its y face on the bed
+    straight: Part | None = None  # whose section along y rules judge, where the part itself is bent
 
     @property
     def volume(self) -> float:
@@ -130,6 +221,8 @@ _Body = TypeVar("_Body", bound=Body)
 
 def moved(body: _Body, x: float) -> _Body:
     """Return a body moved by `x` mm along x."""
+    if isinstance(body, Turned | Reaching):
+        raise ValueError("a bent mold has one skin and nothing to move aside")
     if not isinstance(body, Bore):
         holes = tuple(shifted(hole, x) for hole in body.holes)
         return replace(body, outline=shifted(body.outline, x), holes=holes)
@@ -143,67 +236,42 @@ def shifted(segments: Loop, x: float) -> Loop:
     )
 
 
-def swept(part: Part, axis: Axis | Heading, travel: float, tolerance: float) -> Part:
-    """Return a part that covers everything that `part` passes through on `travel` mm that way.
-
-    Exact (arcs within `tolerance` mm) for a part whose cuts all run through it along the axis, and for a bare
-    prism moved across its own axis; elsewhere cuts are left out, so the swept part is never too small.
-    """
-    if part.body.axis == axis:
-        cuts = tuple(_stretched(c, travel) for c in part.cuts if _through(c, part.body))
-        return replace(part, body=_stretched(part.body, travel), cuts=cuts)
-    heading = {"y": None, "z": (0.0, 1.0)}[axis] if isinstance(axis, str) else axis
-    body = _as_prism(part.body)
-    if body is None or body.axis != "y" or heading is None:
-        rule = "a pin moves along its axis only, a prism along it or up, down or aside; a pin along y as well"
-        raise ValueError(f"{part.name}: {rule}")
-    shadow = _shadow(body.outline, (heading[0] * travel, heading[1] * travel), tolerance)
-    return replace(part, body=replace(body, outline=shadow, holes=()), cuts=())
+def own(part: Part) -> Part:
+    """Return a turned part as it is before it is turned, any other as it is."""
+    if not isinstance(part.body, Turned):
+        return part
+    cuts = tuple(cut.body if isinstance(cut, Turned) else cut for cut in part.cuts)
+    return replace(part, body=part.body.body, cuts=cuts)
 
 
-def _as_prism(body: Body) -> Prism | None:
-    """A round pin along y as a prism; None where a body is no prism."""
-    if isinstance(body, Bore) and body.axis == "y" and body.end_radius is None:
-        (x, low, z), r = body.start, body.radius
-        ends = Point(x - r, z), Point(x + r, z)
-        circle = Segment(ends[0], ends[1], 1.0), Segment(ends[1], ends[0], 1.0)  # half turns
-        return Prism(circle, "y", low, low + body.length)
-    return body if isinstance(body, Prism) else None
+def bores(part: Part, *cuts: Body) -> list[Bore]:
+    """Return the bores of a part, or of these cuts of it, each in its own frame."""
+    plain = [cut.counts if isinstance(cut, Reaching) else cut for cut in cuts or part.cuts]
+    own_frames = [cut.body if isinstance(cut, Turned) else cut for cut in plain]
+    return [cut for cut in own_frames if isinstance(cut, Bore)]
 
 
-def _through(cut: Body, body: Body) -> bool:
-    """Whether a cut keeps its section all through a body: what a blind one leaves open, the rest covers."""
-    if cut.axis != body.axis or (isinstance(cut, Bore) and cut.end_radius):
-        return False
-    return _ends(cut) == _ends(body)
+def turned(part: Part, centre: float, angle: float, base: float) -> Part:
+    """Return a part of prisms and bores turned as a rigid body; `own` takes it back."""
+
+    def placed(body: Body) -> Turned:
+        if not isinstance(body, Prism | Bore):
+            raise ValueError(f"{part.name}: prisms and bores are turned, once")
+        return Turned(body, centre, angle, base)
+
+    return replace(part, body=placed(part.body), cuts=tuple(placed(cut) for cut in part.cuts))
 
 
-def _ends(body: Body) -> tuple[float, float]:
-    """Where a body begins and ends along its axis, mm."""
-    if isinstance(body, Bore):
-        low = body.start[1 if body.axis == "y" else 2]
-        return low, low + body.length
-    return body.low, body.high
-
-
-def _stretched(body: Body, travel: float) -> Body:
-    if isinstance(body, Revolved):
-        raise ValueError("a revolved body runs along no straight axis")
-    if isinstance(body, Prism):
-        return replace(body, low=body.low + min(travel, 0.0), high=body.high + max(travel, 0.0))
-    x, y, z = body.start
-    back = min(travel, 0.0)
-    start = (x, y + back, z) if body.axis == "y" else (x, y, z + back)
-    return replace(body, start=start, length=body.length + abs(travel))
-
-
-def _shadow(outline: Loop, way: Heading, tolerance: float) -> Loop:
-    """Outline of everything that a loop's chord polygon covers while it moves by `way` mm."""
-    points = curves.polygon(outline, tolerance)
-    quads = [
-        shapely.Polygon([a, b, b + way, a + way])
-        for a, b in zip(points, np.roll(points, -1, axis=0), strict=True)
-        if (b[0] - a[0]) * way[1] != (b[1] - a[1]) * way[0]
-    ]
-    covered = shapely.orient_polygons(shapely.union_all([shapely.Polygon(points), *quads]))
-    return curves.loop([Point(x, z) for x, z in covered.exterior.coords[:-1]])
+def corners(body: Prism | Revolved, outline: Loop, tolerance: float) -> Array:
+    """Return a loop of a body as its mesh has it, arcs as chords within `tolerance` mm, `(n, 2)` mm."""
+    if not (isinstance(body, Prism) and body.axis == "x" and body.grid):
+        return curves.polygon(outline, tolerance)
+    rows = []
+    for before, segment in zip((outline[-1], *outline[:-1]), outline, strict=True):
+        if segment.bulge != 0.0:
+            low, high = (math.atan2(p.x, body.grid.centre - p.z) for p in (segment.start, segment.end))
+            arc = body.grid.arc(min(low, high), max(low, high), tolerance)
+            rows.append(arc if low < high else arc[::-1])
+        elif before.bulge == 0.0:  # else the arc's own end stands there
+            rows.append(np.array([segment.start]))
+    return np.vstack(rows)

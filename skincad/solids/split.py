@@ -7,6 +7,7 @@ circle, then straight. The comb lies beyond it (towards the ridges) and has a no
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -26,9 +27,9 @@ def split_height(design: Design, shape: Section) -> tuple[float, float, float]:
     if not corners:
         return 0.0, thickness - 2 * radius * math.sin(design.lean(design.ridge.count) / 2) ** 2, 0.0
     over = [_over_base(p, radius, thickness) for p in corners]
-    height = min(over)
+    height = min(over) - notch_rise(design, shape.slots)
     angle = max(math.atan2(p.x, radius + p.z - thickness) for p in corners)
-    wide = design.core_thickness + 2 * design.mold.slit_clearance
+    wide = design.core_thickness + 2 * design.mold.slit_clearance + notch_rise(design, shape.slots)
     # beyond the outermost corner lies the rest of its mouth, which a tilt stretches
     angle += wide * max(1.0, math.tan(math.radians(abs(design.slot.tilt if design.slot else 0.0)))) / radius
     level = thickness + height - 2 * (radius + height) * math.sin(angle / 2) ** 2
@@ -73,12 +74,28 @@ def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
     a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
     bottom = slot.depth / 2 if design.mold.method == "cast-in" else b
     along, mouth = np.array(slot.direction), []
-    for side in (-a, a):
+    aside = notch_rise(design, [slot]) * slot.direction[0]  # across the slot, what rises straight goes aside
+    left, right = -a + min(aside, 0.0), a + max(aside, 0.0)
+    for side in (left, right):
         foot = slot.at(side, -b)
         start = np.array([foot.x, foot.z - design.skin.thickness])
         u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
         mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
-    return [mouth[0], slot.at(-a, bottom), slot.at(a, bottom), mouth[1]]
+    return [mouth[0], slot.at(left, bottom), slot.at(right, bottom), mouth[1]]
+
+
+def notch_rise(design: Design, slots: Iterable[SlotPlace]) -> float:
+    """Return by how much shims of a doubly curved skin rise towards the axis on their way through an end
+    plate, mm; 0 where they are straight.
+
+    A notch is straight, so it is higher and wider by that. Its datum stays: the shim is an arc as stiff as a
+    blade, and touches one side of a notch at the plate's inner face and the other one at its outer face.
+    """
+    if design.skin.curvature_radius_y is None:
+        return 0.0
+    arm, thick = design.skin.curvature_radius_y - design.skin.thickness, design.mold.end_plate
+    arm += min((p.z for slot in slots for p in _corners(slot, design.mold.slit_clearance)), default=0.0)
+    return thick**2 / (arm + math.sqrt(arm**2 - thick**2))
 
 
 def _angle(point: Point, design: Design) -> float:

@@ -72,7 +72,8 @@ def deviations(job: Job) -> dict[str, float]:
     for part in job.printed:
         true = tessellated(job.file(f"{part.name}.step"), part.asked_deviation / FINER)
         if part.name != "skin":
-            true = laid(true, laid_on_end(job.design, parts[part.name]))
+            own = parts[part.name]
+            true = laid(true, laid_on_end(job.design, own), own)
         found[part.name] = deviation(job.file(f"{part.name}.stl"), true)
     return found
 

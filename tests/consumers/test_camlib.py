@@ -18,6 +18,7 @@ def test_a_ball_reaches_what_the_section_says_in_every_templates_cavity(job: Job
     assert camlib.complaints(job) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [0.05, 0.1, 0.5])
 def test_other_balls_too(job: Job, radius: float) -> None:
     if job.design.name != "yamada-2002":

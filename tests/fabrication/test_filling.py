@@ -177,6 +177,7 @@ def test_air_beside_the_skin_is_only_noted_however_much(yamada: Design) -> None:
     assert gap.severity == "note"
 
 
+@pytest.mark.slow
 def test_pockets_agree_with_slices_of_the_merged_solid(yamada: Design) -> None:
     """One solid by booleans, cut at level after level: from below, and nearer with a finer sweep."""
     tight = yamada.with_(mold={"clearance": 0.0, "carrier": "plain"})

@@ -83,10 +83,13 @@ def test_a_screwdriver_finds_a_notch_at_each_side_of_each_end_plate() -> None:
         closed = mold(skincad.load(name))
         cavity = closed.part("cavity").body if name != "steep-fingertip" else closed.part("cavity-base").body
         for part in closed.parts:
-            notches = [c for c in part.cuts if isinstance(c, Prism) and c.axis == "z"]
+            nicks = [c for c in part.cuts if isinstance(c, Prism) and c.axis == "z"]
             if not part.name.startswith("end-"):
-                assert notches == []
+                assert nicks == []
                 continue
+            assert isinstance(part.body, Prism)
+            outer = part.body.low if part.name.startswith("end-a") else part.body.high
+            notches = [c for c in nicks if outer not in {s.start.z for s in c.outline}]  # no marks
             assert len(notches) in (2, 4), (name, part.name)
             for notch in notches:
                 corners = [s.start for s in notch.outline]
@@ -116,3 +119,16 @@ def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
                 wide = max(other.radius, other.end_radius or 0.0) if other in filled else other.radius
                 assert apart > pull.radius + wide + 0.2, name
     assert with_pulls >= 6
+
+
+@pytest.mark.parametrize("end", ["a", "b"])
+def test_nicks_tell_where_the_strips_numbers_begin(end: str) -> None:
+    closed = mold(skincad.load("yamada-2002"))
+    comb = closed.part(f"end-{end}-comb")
+    assert isinstance(comb.body, Prism)
+    outer = comb.body.low if end == "a" else comb.body.high
+    cuts = [c for c in comb.cuts if isinstance(c, Prism) and c.axis == "z"]
+    marks = [c for c in cuts if outer in {s.start.z for s in c.outline}]  # a prism along z has (x, y)
+    assert len(marks) == {"a": 1, "b": 2}[end]
+    for mark in marks:
+        assert max(s.start.x for s in mark.outline) < 0  # ridge 1 has the smallest x

@@ -1,10 +1,13 @@
 import math
 
+import numpy as np
 import pytest
 
 from skincad.curves import Point, loop
 from skincad.fabrication.meshes import manifold
-from skincad.solids.plan import Bore, Part, Prism, box, swept
+from skincad.solids.grid import Grid
+from skincad.solids.plan import Bore, Part, Prism, Revolved, Turned, box, own, turned
+from skincad.solids.sweep import swept
 
 
 def test_volume_is_body_less_cuts() -> None:
@@ -49,3 +52,45 @@ def test_a_pin_along_y_moved_down_sweeps_a_stadium() -> None:
     pin = Part("pin", (0, 0, 0), "bought", Bore((0, 0, 0), "y", 3.0, 1.0))
     path = swept(pin, "z", -4.0, 1e-5)
     assert path.volume == pytest.approx(3.0 * (math.pi + 8.0), rel=1e-4)  # chords within 1e-5 mm
+
+
+def test_a_turned_part_has_its_own_frame_and_is_swept_along_its_own_y() -> None:
+    plate = Part("p", (0, 0, 0), "made", box(2, (5, 6), (0, 4), "y"), (Bore((0, 5, 2), "y", 1.0, 0.5),))
+    leaning = turned(plate, 20.0, 0.3, 5.0)
+    assert own(leaning) == plate
+    assert leaning.volume == plate.volume
+    path = swept(leaning, "y", 3.0, 1e-3)
+    assert path.volume == pytest.approx(4 * plate.volume, rel=1e-14)
+    ends = np.array([[0.0, 5.0, 20.0], [0.0, 5.0, 0.0], [0.0, 9.0, 0.0]])  # the axis, the foot, the way's end
+    placed = [
+        [0.0, 0.0, 20.0],
+        [0.0, 20 * math.sin(0.3), 20 - 20 * math.cos(0.3)],
+        [0.0, 20 * math.sin(0.3) + 4 * math.cos(0.3), 20 - 20 * math.cos(0.3) + 4 * math.sin(0.3)],
+    ]
+    assert isinstance(leaning.body, Turned)
+    assert np.allclose(leaning.body.placed(ends), placed, atol=1e-14)
+    assert np.allclose(leaning.body.returned(np.array(placed)), ends, atol=1e-14)
+
+
+def test_what_turns_is_swept_by_turning_and_upward_by_its_silhouette() -> None:
+    grid = Grid(20.0, 0.3, 22.0)
+    square = loop([Point(*p) for p in ((-1, -2), (1, -2), (1, 0), (-1, 0))])
+    arc = Part("a", (0, 0, 0), "bought", Revolved(square, 20.0, -0.3, 0.3, grid=grid))
+    assert swept(arc, "turn", 0.9, 1e-3).volume == pytest.approx(2.5 * arc.volume, rel=1e-14)
+    risen = swept(arc, "z", 5.0, 1e-4)
+    assert risen.volume == pytest.approx(arc.volume + 2 * 5.0 * 2 * 22 * math.sin(0.3), rel=1e-4)  # chords
+
+
+def test_a_grids_angles_are_common_and_ends_between_them_lie_on_its_chords() -> None:
+    grid, fine = Grid(20.0, 0.3, 22.0), 1e-3
+    whole, part = grid.angles(-0.3, 0.3, fine), grid.angles(-0.11, 0.9, fine)
+    assert (whole[0], whole[-1], part[0], part[-1]) == (-0.3, 0.3, -0.11, 0.9)
+    assert set(whole[whole > -0.11]) <= set(part)  # to the last digit
+    step = whole[1] - whole[0]
+    assert 22.0 * (1 - math.cos(step / 2)) < fine / 2 < 22.0 * (1 - math.cos(0.6 * step))
+    (y0, z0), (y1, z1), (y2, z2) = (
+        *grid.arc(whole[3], whole[4], fine),
+        grid.arc(whole[3] + 0.3 * step, 0.3, fine)[0],
+    )
+    assert (y1 - y0) * (z2 - z0) == pytest.approx((y2 - y0) * (z1 - z0), rel=1e-9)
+    assert math.hypot(y2, 20 - z2) < 20.0

@@ -16,10 +16,10 @@ from skincad.design import Design
 from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import mesh
 from skincad.section import section
-from skincad.solids.mold import mold
 from skincad.solids.occ import KernelError, solid
-from skincad.solids.plan import Part, Revolved, swept
+from skincad.solids.plan import Part, Revolved
 from skincad.solids.skin import cast_skin, skin_part, skin_solid
+from skincad.solids.sweep import swept
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]
@@ -175,15 +175,6 @@ def test_what_cannot_be_revolved_is_refused(yamada: Design, skin: dict, key: str
     with pytest.raises(skincad.InputError, match=words) as refused:
         yamada.with_(skin=skin)
     assert refused.value.key == key
-
-
-def test_a_mold_is_refused_and_nothing_is_written(yamada: Design, tmp_path: Path) -> None:
-    design = bent(yamada, 30.0)
-    with pytest.raises(skincad.InputError, match="has no mold yet"):
-        mold(design)
-    with pytest.raises(skincad.InputError, match="has no mold yet"):
-        skincad.make(design, tmp_path / "out")
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_revolved_part_is_not_swept_along_a_straight_axis(yamada: Design) -> None:

@@ -1,0 +1,86 @@
+"""What the casting sheet says otherwise of a doubly curved mold: screws, shims as arcs, and the order."""
+
+from __future__ import annotations
+
+import math
+
+from skincad.design import Design
+from skincad.fabrication.rules import shim_bend
+from skincad.section import section
+from skincad.solids.layout import BOLT_RADIUS, end_angle
+from skincad.solids.mold import Mold
+from skincad.solids.plan import bores
+from skincad.solids.shrinkage import poured
+
+
+def screws(design: Design, closed: Mold, hold: str) -> str:
+    """Return the end plates' screws as the parts have them; `hold` is what they go into."""
+    plates = [bore for p in closed.parts if p.name.startswith("end-") for bore in bores(p)]
+    count = sum(bore.radius == BOLT_RADIUS for bore in plates)
+    radii = {bore.radius for bore in bores(closed.part("cavity")) if bore.axis == "z"}
+    threads = [b.length for b in bores(closed.part("cavity")) if b.axis == "y" and b.radius in radii]
+    longest = math.floor(design.mold.end_plate + min(threads))
+    return (
+        f"M3 screws: {count} of at most {longest} mm for the end plates, square to the cavity's leaning "
+        f"ends, into {hold}"
+    )
+
+
+def arcs_to_buy(design: Design) -> list[str]:
+    """Return what to buy for the slots: shims cut as arcs, with the radius of each."""
+    slot, radius = design.slot, design.skin.curvature_radius_y
+    if slot is None or radius is None:
+        return []
+    size = f"{slot.thickness:g} x {slot.depth:g} mm"
+    arms = [f"{s.ridge} {s.side} {arc_radius(design, s.ridge, s.side):.2f}" for s in section(design).slots]
+    strain = 100 * shim_bend(design)
+    return [
+        f"{len(arms)} shims of spring steel, {size}, cut or etched as arcs from sheet, deburred; "
+        f"straight stock bent on edge takes {strain:.2g} % of strain and buckles between its combs. Radius "
+        f"of the middle of each depth, mm, by ridge and slot: {', '.join(arms)}"
+    ]
+
+
+def arc_radius(design: Design, ridge: int, side: str) -> float:
+    """Return the radius of a slot's shim laid flat, mm: it is a part of a cone whose lines run along its
+    depth, so the distance along them from the axis to the middle of the depth."""
+    poured_design = poured(design)
+    slot = next(s for s in section(poured_design).slots if (s.ridge, s.side) == (ridge, side))
+    radius = poured_design.skin.curvature_radius_y or math.inf
+    return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)
+
+
+def close_steps(design: Design, back: str) -> list[str]:
+    """Return how the mold is closed and filled, after cleaning."""
+    if design.slot is None:
+        ends = f"Lay the carrier on its ledge ({back}); the end plates lean over it and are screwed on next."
+    else:
+        ends = (
+            "Screw both combs to the cavity's ends. Lay each shim into its notches, its hollow side up and "
+            f"its long end out at end b. Lay the carrier on its ledge ({back}). Then the keepers, which lean "
+            "over it: pressed down onto the combs while you tighten."
+        )
+    rise, tilt = math.degrees(end_angle(design)), design.mold.pour_tilt
+    both = (
+        "; end a leans by more than that, so its air leaves by the gap round the carrier: slowly"
+        if tilt <= rise
+        else ""
+    )
+    return [
+        ends,
+        "Cover and bolts.",
+        f"Degas the mix. Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
+        "through the gate at end a, and tape each bleed as silicone shows in it, until silicone stands in "
+        "the reservoir.",
+        "Plug the gate or leave the syringe in it.",
+    ]
+
+
+def leave_steps() -> list[str]:
+    """Return how the mold is opened, once the shims are out."""
+    return [
+        "Take the cover's bolts out and lift it at its ends, which stand out over the end plates; what stood "
+        "in reservoir and bleeds tears, or is cut flush.",
+        "Take the end plates' screws out, cut the sprue at the gate, and take the plates off square to the "
+        "cavity's ends, a screwdriver in the notches at their sides.",
+    ]

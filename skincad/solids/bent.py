@@ -1,0 +1,260 @@
+r"""The mold of a doubly curved skin: a bowl, its ridges' grooves turned about an axis along x above it.
+
+    z up          axis x, at z = curvature_radius_y - thickness
+    ______________________________
+    \\  |      cover, flat       |  /
+     \\ |______________________| /     end plates lean inward at the top: their inner faces are the planes
+      \\ \\      carrier       / /      through the axis at the skin's ends
+       \\ \\__           ___/ /
+        \\__  ---skin---  __/       the middle is the lowest, both ends rise
+          |_____cavity____|
+
+What the straight mold has in the plane of its section stays: it is the section in every plane through the
+axis, so end plates, combs and keepers are the straight ones, turned as rigid bodies by the angle of an end.
+Cover, carrier's top and cavity's top and bottom are flat, and what goes through them is along z.
+
+What differs, and why. The end plates are not parallel, so each has its own screws into the cavity. They lean
+over the trough, so the carrier is laid in before the keepers (or plain plates) are put on, and silicone is
+not poured into an open trough. The cover stands out over the plates' beveled tops, comes off first, and is
+lifted there. A shim is an arc, cut so from sheet, and is drawn out by turning it about the axis. Then skin
+and carrier leave along z: a bowl is open above, so y holds nothing back while the ends lean by less than
+a right angle; in x each ridge's undercut is that of the section.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from skincad.curves import Point, flipped
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.section import Section
+from skincad.solids.bowl import across, height, rise, seat
+from skincad.solids.cavity import GREY, cavity
+from skincad.solids.ends import end_plates
+from skincad.solids.grid import Grid
+from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
+from skincad.solids.layout import (
+    BESIDE,
+    EDGE,
+    THREAD,
+    Layout,
+    end_angle,
+    fits,
+)
+from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels
+from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, turned
+from skincad.solids.shrinkage import on_grid
+from skincad.solids.skin import cast_skin
+from skincad.solids.split import path
+from skincad.solids.undercut import split_ridges
+
+FLATTEST = 1e4  # mm, assumption: a skin of 100 mm rises by 0.13 mm then; the kernel loses digits beyond 1e6
+SHARE_OF_ARM = 0.3  # assumption: a shim rises by a twentieth of the arm then, some tenths of a millimetre
+BEYOND = 0.5  # mm, by which a cut is built further than what it takes away
+LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest inserts
+TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
+OVERHANG = 3.0  # mm, assumption: of the cover beyond the end plates, to be lifted by
+UNDER = 0.2  # mm, by which a bore from the curved back begins below its rim
+
+
+def bent_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
+    """Return the closed mold's parts; `place` is that of the section's plane at an end, `design` is what is
+    poured. Raises InputError for what finds no room."""
+    grid = _grid(design, shape)
+    lids = _lids(design, place, grid)
+    skin = replace(cast_skin(design, shape), body=_skin(shape, grid))
+    ends = [
+        turned(part, grid.centre, *_stand(place, grid, end))
+        for end in ("a", "b")
+        for part in end_plates(design, shape, place, end)
+    ]
+    pins = [_end_pin(design, place, grid, end, i) for i in (0, 1) for end in ("a", "b")]
+    rest = [_carrier(design, lids, grid), cover(design, lids), *pins, *cover_dowels(design, lids)]
+    return [skin, _cavity(design, shape, place, lids, grid), *ends, *rest, *_shims(design, grid)]
+
+
+def shims_turn(design: Design) -> float:
+    """Return the angle, rad, by which shims are turned out of the mold: their own, and a little."""
+    inner = (design.skin.curvature_radius_y or math.inf) - design.skin.thickness
+    return 2 * end_angle(design) + 2 * math.asin(design.mold.end_plate / inner) + 2 * GRIP / inner
+
+
+def check_bent(design: Design) -> None:
+    """Raise InputError for what a doubly curved mold can't be; nothing for a straight one."""
+    if design.skin.curvature_radius_y is None:
+        return
+    radius, choice = design.skin.curvature_radius_y, design.mold
+    remedy = "drop skin.curvature_radius_y"
+    if radius > FLATTEST:
+        rule = f"must be at most {FLATTEST:g} mm for a mold: a flatter skin can be cast straight"
+        raise InputError("skin.curvature_radius_y", rule, radius, "leave it out")
+    most = SHARE_OF_ARM * (radius - design.skin.thickness)
+    if design.slot is not None and choice.end_plate > most:
+        rule = f"must be at most {most:.4g} mm, or a shim rises too far in it"
+        raise InputError("mold.end_plate", rule, choice.end_plate, "or enlarge skin.curvature_radius_y")
+    if choice.cavities > 1:
+        raise InputError("mold.cavities", "must be 1 in a doubly curved mold", choice.cavities, remedy)
+    if split_ridges(design):
+        rule = "must be 'none' in a doubly curved mold: the pieces of a cavity are planned for straight ones"
+        raise InputError("mold.split", rule, choice.split, f"give the ridges draft, or {remedy}")
+    if choice.pour == "open":
+        rule = "must be 'syringe' in a doubly curved mold: its end plates lean over the trough, in the way of"
+        raise InputError("mold.pour", rule + " a carrier that is let down last", choice.pour, remedy)
+
+
+def _grid(design: Design, shape: Section) -> Grid:
+    centre = (design.skin.curvature_radius_y or math.inf) - design.skin.thickness
+    return Grid(centre, end_angle(design), centre + shape.top)
+
+
+def _stand(place: Layout, grid: Grid, end: str) -> tuple[float, float]:
+    """Angle and base by which what belongs to an end is turned."""
+    return (-grid.half, -place.end) if end == "a" else (grid.half, place.end)
+
+
+def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
+    """The layout of what is flat above: the top where the end plates' inner faces reach `place.top`, measured
+    along them; and bolts and pins of the cover as far apart as the narrower top allows."""
+    top = on_grid(height(grid, grid.half) + place.top * math.cos(grid.half))
+    end = on_grid((grid.centre - place.top) * math.sin(grid.half))
+    own = fits(design, design.mold.process)
+    bolt, hole = (min(place.along, end - TOP_EDGE - r) for r in (own.thread, own.slide))
+    apart = bolt + hole - own.thread - own.slide
+    if place.top >= grid.centre or apart < BESIDE:
+        key, remedy = "skin.curvature_radius_y", "make the skin longer or the radius larger"
+        rule = f"leaves {apart:.3g} mm at the narrow top between a bolt and a pin of the cover, which need "
+        raise InputError(key, rule + f"{BESIDE:g} mm", design.skin.curvature_radius_y, remedy)
+    out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
+    keying = place.keying[1], 0.0  # there is no room along y
+    lids = place._replace(top=top, end=end, cover=on_grid(out))
+    return lids._replace(along=bolt, pin_along=hole, keying=keying)
+
+
+def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: Grid) -> Part:
+    """The block between the planes of the ends, less the trough and, above the back, the carrier's seat."""
+    low, high = across(grid, place.bottom), across(grid, lids.top)
+    corners = [Point(-low, place.bottom), Point(low, place.bottom), Point(high, lids.top)]
+    corners += [Point(-high, lids.top), corners[0]]
+    straight = cavity(design, shape, place)
+    return Part(
+        "cavity",
+        GREY,
+        "made",
+        Prism(tuple(path(corners)), "x", -place.half, place.half, grid=grid),
+        (
+            _trough(shape, grid),
+            _opening(place, lids, grid),
+            *_end_bores(design, place, grid),
+            *(cut for cut in cavity(design, shape, lids).cuts if cut.axis == "z"),
+        ),
+        straight=straight,
+    )
+
+
+def _skin(shape: Section, grid: Grid) -> Revolved:
+    slots = tuple(flipped(slot.loop()) for slot in shape.slots)
+    return Revolved(flipped(shape.outline), grid.centre, -grid.half, grid.half, slots, grid)
+
+
+def _trough(shape: Section, grid: Grid) -> Reaching:
+    """The negative of the skin; built into the carrier's seat, and out of the block at its ends."""
+    outline = flipped(shape.outline)
+    more = BEYOND / grid.centre
+    taken = Revolved(outline, grid.centre, -grid.half, grid.half, grid=grid)
+    back = next(s for s in outline if s.kind == "back")
+    ends = [Point(p.x, p.z + BEYOND) for p in (back.start, back.end)]
+    i = outline.index(back)
+    raised = (*outline[:i], *path([back.start, *ends, back.end]), *outline[i + 1 :])
+    return Reaching(taken, Revolved(raised, grid.centre, -grid.half - more, grid.half + more, grid=grid))
+
+
+def _opening(place: Layout, lids: Layout, grid: Grid) -> Reaching:
+    """The carrier's seat, from the back up; built out of the block at its ends and its top."""
+    taken = Prism(seat(grid, grid.half, lids.top), "x", -place.trough, place.trough, grid=grid)
+    wider = seat(grid, grid.half + BEYOND / grid.centre, lids.top + BEYOND, -2 * BEYOND)
+    return Reaching(taken, replace(taken, outline=wider))
+
+
+def _end_bores(design: Design, place: Layout, grid: Grid) -> list[Reaching]:
+    """Threads for the end plates' screws, and holes for their pins, square to the leaning ends."""
+    own = fits(design, design.mold.process)
+    found = []
+    for x, z in ((x, z) for x in place.lanes for z in (place.comb_bolt, place.keeper_bolt)):
+        depth = on_grid(min(THREAD, _deepest(grid, z, own.thread)))
+        if depth < LEAST_THREAD:
+            rule = f"leaves {depth:.3g} mm of thread for an end plate's screw, which need {LEAST_THREAD:g} mm"
+            raise InputError("skin.length", rule, design.skin.length, "make the skin longer")
+        found += _both_ends(place, grid, (x, z), depth, own.thread)
+    for x in place.pins:
+        found += _both_ends(place, grid, (x, place.comb_pin), _pin_depth(place, grid), own.press)
+    return found
+
+
+def _deepest(grid: Grid, z: float, radius: float) -> float:
+    """How deep bores at the height z of both ends may go until they come too near to each other, mm."""
+    arm = (grid.centre - z - radius) * math.sin(grid.half)
+    return (arm - EDGE / 2) / math.cos(grid.half)
+
+
+def _pin_depth(place: Layout, grid: Grid) -> float:
+    return on_grid(min(place.pin_depth, _deepest(grid, place.comb_pin, PIN_RADIUS)))
+
+
+def _both_ends(
+    place: Layout, grid: Grid, at: tuple[float, float], depth: float, radius: float
+) -> list[Reaching]:
+    x, z = at
+    bores = []
+    for end in ("a", "b"):
+        angle, base = _stand(place, grid, end)
+        low, out = (base, base - BEYOND) if end == "a" else (base - depth, base - depth)
+        taken, built = (
+            Turned(Bore((x, start, z), "y", length, radius), grid.centre, angle, base)
+            for start, length in ((low, depth), (out, depth + BEYOND))
+        )
+        bores.append(Reaching(taken, built))
+    return bores
+
+
+def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
+    """The backing: a flat top over the back's arc, a clearance from the end plates all the way up."""
+    gap = design.mold.clearance
+    flat = carrier(design, lids)
+    half = grid.half - math.asin(gap / grid.centre)
+    wide = lids.trough - gap
+    body = Prism(seat(grid, half, lids.top, gap), "x", -wide, wide, grid=grid)
+    cuts = [_from_back(cut, grid) for cut in flat.cuts if isinstance(cut, Bore)]
+    return replace(flat, body=body, cuts=tuple(cut for cut in cuts if cut.within or cut.length >= LEAST_PULL))
+
+
+def _from_back(bore: Bore, grid: Grid) -> Bore:
+    """A bore of the straight carrier from where the arc is: through ones from below it, blind ones above."""
+    x, y, z = bore.start
+    if z > 0.0:
+        z += on_grid(rise(grid, abs(y) + bore.radius))
+        return replace(bore, start=(x, y, z), length=bore.start[2] + bore.length - z)
+    widest = max(bore.radius, bore.end_radius or 0.0)
+    low = on_grid(rise(grid, max(0.0, abs(y) - widest)) - UNDER)
+    return replace(bore, start=(x, y, low), length=bore.length - low, within=(grid.centre, grid.centre))
+
+
+def _shims(design: Design, grid: Grid) -> list[Part]:
+    """Shims as arcs through both end plates, with a grip at end b."""
+    found = []
+    for part in shims(design):
+        if isinstance(part.body, Prism):
+            arm = grid.centre - part.body.outline[0].start.z
+            out = grid.half + math.asin(design.mold.end_plate / arm)
+            body = Revolved(part.body.outline, grid.centre, -out, out + GRIP / arm, grid=grid)
+            found.append(replace(part, body=body))
+    return found
+
+
+def _end_pin(design: Design, place: Layout, grid: Grid, end: str, i: int) -> Part:
+    angle, base = _stand(place, grid, end)
+    depth, thick = _pin_depth(place, grid), design.mold.end_plate
+    start = (place.pins[i], base - (thick if end == "a" else depth), place.comb_pin)
+    dowel = pin(f"pin-{end}-{('left', 'right')[i]}", start, "y", depth + thick)
+    return turned(dowel, grid.centre, angle, base)

@@ -1,0 +1,225 @@
+"""Meshes, rules and sheets of the mold of a skin that is curved along y too."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from manifold3d import Manifold, OpType
+
+import skincad
+from skincad.design import Design
+from skincad.fabrication.bent_steps import arc_radius
+from skincad.fabrication.drawing import PAGE, drawing
+from skincad.fabrication.filling import filling_findings
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.inspection import inspection
+from skincad.fabrication.measures import interference, measure
+from skincad.fabrication.meshes import laid, manifold, mesh
+from skincad.fabrication.pattern import pattern_notes, strip_patterns
+from skincad.fabrication.rules import shim_bend
+from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.solids.mold import Mold, mold
+from skincad.solids.plan import Part, Prism, Revolved, Turned, bores
+
+
+def bent(name: str, radius: float, *settings: str) -> Design:
+    return skincad.load(name, [f"skin.curvature_radius_y={radius}", *settings])
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    """Three ridges with six shims; its ends lean by 14 degrees."""
+    return bent("yamada-2002", 25.0, "ridge.count=3")
+
+
+@pytest.fixture(scope="module")
+def closed(design: Design) -> Mold:
+    return mold(design)
+
+
+def by_rule(findings: list[Finding]) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in findings}
+
+
+@pytest.mark.parametrize("asked", [0.02, 0.003])
+def test_meshes_are_closed_free_and_as_near_as_asked(closed: Mold, asked: float) -> None:
+    for part in closed.parts:
+        if part.made == "made" or part.name == "skin":
+            seen = measure(part, mesh(part, asked), asked)
+            assert seen.watertight, part.name
+            assert seen.self_intersections == 0, part.name
+            assert seen.deviation <= 1.1 * asked, part.name  # a tenth is the reference mesh's own
+
+
+@pytest.mark.parametrize("name", ["cavity", "carrier", "end-b-comb"])
+def test_a_torn_mesh_is_seen(closed: Mold, name: str) -> None:
+    part = closed.part(name)
+    torn = mesh(part, 0.02)
+    torn.vertices[len(torn.vertices) // 2] += [5.0, 1.0, 3.0]
+    assert measure(part, torn, 0.02).self_intersections > 0
+
+
+def test_parts_that_turn_share_their_facets(closed: Mold) -> None:
+    """Skin, shims, cavity and carrier touch along arcs; at any chord length their meshes share nothing."""
+    for chord in (0.02, 0.003):
+        names = ("skin", "cavity", "carrier", "shim-1-S1")
+        shapes = {name: manifold(closed.part(name), chord) for name in names}
+        for a, b in (("skin", "cavity"), ("skin", "carrier"), ("cavity", "carrier")):
+            assert (shapes[a] ^ shapes[b]).volume() < 1e-9, (a, b, chord)
+        assert (shapes["skin"] ^ shapes["shim-1-S1"]).volume() < 1e-9
+        # nor is there a gap: what is set lower by 1 um meets 11 mm x about 9.6 mm of back
+        pressed = shapes["carrier"].translate((0.0, 0.0, -1e-3)) ^ shapes["skin"]
+        assert pressed.volume() == pytest.approx(1e-3 * 11 * 9.6, rel=0.1)
+
+
+def test_two_turned_bodies_share_what_their_sections_do(closed: Mold) -> None:
+    skin, shim = closed.part("skin"), closed.part("shim-1-S1")
+    assert isinstance(skin.body, Revolved)
+    whole = Part("whole", (0, 0, 0), "cast", skin.body.__class__(skin.body.outline, *_turn(skin.body)))
+    (found,) = interference(Mold((whole, shim), ()), 1e-3)
+    slot = 0.05 * 0.25 * 12.0 * (1 + 0.1 / 25)  # the slot's middle lies 0.1 mm farther from the axis
+    assert found.measured == pytest.approx(slot, rel=0.01)  # shrinkage
+    assert interference(Mold((skin, shim), ()), 1e-3) == []
+
+
+def _turn(body: Revolved) -> tuple[float, float, float]:
+    return body.centre, body.low, body.high
+
+
+def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: Mold) -> None:
+    for name in ("end-a-comb", "end-b-keeper"):
+        part = closed.part(name)
+        assert isinstance(part.body, Turned)
+        shape = laid(mesh(part, 0.01), True, part)
+        assert shape.bounds[0][2] == 0.0
+        assert shape.bounds[1][2] == pytest.approx(4.0, abs=1e-9)  # mold.end_plate
+    for end in (False, True):
+        shape = laid(mesh(closed.part("cavity"), 0.01), end, closed.part("cavity"))
+        down = np.asarray(shape.face_normals)[:, 2] < -1 + 1e-9
+        on_bed = np.asarray(shape.triangles)[:, :, 2].max(axis=1) < 1e-9
+        assert shape.area_faces[down & on_bed].sum() > 200.0  # mm2: it stands
+
+
+def test_findings_say_what_is_special_and_no_more(design: Design, closed: Mold) -> None:
+    straight = design_findings(design.with_(skin={"curvature_radius_y": None}))
+    found = design_findings(design, closed)
+    room = next(f for f in found if f.rule == "notch room")
+    wire = next(f for f in found if "bent along y" in f.where)
+    assert [f.rule for f in found if f not in (room, wire)] == [f.rule for f in straight]
+    assert (wire.rule, wire.severity, wire.unit) == ("tool reach", "warning", "deg end to end")
+    assert wire.measured == pytest.approx(math.degrees(12 / 25), rel=1e-6)
+    assert (room.rule, room.severity) == ("notch room", "note")
+    assert room.measured == pytest.approx(16 / (2 * 25), rel=0.02)  # thickness^2 / 2 R
+    milled = design.with_(mold={"process": "cnc", "end_plate_process": "edm"})
+    assert not any("bent along y" in f.where for f in design_findings(milled))
+
+
+def test_a_deep_shim_would_stay_bent(design: Design) -> None:
+    assert shim_bend(design) == pytest.approx(0.125 / 25, rel=1e-12)
+    assert "shim bend" not in by_rule(design_findings(design))
+    deep = design.with_(slot={"depth": 0.4})
+    note = by_rule(design_findings(deep))["shim bend"]
+    assert (note.severity, note.measured) == ("note", pytest.approx(0.2 / 25, rel=1e-12))
+
+
+def test_an_end_that_is_high_too_is_told_until_the_tilt_is_beyond_its_slope(design: Design) -> None:
+    (note,) = filling_findings(design, mold(design))
+    assert (note.severity, note.unit) == ("note", "deg")
+    assert note.limit == pytest.approx(math.degrees(6 / 25), rel=1e-6)
+    steep = design.with_(mold={"pour_tilt": 15.0})
+    assert filling_findings(steep, mold(steep)) == []
+
+
+def test_poured_volume_is_what_the_closed_molds_parts_leave() -> None:
+    """A block less all parts, as booleans: the piece that holds the middle of the skin. A lid keeps the cup
+    shut, a slab outside end plate a the gate."""
+    design = bent("plain-ridges", 25.0)
+    closed = mold(design)
+    plate = closed.part("end-a").body
+    assert isinstance(plate, Turned)
+    assert isinstance(plate.body, Prism)
+    slab = replace(plate, body=replace(plate.body, low=plate.body.low - 1.0, high=plate.body.low))
+    rest = Manifold.cube((80.0, 80.0, 80.0), True)
+    rest = rest.trim_by_plane((0.0, 0.0, -1.0), -manifold(closed.part("cover"), 2e-3).bounding_box()[5])
+    parts = [*(_filled(part) for part in closed.parts if part.name != "skin")]
+    parts.append(Part("slab", (0, 0, 0), "made", slab))
+    rest -= Manifold.batch_boolean([manifold(part, 2e-3) for part in parts], OpType.Add)
+    ball = Manifold.sphere(0.3).translate((0.0, 0.0, -2.0))
+    (void,) = (piece for piece in rest.decompose() if (piece ^ ball).volume() > 0)
+    assert poured_volume(design, closed) == pytest.approx(void.volume(), rel=2e-3)  # chords
+
+
+def _filled(part: Part) -> Part:
+    """A part without its threads and bolt holes: films of rounding on the leaning faces would join them."""
+    if part.name == "cavity":
+        return replace(part, cuts=part.cuts[:2])
+    if part.name.startswith("end-"):
+        gates = [c for c in part.cuts if any(bore.start[0] == 0.0 for bore in bores(part, c))]
+        bevels = [c for c in part.cuts if isinstance(c, Turned) and c.body.axis == "x"]
+        return replace(part, cuts=(*gates, *bevels))
+    return part
+
+
+def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: Mold) -> None:
+    text = casting_sheet(design, closed, [], "Passes.", True)
+    assert "M3 screws: 8 of at most 8 mm for the end plates" in text  # a plate of 4 and a thread of 4.5
+    assert "cut or etched as arcs" in text
+    order = ["Screw both combs", "Lay the carrier", "Then the keepers", "Cover and bolts", "along its arc"]
+    order += ["Take the cover's bolts out", "Take the end plates' screws out", "Pull the carrier up"]
+    places = [text.index(words) for words in order]
+    assert places == sorted(places)
+    plain = bent("plain-ridges", 25.0)
+    assert "shim" not in casting_sheet(plain, mold(plain), [], "Passes.", True)
+
+
+def test_a_shims_flat_radius_is_its_cones(design: Design) -> None:
+    """An upright slot of the middle ridge lies in a plane; a leaning one on a cone, whose arc is flatter."""
+    upright = arc_radius(design, 2, "S1")
+    assert upright == pytest.approx(25.0 * 1.001 + 0.1 + 0.025, abs=0.12)  # elevation and half the depth
+    tilted = arc_radius(design.with_(slot={"tilt": 45.0}), 2, "S1")
+    assert tilted == pytest.approx(math.sqrt(2) * upright, rel=0.01)
+
+
+def test_strips_are_as_long_as_their_arcs(design: Design) -> None:
+    straight = design.with_(skin={"curvature_radius_y": None})
+    long, short = ([_length(p) for p in strip_patterns(d)] for d in (design, straight))
+    for a, b in zip(long, short, strict=True):
+        assert 0.0 < a - b < 12.0 * 0.5 / 25  # slots lie up to half a millimetre outside the summit's arc
+    assert any("strain 0.5 %" in note for note in pattern_notes(design))
+    assert not any("strain" in note for note in pattern_notes(straight))
+
+
+def _length(pattern: object) -> float:
+    xs = [s.start.x for s in pattern.electrode]  # type: ignore[attr-defined]
+    return max(xs) - min(xs)
+
+
+def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed: Mold) -> None:
+    text = drawing(design, closed)
+    assert "R 25 along y" in text
+    assert "ends lean by 13.8 degrees" in text
+    root = ET.fromstring(text)
+    for node in root.iter("{http://www.w3.org/2000/svg}polygon"):
+        places = [tuple(map(float, corner.split(","))) for corner in node.attrib["points"].split()]
+        assert all(0 <= x <= PAGE[0] and 0 <= y <= PAGE[1] for x, y in places)
+    rows = {m.what: m for m in inspection(design, closed.part("skin"))}
+    chord = rows["length of the back, straight from end to end"].nominal
+    assert chord == pytest.approx(2 * 21 * math.sin(6 / 25), rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "radius"), [("yamada-2002", 60.0), ("plain-ridges", 25.0)])
+def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
+    made = skincad.make(bent(name, radius), tmp_path / "out")
+    assert made.passed
+    assert all(p.valid and p.watertight and not p.self_intersections for p in made.parts)
+    assert all(p.deviation <= p.asked_deviation for p in made.parts)
+    assert {"assembly.step", "mold.3mf", "picture.png", "drawing.svg", "casting-sheet.md"} <= {
+        file for file, _ in made.files
+    }

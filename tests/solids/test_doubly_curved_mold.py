@@ -1,0 +1,289 @@
+"""The mold of a skin that is curved along y too: a bowl that turns about an axis above it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+from scipy.integrate import quad
+
+import skincad
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.fabrication.findings import undercuts
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold
+from skincad.section import section
+from skincad.solids.layout import BESIDE
+from skincad.solids.mold import Mold, mold
+from skincad.solids.occ import solid, volume
+from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, own
+from skincad.solids.shrinkage import poured
+from skincad.solids.split import notch_rise
+
+RADII = (60.0, 25.0)
+FINE = 5e-4  # mm: a tenth of the template's slit clearance
+
+
+def bent(name: str, radius: float, *settings: str) -> Design:
+    return skincad.load(name, [f"skin.curvature_radius_y={radius}", *settings])
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    """Three ridges with their six shims, 12 mm long, that lean by 14 degrees at their ends."""
+    return bent("yamada-2002", 25.0, "ridge.count=3")
+
+
+@pytest.fixture(scope="module")
+def closed(design: Design) -> Mold:
+    return mold(design)
+
+
+@pytest.fixture(scope="module")
+def meshes(closed: Mold) -> dict[str, Manifold]:
+    return {part.name: manifold(part, FINE) for part in closed.parts}
+
+
+def axis(closed: Mold) -> float:
+    body = closed.part("skin").body
+    assert isinstance(body, Revolved)
+    return body.centre
+
+
+@pytest.mark.parametrize("radius", [*RADII, 1e4])
+def test_every_solid_is_valid_and_of_its_formulas_volume(radius: float) -> None:
+    for part in mold(bent("yamada-2002", radius, "ridge.count=3")).parts:
+        # `solid` asks for validity and 1e-9; 1e-10 is what bores into the carrier's arc reach
+        assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-10), part.name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("radius", RADII)
+@pytest.mark.parametrize("name", ["yamada-2002", "lab-bench", "plain-ridges", "gripper-pad", "nozzle-04"])
+def test_templates_have_a_doubly_curved_mold(name: str, radius: float) -> None:
+    made = bent(name, radius if name != "nozzle-04" else 2 * radius)
+    closed = mold(made)
+    for part in closed.parts:
+        if part.made == "made":
+            assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-9), part.name
+    assert interference(closed, min(made.mold.clearance, made.mold.slit_clearance) / 10) == []
+
+
+@pytest.mark.parametrize(("y", "wide"), [(0.0, 1.0), (3.0, 1.0), (-5.0, 1.6), (2.0, 0.7)])
+def test_a_bore_into_an_arc_has_its_volume_by_slices(y: float, wide: float) -> None:
+    """Across y, each slice of the cone is as high as the arc leaves it."""
+    bore = Bore((1.0, y, -0.3), "z", 6.3, 1.0, wide, within=(20.0, 20.0))
+    grows = (wide - 1.0) / 6.3
+
+    def area(z: float) -> float:
+        """Of the disk at this height, between y = -reach and reach, where the arc is below it."""
+        radius, reach = 1.0 + grows * (z + 0.3), math.sqrt(max(0.0, 400 - (20 - z) ** 2))
+
+        def part(v: float) -> float:
+            v = min(radius, max(-radius, v))
+            return v * math.sqrt(radius**2 - v * v) + radius**2 * math.asin(v / radius)
+
+        return part(reach - y) - part(-reach - y)
+
+    kinks = [20 - math.sqrt(400 - min(19.0, abs(y) + s) ** 2) for s in (-1.0, 0.0, 1.0, wide)]
+    sliced = quad(area, 0.0, 6.0, points=sorted({k for k in kinks if 0 < k < 6}), limit=400, epsabs=1e-11)[0]
+    assert bore.volume == pytest.approx(sliced, rel=1e-8)  # the slices' own error, at their kinks
+    plain = replace(bore, within=None)
+    assert bore.volume < plain.volume
+
+
+def test_a_bore_into_a_far_arc_is_the_frustum_above_it() -> None:
+    bore = Bore((0.0, 2.0, -0.5), "z", 4.5, 1.0, 1.2, within=(1e9, 1e9))
+    foot = 1.0 + 0.2 * 0.5 / 4.5
+    assert bore.volume == pytest.approx(math.pi * 4 * (1.44 + 1.2 * foot + foot**2) / 3, rel=1e-8)  # 4 / 1e9
+
+
+def test_it_tends_to_the_straight_mold(yamada: Design) -> None:
+    straight = mold(yamada)
+    for part in mold(yamada.with_(skin={"curvature_radius_y": 1e4})).parts:
+        if part.name in ("skin", "carrier") or part.name.startswith("shim"):
+            # the carrier's middle is 2 um thicker and its holes are; all else is relative 1e-3 and less
+            assert part.volume == pytest.approx(straight.part(part.name).volume, rel=3e-3), part.name
+
+
+def test_nothing_interferes_closed_or_while_opening(closed: Mold) -> None:
+    assert interference(closed, FINE) == []
+
+
+def test_nothing_interferes_by_sampled_positions(closed: Mold, meshes: dict[str, Manifold]) -> None:
+    """Independent of the swept shapes: each part moved a little, and on, against all that is still there."""
+    there = dict(meshes)
+    for step in closed.opening:
+        moving = {name: there.pop(name) for name in step.parts}
+        for share in (1e-3, 0.02, 0.1, 0.3, 0.7, 1.0):
+            for name, shape in moving.items():
+                placed = _moved(closed, name, shape, step.axis, share * step.travel)
+                for other, still in there.items():
+                    if name.startswith("shim") and other == "skin":
+                        continue  # chords of an arc that is turned by less than their length; told elsewhere
+                    # chords that slide along others by a part of their length; 0.05 mm2 a shim's section
+                    assert (placed ^ still).volume() < 1e-7, (name, other, share)
+
+
+def _moved(closed: Mold, name: str, shape: Manifold, way: object, travel: float) -> Manifold:
+    if way == "turn":
+        angle, centre = math.degrees(travel), axis(closed)
+        return shape.translate((0, 0, -centre)).rotate((angle, 0, 0)).translate((0, 0, centre))
+    body = closed.part(name).body
+    if way == "y" and isinstance(body, Turned):
+        return shape.translate((0.0, travel * math.cos(body.angle), travel * math.sin(body.angle)))
+    assert way == "z"
+    return shape.translate((0.0, 0.0, travel))
+
+
+def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
+    design: Design, meshes: dict[str, Manifold]
+) -> None:
+    assert max(undercuts(design).values()) == 0.0
+    skin, cavity = meshes["skin"], meshes["cavity"]
+    for up in (1e-3, 0.1, 0.5, 2.0, 8.0):
+        assert (skin.translate((0, 0, up)) ^ cavity).volume() < 1e-7  # rounding of the sides, which slide
+    assert (skin.translate((0, 0.5, 0)) ^ cavity).volume() > 0.1
+    steep = bent("yamada-2002", 60.0, "skin.curvature_radius=15.0", "ridge.tip_width=0.7", "slot=none")
+    caught = {part.name: manifold(part, 1e-3) for part in mold(steep).parts}
+    assert (caught["skin"].translate((0, 0, 0.1)) ^ caught["cavity"]).volume() > 1e-3
+
+
+def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: Mold) -> None:
+    upright = own(closed.part("end-b-comb"))
+    shim = closed.part("shim-2-S1")
+    assert isinstance(shim.body, Revolved)
+    straight = replace(shim, body=Prism(shim.body.outline, "y", -10.0, 16.0))
+    for wrong in (upright, straight):
+        parts = tuple(wrong if part.name == wrong.name else part for part in closed.parts)
+        found = interference(Mold(parts, ()), FINE)
+        assert any(wrong.name in finding.where for finding in found)
+
+
+def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:
+    """Genus counts through holes: no bore ends in a film, and what is blind in a leaning face is blind."""
+    genus = {name: mesh.genus() for name, mesh in meshes.items() if not name.startswith(("shim", "pin"))}
+    assert genus == {
+        "skin": 6,
+        "cavity": 0,  # all its bores are blind: screws of the ends and of the cover, and pins
+        "end-a-comb": 4,
+        "end-a-keeper": 3,
+        "end-b-comb": 4,
+        "end-b-keeper": 2,
+        "carrier": 3,  # vent and two rivets
+        "cover": 7,
+    }
+
+
+def test_walls_between_bores_trough_and_seat_are_thick_enough(closed: Mold) -> None:
+    cavity = closed.part("cavity")
+    cuts = [manifold(Part("cut", (0, 0, 0), "made", cut), 1e-2) for cut in cavity.cuts]
+    for (i, a), (j, b) in combinations(enumerate(cuts), 2):
+        if {i, j} != {0, 1}:  # trough and seat are one opening
+            assert a.min_gap(b, 2.0) > min(BESIDE, 0.75) - 2e-2, (cavity.cuts[i], cavity.cuts[j])  # chords
+
+
+def test_the_carrier_is_its_clearance_from_both_end_plates(
+    design: Design, meshes: dict[str, Manifold]
+) -> None:
+    for end in ("a", "b"):
+        gap = meshes["carrier"].min_gap(meshes[f"end-{end}-keeper"], 1.0)
+        assert gap == pytest.approx(design.mold.clearance, abs=1e-6)  # its foot lies on a chord
+
+
+def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
+    design: Design, closed: Mold, meshes: dict[str, Manifold]
+) -> None:
+    """An arc touches a notch below at the plate's inner face and above at its outer one: its datum stays."""
+    play = design.mold.slit_clearance
+    shim, comb, keeper = (meshes[name] for name in ("shim-2-S1", "end-b-comb", "end-b-keeper"))
+    body = closed.part("end-b-comb").body
+    assert isinstance(body, Turned)
+    up = np.array([0.0, -math.sin(body.angle), math.cos(body.angle)])
+
+    def shared(x: float, rise: float) -> float:
+        moved = shim.translate(tuple(rise * up + [x, 0.0, 0.0]))
+        return float((moved ^ comb).volume() + (moved ^ keeper).volume())
+
+    rise = notch_rise(design, section(poured(design)).slots)
+    assert rise > 50 * play  # the notch is that much higher than the shim, and still
+    for sign in (-1, 1):
+        assert shared(0.9 * sign * play, 0.0) < 1e-9
+        assert shared(1.1 * sign * play, 0.0) > 1e-9
+        assert shared(0.0, 0.8 * sign * play) < 1e-9  # a tenth of the play is the arc's chords
+    assert shared(0.0, -1.2 * play) > 1e-9
+    assert shared(0.0, 4 * play) > 1e-9  # above, the split circle falls to the outer slots
+
+
+def test_opening_takes_shims_then_cover_then_plates_then_skin(closed: Mold) -> None:
+    assert [(s.axis, s.parts[0].split("-")[0]) for s in closed.opening] == [
+        ("turn", "shim"),
+        ("z", "cover"),
+        ("y", "end"),
+        ("y", "end"),
+        ("z", "skin"),
+    ]
+
+
+def test_gate_and_vent_open_on_the_skin(closed: Mold, meshes: dict[str, Manifold]) -> None:
+    gate = closed.part("end-a-keeper").cuts
+    (bore,) = (cut for cut in gate if isinstance(cut, Turned) and getattr(cut.body, "start", (1,))[0] == 0.0)
+    assert isinstance(bore.body, Bore)
+    into = Turned(replace(bore.body, length=bore.body.length + 1e-2), bore.centre, bore.angle, bore.base)
+    plug = manifold(Part("plug", (0, 0, 0), "made", into), 1e-3)
+    assert (plug ^ meshes["skin"]).volume() == pytest.approx(math.pi * bore.body.radius**2 * 1e-2, rel=0.01)
+    vent = closed.part("carrier").cuts[0]
+    assert isinstance(vent, Bore)
+    assert (manifold(Part("plug", (0, 0, 0), "made", vent), 1e-3) ^ meshes["skin"]).volume() > 0.05
+
+
+def test_cover_and_tops_are_level(closed: Mold, meshes: dict[str, Manifold]) -> None:
+    """Carrier, cavity and the beveled end plates stand under the cover without a step."""
+    low = meshes["cover"].bounding_box()[2]
+    for name in ("carrier", "cavity", "end-a-keeper", "end-b-keeper"):
+        assert meshes[name].bounding_box()[5] == pytest.approx(low, abs=1e-12)  # rounding of a turn
+    over = meshes["cover"].bounding_box()[4] - meshes["end-b-keeper"].bounding_box()[4]
+    assert over > 0  # what it is lifted by, past the keeper; the comb below reaches further
+
+
+def test_what_reaches_out_of_a_part_takes_away_what_it_counts(closed: Mold) -> None:
+    cavity = closed.part("cavity")
+    body = manifold(replace(cavity, cuts=()), 1e-3)
+    for cut in cavity.cuts[2:]:
+        assert isinstance(cut, Reaching | Bore)
+        built = manifold(Part("cut", (0, 0, 0), "made", cut), 1e-3) ^ body
+        assert built.volume() == pytest.approx(cut.volume, rel=3e-3)  # chords of a bore
+
+
+@pytest.mark.parametrize(
+    ("settings", "key"),
+    [
+        (["mold.cavities=2"], "mold.cavities"),
+        (['mold.pour="open"'], "mold.pour"),
+        (["skin.curvature_radius_y=20000"], "skin.curvature_radius_y"),
+        (["skin.curvature_radius_y=9.9"], "mold.end_plate"),
+        (["skin.curvature_radius_y=18", 'mold.process="sla"'], "skin.curvature_radius_y"),
+        (["mold.end_plate=10", "skin.curvature_radius_y=25"], "mold.end_plate"),
+    ],
+)
+def test_what_a_bent_mold_cannot_be_is_refused(settings: list[str], key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        mold(bent("yamada-2002", 60.0, *settings))
+    assert refused.value.key == key
+    assert refused.value.remedy
+
+
+def test_a_split_cavity_is_refused_where_ridges_need_it_only() -> None:
+    with pytest.raises(InputError, match=r"mold.split: must be 'none'"):
+        mold(bent("steep-fingertip", 25.0))
+    assert mold(bent("plain-ridges", 60.0, 'mold.split="auto"')).part("cavity")
+
+
+def test_cast_in_strips_stay_refused(yamada: Design) -> None:
+    with pytest.raises(InputError, match=r"mold.method: needs straight strips"):
+        yamada.with_(mold={"method": "cast-in"}, skin={"curvature_radius_y": 60.0})
