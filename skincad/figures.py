@@ -12,12 +12,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
 from PIL import Image
 
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.view import View
 from skincad.quantities import Estimate
 
+Array = NDArray[np.float64]
 SERIES = (("S1", "#1f5fa8", "o", -0.15), ("S2", "#c1531f", "s", 0.15), ("S1 - S2", "#222222", "D", 0.0))
 SHOWN = 0.97  # share of the silicone's drawn area whose stress lies within the colours
 MAP = "RdBu_r"
@@ -88,7 +90,7 @@ def _numbers(estimates: tuple[Estimate, ...]) -> tuple[list[float], list[float]]
 def _draw_fields(figure: Figure, places: list[Axes], states: list[list[View]]) -> None:
     """Draw the views of both states on one scale of colours, deformed as they are."""
     views = [view for state in states for view in state]
-    limit = max(_usual(view) for view in views)
+    limit = max(usual(view.place, view.triangles[~view.film], view.stress) for view in views)
     for axes, view in zip(places, views, strict=True):
         points = view.place + view.shift
         triangles = view.triangles
@@ -111,15 +113,17 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[View]]) -
     bar.ax.tick_params(labelsize=7)
 
 
-def _usual(view: View) -> float:
-    """The stress below which SHOWN of the silicone's area lies; at the films' corners it has no bound."""
-    silicone = view.triangles[~view.film]
-    a, b, c = (view.place[silicone[:, i]] for i in range(3))
+def usual(place: Array, triangles: NDArray[np.int64], values: Array) -> float:
+    """Return the size below which SHOWN of the triangles' area lies; at films' corners a stress has no bound.
+
+    `place` `(p, 2)` and `values` `(p,)` of points, `triangles` `(t, 3)` of them.
+    """
+    a, b, c = (place[triangles[:, i]] for i in range(3))
     area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-    stress = np.abs(view.stress[silicone].mean(axis=1))
-    order = np.argsort(stress)
+    size = np.abs(values[triangles].mean(axis=1))
+    order = np.argsort(size)
     below = np.searchsorted(np.cumsum(area[order]), SHOWN * area.sum())
-    return float(stress[order][min(below, stress.size - 1)])
+    return float(size[order][min(below, size.size - 1)])
 
 
 def _note(normal: FilmStress, both: FilmStress) -> str:

@@ -16,13 +16,16 @@ from pydantic import Field, model_validator
 from skincad.catalog import load, overridden, read_table
 from skincad.design import Design
 from skincad.effects import effect
-from skincad.effects.kinds import Effect, Law
+from skincad.effects.kinds import MASS, Body, Effect, Law, Term
+from skincad.effects.kinds import Readout as Reader
 from skincad.errors import InputError
 from skincad.mechanics.grip import Drive
 from skincad.tables import Table, parse, quantity
 
 Array = NDArray[np.float64]
 LAW = "small_strain"  # of a scene that names none
+MOST_FRAMES = 60  # of an animation of less than 2 MB
+STEEPEST = 5.0  # deg; of a plate that turns, as of a tilted one (design.py)
 
 
 class History(Table):
@@ -40,6 +43,12 @@ class History(Table):
     displacement_mm: list[float] | None = Field(
         default=None, description="of a driven plate, to +x, instead", json_schema_extra={"unit": "mm"}
     )
+    rotation_deg: list[float] | None = Field(
+        default=None,
+        description="of the plate about y, positive where it rises towards +x; forces and displacement "
+        "are normal to the plate and along it then",
+        json_schema_extra={"unit": "deg"},
+    )
     steps: int = Field(description="equal steps of the march", ge=1, le=1_000_000)
 
     @model_validator(mode="after")
@@ -48,6 +57,7 @@ class History(Table):
             "normal_force_N": self.normal_force_N,
             "tangential_force_N": self.tangential_force_N,
             "displacement_mm": self.displacement_mm,
+            "rotation_deg": self.rotation_deg,
         }
         for key, values in lists.items():
             if values is not None and len(values) != len(self.time_s):
@@ -70,6 +80,12 @@ class History(Table):
         if across[0] != 0.0:
             key = "tangential_force_N" if self.tangential_force_N else "displacement_mm"
             raise InputError(key, "must begin at 0", across[0])
+        turn = self.rotation_deg or [0.0]
+        if turn[0] != 0.0:
+            raise InputError("rotation_deg", "must begin at 0", turn[0])
+        if max(map(abs, turn)) > STEEPEST:
+            rule = f"must be from -{STEEPEST:g} to {STEEPEST:g} deg: beyond, the plate meets more than ridges"
+            raise InputError("rotation_deg", rule, max(turn, key=abs))
         return self
 
     @cached_property
@@ -81,17 +97,19 @@ class History(Table):
         """Return what the plate does at each of `times`."""
         at, points = self.times, self.time_s
         normal = np.interp(at, points, self.normal_force_N).tolist()
+        angles = np.radians(np.interp(at, points, self.rotation_deg or [0.0] * len(points))).tolist()
         if self.tangential_force_N is not None:
             pulls = np.interp(at, points, self.tangential_force_N).tolist()
-            return [Drive(n, tangential=t) for n, t in zip(normal, pulls, strict=True)]
+            return [Drive(n, tangential=t, angle=a) for n, t, a in zip(normal, pulls, angles, strict=True)]
         moves = np.interp(at, points, self.displacement_mm or []).tolist()
-        return [Drive(n, travel=s) for n, s in zip(normal, moves, strict=True)]
+        return [Drive(n, travel=s, angle=a) for n, s, a in zip(normal, moves, angles, strict=True)]
 
 
 class ScenePlate(Table):
     """The rigid plate."""
 
     shape: Literal["flat"] = Field(default="flat", description="flat; it keeps its angle")
+    mass: float | None = quantity("g", "of the plate; needs effects.inertia", gt=0.0, le=1e6, default=None)
 
 
 class Readout(Table):
@@ -100,6 +118,12 @@ class Readout(Table):
     ridges: list[int] = Field(default=[], description="whose films' stresses are told", max_length=999)
     bandwidth_Hz: float = quantity(  # noqa: N815
         "Hz", "of the signals, where they are down by 3 dB", gt=0.0, le=1e9, default=5000.0
+    )
+    steps: list[Annotated[int, Field(ge=0)]] = Field(
+        default=[], description="at which the deformed section is drawn with its stress", max_length=100
+    )
+    frames: int = Field(
+        default=0, description="of an animated picture of the section; 0: none", ge=0, le=MOST_FRAMES
     )
 
 
@@ -125,6 +149,16 @@ class Scene(Table):
         return {name: _parsed(name, table) for name, table in self.effects.items()}
 
     @cached_property
+    def terms(self) -> list[Term]:
+        """The terms among them."""
+        return [part for part in self.parts.values() if isinstance(part, Term)]
+
+    @cached_property
+    def asked(self) -> frozenset[str]:
+        """What the terms ask of the law."""
+        return frozenset[str]().union(*(term.asks for term in self.terms))
+
+    @cached_property
     def law(self) -> Law:
         """The one law."""
         laws = {name: part for name, part in self.parts.items() if isinstance(part, Law)}
@@ -148,16 +182,33 @@ class Scene(Table):
 def load_scene(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Scene:
     """Return the scene of a template's name or of a TOML file, `--set` texts applied, checked as a whole.
 
-    A skin's path counts from the scene's file. Raises InputError with key, rule, value and remedy.
+    Paths of a skin and in an effect's table count from the scene's file. Raises InputError with key, rule,
+    value and remedy.
     """
     data = overridden(read_table(source, "scenes"), overrides)
     skin = data.get("skin")
     beside = Path(source).parent / skin if isinstance(skin, str) and skin.endswith(".toml") else None
     if beside is not None and Path(source).suffix == ".toml":
         data["skin"] = str(beside)
+    if Path(source).suffix == ".toml":
+        data["effects"] = _beside(Path(source).parent, data.get("effects", {}))
     scene = parse(Scene, data)
     _check(scene)
     return scene
+
+
+def _beside(folder: Path, effects: Any) -> Any:
+    """Effects' tables, a TOML file that one names taken from `folder`."""
+    if not isinstance(effects, dict):
+        return effects
+
+    def placed(value: Any) -> Any:
+        return str(folder / value) if isinstance(value, str) and value.endswith(".toml") else value
+
+    return {
+        name: {key: placed(value) for key, value in table.items()} if isinstance(table, dict) else table
+        for name, table in effects.items()
+    }
 
 
 def _parsed(name: str, table: dict[str, Any]) -> Effect:
@@ -178,17 +229,67 @@ def _check(scene: Scene) -> None:
     """Raise InputError for what scene and skin together do not allow."""
     design = scene.design
     _ = scene.law
+    _check_law(scene)
+    _check_terms(scene)
     for name, part in scene.parts.items():
         try:
             part.check(design)
         except InputError as failure:
             key = f"effects.{name}" + (f".{failure.key}" if failure.key else "")
             raise InputError(key, failure.rule, failure.value, failure.remedy) from None
+        for needed in part.needs:
+            if needed not in scene.effects:
+                rule = f"needs the effect {needed}"
+                raise InputError(f"effects.{name}", rule, remedy=f"add [effects.{needed}]")
     if scene.readout.ridges and design.slot is None:
         rule = f"asks for films' stresses, and {design.name} has no slots"
         raise InputError("readout.ridges", rule, scene.readout.ridges, "take a skin with slots")
     for ridge in scene.readout.ridges:
         if not 1 <= ridge <= design.ridge.count:
             raise InputError("readout.ridges", f"must be from 1 to {design.ridge.count}", ridge)
+    beyond = [step for step in scene.readout.steps if step > scene.history.steps]
+    if beyond:
+        raise InputError("readout.steps", f"must be from 0 to {scene.history.steps}", beyond[0])
     if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
+
+
+def _check_terms(scene: Scene) -> None:
+    """Raise InputError for what terms ask and law or plate do not give."""
+    law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
+    for name, part in scene.parts.items():
+        if isinstance(part, Term) and part.asks - scene.law.gives:
+            raise InputError(
+                f"effects.{name}", f"is not known together with {law}", remedy=f"leave out {law}"
+            )
+    if MASS in scene.asked and scene.plate.mass is None:
+        raise InputError(
+            "plate.mass", "is missing", remedy="masses count here: say how heavy the plate is, g"
+        )
+    if MASS not in scene.asked and scene.plate.mass is not None:
+        rule, remedy = "means nothing where masses do not count", "add [effects.inertia]"
+        raise InputError("plate.mass", rule, scene.plate.mass, remedy)
+
+
+def _check_law(scene: Scene) -> None:
+    """Raise InputError for what only a quasi-static condensed pad knows, with a law or term that has none."""
+    law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
+    others = [] if scene.law.condenses else [law]
+    others += [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks]
+    asked = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
+    asked += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
+    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, Body)}
+    asked += [f"effects.{name}" for name, body in bodies.items() if body.condenses]
+    if others and asked:
+        rule = f"is not known together with {' and '.join(others)}"
+        raise InputError(asked[0], rule, remedy="leave one of them out")
+    for name, body in bodies.items():
+        if body.feels:
+            continue
+        if scene.readout.ridges:
+            rule = f"asks for films' stresses, and effects.{name} leaves them without"
+            raise InputError("readout.ridges", rule, scene.readout.ridges, "take readout.ridges = []")
+        for other, part in scene.parts.items():
+            if isinstance(part, Reader) and name in part.needs:
+                rule = f"reads films' stresses, and effects.{name} leaves them without"
+                raise InputError(f"effects.{other}", rule, remedy=f"leave out effects.{other}")

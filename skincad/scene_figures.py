@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from skincad.signals import Limited
+from skincad.circuit.low_pass import Limited
 from skincad.simulation import Simulation
 
 OPEN, STICK, SLIP = "#ffffff", "#b9cbe0", "#c1531f"
@@ -77,4 +77,4 @@ def _slip_map(axes: Axes, found: Simulation) -> None:
     axes.set_ylabel("ridge")
     names = ((OPEN, "clear"), (STICK, "sticks"), (SLIP, "slips"))
     handles = [Patch(facecolor=colour, edgecolor="#888", label=name) for colour, name in names]
-    axes.legend(handles=handles, loc="upper left", fontsize=8, ncols=3)
+    axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, ncols=3)

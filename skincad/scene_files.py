@@ -6,27 +6,63 @@ import csv
 import json
 from pathlib import Path
 
+from skincad.effects.kinds import Showing
+from skincad.moments import frames
 from skincad.outfolder import SCENE_MANIFEST, replaced
 from skincad.simulation import Simulation
 
-TABLE, PICTURE = "signals.csv", "signals.png"
+TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
+RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
 
 def write_scene(found: Simulation, folder: Path) -> list[str]:
     """Write a result into `folder`, whole or not at all; return the files' names."""
+    from skincad.recording_figures import recording, recording_picture
     from skincad.scene_figures import scene_picture
 
     with replaced(folder) as staging:
         write_table(found, staging / TABLE)
         scene_picture(found, staging / PICTURE)
-        result = {"files": [TABLE, PICTURE], **found.as_json()}
+        files = [TABLE, PICTURE, *_sections(found, staging)]
+        if seen := recording(found):
+            recording_picture(found, seen, staging / RECORDING)
+            files.append(RECORDING)
+        result = {"files": files, **found.as_json()}
         (staging / SCENE_MANIFEST).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
-    return [TABLE, PICTURE, SCENE_MANIFEST]
+    return [*files, SCENE_MANIFEST]
+
+
+def _sections(found: Simulation, folder: Path) -> list[str]:
+    """Draw the section at the steps asked for and reached, and animate it; return the files' names."""
+    march, scene = found.march, found.scene
+    if not scene.readout.steps and not scene.readout.frames:
+        return []
+    from skincad.section_figures import Moment, section_animation, section_picture
+
+    def moment(step: int) -> Moment:
+        assert isinstance(march.model, Showing)  # the scene was checked for it
+        reading = march.readings[step]
+        forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
+        title = f"{scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
+        return Moment(title, march.model.shown(march.states[step]))
+
+    names = []
+    for step in sorted({step for step in scene.readout.steps if step in march.states}):
+        names.append(f"section-{step:04d}.png")
+        section_picture(moment(step), folder / names[-1])
+    reached = [step for step in frames(scene) if step in march.states]
+    if reached:
+        names.append(ANIMATION)
+        section_animation([moment(step) for step in reached], folder / ANIMATION)
+    return names
 
 
 def write_table(found: Simulation, path: Path) -> None:
-    """Write the signals as CSV, a row a step, with units in the header; `raw` is before the low-pass."""
-    ridges = list(found.signals)
+    """Write the signals as CSV, a row a step, with units in the header; `raw` is before the low-pass.
+
+    What the readouts tell by ridge and step has its own columns.
+    """
+    ridges, more = list(found.signals), read_columns(found)
     names = [
         name
         for r in ridges
@@ -47,7 +83,7 @@ def write_table(found: Simulation, path: Path) -> None:
     ]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*head, *names, "slipping ridges [1]"])
+        writer.writerow([*head, *names, *more, "slipping ridges [1]"])
         for i, (time, reading) in enumerate(zip(found.march.time, found.march.readings, strict=True)):
             plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
             told = [
@@ -60,5 +96,17 @@ def write_table(found: Simulation, path: Path) -> None:
                     found.signals[r].jerk[i],
                 )
             ]
+            told += [column[i] for column in more.values()]
             slipping = " ".join(str(r + 1) for r in found.slipping[i].nonzero()[0])
             writer.writerow([i, *(f"{float(v):.9g}" for v in (*plate, *told)), slipping])
+
+
+def read_columns(found: Simulation) -> dict[str, list[float]]:
+    """Return what readouts tell as `<name>_<unit>` of ridge, of signal, a number a step, by its header."""
+    columns = {}
+    for key, ridges in found.read.items():
+        name, _, unit = key.rpartition("_")
+        for ridge, signals in ridges.items() if isinstance(ridges, dict) else ():
+            for signal, values in signals.items() if isinstance(signals, dict) else ():
+                columns[f"ridge {ridge} {signal} {name} [{unit}]"] = values
+    return columns

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
-from skincad.effects.kinds import Body, Readout, Term
+from skincad.circuit.low_pass import Limited, band_limited, delay
+from skincad.effects.kinds import Body, Readout, Watched
 from skincad.errors import InputError
 from skincad.march import INTERRUPTED, March, march
+from skincad.moments import collisions, kept_steps
 from skincad.omitted import MATTERS, Omitted, omitted
 from skincad.scene import Scene
 from skincad.signals import (
-    Limited,
-    band_limited,
-    delay,
     gross_slip_step,
     intervals,
     lasting_slip_step,
     slip_by_ridge,
+    unresolved,
 )
+from skincad.slip import report
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part
@@ -76,15 +79,31 @@ class Simulation:
         """Work of the plate, what is stored and dissipated, mJ, and what is missing, relative to the work."""
         normal, tangential = self.march.column("normal"), self.march.column("tangential")
         down, along = np.diff(self.march.column("approach")), np.diff(self.march.column("travel"))
-        pushed = (normal[1:] + normal[:-1]) / 2 @ down + (tangential[1:] + tangential[:-1]) / 2 @ along
+        by_forces = (normal[1:] + normal[:-1]) / 2 * down + (tangential[1:] + tangential[:-1]) / 2 * along
+        told = [reading.work for reading in self.march.readings[1:]]
+        pushed = sum(force if work is None else work for force, work in zip(by_forces, told, strict=True))
         stored = float(self.march.readings[-1].elastic)
         lost = float(self.march.column("dissipated").sum())
-        missing = abs(pushed - stored - lost) / max(abs(float(pushed)), stored, 1e-300)
+        kinetic = float(self.march.readings[-1].kinetic)
+        viscous = float(self.march.column("viscous").sum())
+        missing = abs(pushed - stored - kinetic - lost - viscous)
         return {
             "work_mJ": float(pushed),
             "elastic_mJ": stored,
+            "kinetic_mJ": kinetic,
             "dissipated_mJ": lost,
-            "imbalance": float(missing),
+            "viscous_mJ": viscous,
+            "imbalance": float(missing) / max(abs(float(pushed)), stored, 1e-300),
+        }
+
+    @property
+    def lead(self) -> dict[int, float | None]:
+        """By how many ms a told ridge's lasting slip comes before gross slip; None without one of them."""
+        at, gross = 1e3 * self.march.time, self.gross_slip_step
+        steps = {ridge: self.slip_steps[ridge - 1] for ridge in self.scene.readout.ridges}
+        return {
+            ridge: None if gross is None or step is None else float(at[gross] - at[step])
+            for ridge, step in steps.items()
         }
 
     def as_json(self) -> dict[str, Any]:
@@ -106,6 +125,7 @@ class Simulation:
             "ridge_slip_intervals": self.runs,
             "ridge_slip_step": self.slip_steps,
             "gross_slip_step": self.gross_slip_step,
+            "slip_lead_ms": {str(ridge): lead for ridge, lead in self.lead.items()},
             "differential_stress_MPa": told(lambda s: s.value),
             "stress_rate_MPa_per_s": told(lambda s: s.rate),
             "stress_jerk_MPa_per_s2": told(lambda s: s.jerk),
@@ -132,6 +152,9 @@ def simulate(
 ) -> Simulation:
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
+    `seconds` are by stage; `effect <name>` are those that an effect's own code took, beside what it makes
+    others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
+
     The error is the change from the mesh before; `budget` s ends the climb before a mesh that would overrun
     it. `tick` is told stage and step. A march that stops early is a result: its `march.stopped` says why.
     """
@@ -140,13 +163,14 @@ def simulate(
     if budget is not None and not budget > 0:
         raise InputError("--budget", "must be above 0 s", budget)
     wanted, began = tol or DEFAULT_TOLERANCE, perf_counter()
-    part, films = _part(scene), bool(scene.readout.ridges)
     seconds: dict[str, float] = {}
+    part, films = _part(scene, seconds), bool(scene.readout.ridges)
     before: March | None = None
     error: dict[int, float] | None = None
     reached, met = np.inf, False
+    meshes: dict[float, object] = {}
     for i, level in enumerate(LEVELS):
-        found = _march(scene, part, level, films, seconds, tick)
+        found = _march(scene, part, level, films, meshes, seconds, tick)
         if found.interrupted and before is not None:
             found = replace(before, stopped=INTERRUPTED)  # the whole march before says more than a part
             break
@@ -161,16 +185,32 @@ def simulate(
             break
         if not films and i >= 1:
             break
-    seconds = {"total": perf_counter() - began, **seconds}
-    short = (
-        [f"the differential stress is within {reached:.1e} of its largest: {wanted:.1e} is not met"]
-        if films and not met
-        else []
-    )
-    return _told(scene, part, found, error, seconds, short)
+    short = []
+    if films and not met:
+        how = "of unknown error" if error is None else f"within {reached:.1e} of its largest"
+        short = [f"the differential stress is {how}: {wanted:.1e} is not met"]
+    told = _told(scene, part, found, error, seconds, short)
+    return replace(told, seconds={"total": perf_counter() - began, **seconds})
 
 
-def _part(scene: Scene) -> Part:
+def at_level(scene: Scene, level: Level, tick: Callable[[str, int], None] | None = None) -> Simulation:
+    """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
+    began, seconds = perf_counter(), dict[str, float]()
+    part, films = _part(scene, seconds), bool(scene.readout.ridges)
+    found = _march(scene, part, level, films, {}, seconds, tick)
+    told = _told(scene, part, found, None, seconds, [])
+    return replace(told, seconds={"total": perf_counter() - began, **seconds})
+
+
+@contextmanager
+def _spent(seconds: dict[str, float], name: str) -> Iterator[None]:
+    """Count the block's seconds for an effect's own work."""
+    began, key = perf_counter(), f"effect {name}"
+    yield
+    seconds[key] = seconds.get(key, 0.0) + perf_counter() - began
+
+
+def _part(scene: Scene, seconds: dict[str, float]) -> Part:
     """What is to be meshed: slots full of silicone, each body of the scene changing that."""
     from skincad.mechanics.film.stick import part_of
     from skincad.mechanics.film.stress import filled_pad
@@ -179,11 +219,12 @@ def _part(scene: Scene) -> Part:
     design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
     plain = design.with_(contact={"film": "ignored"}) if design.slot else design.with_(contact={"film": None})
     pad, thickness = filled_pad(plain) if design.slot else (pad_of(plain), 0.0)
-    for body in scene.parts.values():
+    for name, body in scene.parts.items():
         if isinstance(body, Body):
-            pad = body.changed(pad, design)
+            with _spent(seconds, name):
+                pad = body.changed(pad, design)
     check_pad(pad)
-    return part_of(pad, thickness)
+    return part_of(pad, thickness, halved=scene.law.halves)
 
 
 def _march(
@@ -191,6 +232,7 @@ def _march(
     part: Part,
     level: Level,
     films: bool,
+    meshes: dict[float, object],
     seconds: dict[str, float],
     tick: Callable[[str, int], None] | None,
 ) -> March:
@@ -201,16 +243,19 @@ def _march(
     if tick:
         tick(stage, 0)
     marks = [perf_counter()]
-    sizes = RUNGS[0].sizes(part) if part.pad.strips else default_sizes(part.pad, level.fineness)
-    if part.pad.strips and level.fineness > RUNGS[0].fineness:
-        sizes = RUNGS[1].sizes(part)
-    mesh = triangles(part.pad, sizes)
+    if level.fineness not in meshes:
+        fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
+        sizes = fine.sizes(part) if part.pad.strips else default_sizes(part.pad, level.fineness)
+        meshes[level.fineness] = triangles(part.pad, sizes)
+    mesh = meshes[level.fineness]
     marks.append(perf_counter())
-    model = scene.law.model(part, mesh, level.order, films)
+    model = scene.law.model(part, mesh, level.order, films, scene.terms)
     marks.append(perf_counter())
-    terms = [effect for effect in scene.parts.values() if isinstance(effect, Term)]
-    history = scene.history
-    found = march(model, history.times, history.drives(), terms, (lambda i: tick(stage, i)) if tick else None)
+    history, mass = scene.history, scene.plate.mass or 0.0
+    told = (lambda i: tick(stage, i)) if tick else None
+    # more BLAS threads only wait for each other; to ask for one at each step takes longer than the step
+    with threadpool_limits(limits=1, user_api="blas"):
+        found = march(model, history.times, history.drives(), scene.terms, told, kept_steps(scene), mass)
     for name, spent in zip(("mesh", "condense", "march"), [*np.diff(marks), found.seconds], strict=True):
         seconds[name] = seconds.get(name, 0.0) + float(spent)
     return found
@@ -250,10 +295,20 @@ def _told(
     left_out = omitted(scene, found)
     if raw and "film" not in scene.effects:
         notes = [*notes, "film is not named: this is the silicone's stress in the films' place"]
+    notes = [*notes, *unresolved(found.time, width)] if raw else notes
+    notes = [*notes, *collisions(found)]
+    notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     read: dict[str, Any] = {}
-    for effect in scene.parts.values():
+    watched = Watched(scene.design, tuple(scene.readout.ridges), width)
+    for name, effect in scene.parts.items():
         if isinstance(effect, Readout):
-            read |= effect.read(found.time, found.readings)
+            with _spent(seconds, name):
+                told = dict(effect.read(watched, found.time, found.readings))
+            notes = [*notes, *told.pop("warnings", ())]
+            read |= told
+    if "output_V" in read:
+        felt = report(found.time, read["output_V"], read["output_noise_V_rms"], width, runs, gross)
+        read |= felt
     return Simulation(
         scene,
         found,

@@ -110,15 +110,19 @@ def scene_lines(found: Simulation) -> list[str]:
     first = [f"{r}: {step}" for r, step in enumerate(found.slip_steps, 1) if step is not None]
     lines = [f"{found.scene.name}: {end}."]
     lines += [f"  slips for good ridge and its step: {'  '.join(first) or 'none'}"]
-    for ridge in found.signals:
-        step = found.slip_steps[ridge - 1]
-        if step is not None and found.gross_slip_step is not None:
-            lead = float(march.time[found.gross_slip_step] - march.time[step])
-            lines.append(f"  lead           ridge {ridge} slips {1e3 * lead:.3g} ms before all do")
+    leads = {ridge: lead for ridge, lead in found.lead.items() if lead is not None}
+    lines += [f"  lead           ridge {r} slips {lead:.3g} ms before all do" for r, lead in leads.items()]
     lines += [
         f"  error          {error:.1g} MPa of ridge {ridge}'s differential stress, of mesh"
         for ridge, error in (found.error or {}).items()
     ]
+    lines += [
+        f"  felt           {ridge_name(event['ridge'] or 'all')}: {event['kind']} at step {event['step']}"
+        for event in found.read.get("events", ())
+    ]
+    for ridge, ahead in found.read.get("lead_time_s", {}).items():
+        if ahead is not None:
+            lines.append(f"  warned         {1e3 * ahead:.3g} ms before gross slip by {ridge_name(ridge)}")
     energy = found.energy
     return [
         *lines,
@@ -127,6 +131,11 @@ def scene_lines(found: Simulation) -> list[str]:
         f"  model          {march.unknowns} unknowns, {found.seconds['total']:.2f} s",
         *(f"  note           {warning}" for warning in found.warnings),
     ]
+
+
+def ridge_name(ridge: int | str) -> str:
+    """Return a told ridge's name, or what all of them are called."""
+    return "all told ridges" if ridge == "all" else f"ridge {ridge}"
 
 
 def make_lines(result: MakeResult) -> list[str]:

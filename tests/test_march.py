@@ -76,7 +76,7 @@ class Softer(Law):
 
     factor: float = quantity("1", "of the compliance", gt=0.0)
 
-    def model(self, part: Any, mesh: Any, order: int, films: bool) -> Condensed:
+    def model(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> Condensed:  # noqa: ARG002
         from dataclasses import replace
 
         from skincad.mechanics.sliding import sliding
@@ -101,7 +101,7 @@ class Thicker(Body):
 class Telling(Readout):
     """A readout with a key of its own."""
 
-    def read(self, time: Any, readings: Any) -> dict[str, Any]:  # noqa: ARG002
+    def read(self, watched: Any, time: Any, readings: Any) -> dict[str, Any]:  # noqa: ARG002
         return {"largest_force_N": max(r.normal for r in readings)}
 
 

@@ -52,8 +52,23 @@ BAD = {
     "history.normal_force_N=[0.0, 4.0, 4.0, 4.0, 4.0, -1.0, 4.0]": "history.normal_force_N: must not pull",
     "history.normal_force_N=[0.0, 4.0]": "history.normal_force_N: needs 7 values, as time_s has, got 2",
     "history.normal_force_N=[1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0]": "normal_force_N: must begin unloaded",
+    "history.rotation_deg=[0.0, 1.0]": "history.rotation_deg: needs 7 values, as time_s has, got 2",
+    "history.rotation_deg=[1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]": "history.rotation_deg: must begin at 0",
+    "history.rotation_deg=[0.0, 6.0, 1.0, 1.0, 1.0, 1.0, 1.0]": "history.rotation_deg: must be from -5 to 5",
+    "history.tangential_force_N=[0.0, nan, 3.4, 3.4, 2.6, 3.2, 4.0]": "tangential_force_N.1: must be a fini",
+    "readout.steps=[551]": "readout.steps: must be from 0 to 550, got 551",
+    "readout.steps=[-1]": "readout.steps.0: must be greater than or equal to 0",
+    "readout.frames=61": "readout.frames: must be less than or equal to 60, got 61",
+    "effects.film.bond=glued": "effects.film.bond: must be 'bonded' or 'loose', got 'glued'",
+    "effects.film.bond=loose": "readout.ridges: asks for films' stresses, and effects.film leaves them with",
     "history.tangential_force_N=none": "history: needs either tangential_force_N or displacement_mm",
     "plate.shape=cylinder": "plate.shape: must be 'flat'",
+    "plate.mass=1.0": "plate.mass: means nothing where masses do not count, got 1; add [effects.inertia]",
+    "effects.inertia={}": "plate.mass: is missing; masses count here: say how heavy the plate is, g",
+    "effects.inertia.spectral_radius=1.5": "effects.inertia.spectral_radius: must be less than or equal to 1",
+    "effects.viscosity.prony=[[0.5]]": "effects.viscosity.prony.0",
+    "effects.viscosity.prony=[[0.5, 0.0]]": "effects.viscosity.prony: needs a modulus and a time above 0",
+    "effects.viscosity.retardation_time=0.0": "effects.viscosity.retardation_time: must be above 0 where",
     "readout.ridges=[10]": "readout.ridges: must be from 1 to 9, got 10",
     "readout.ridges=[3, 3]": "readout.ridges: names a ridge twice",
     "readout.bandwidth_Hz=0.0": "readout.bandwidth_Hz: must be greater than 0 (Hz), got 0",
@@ -73,6 +88,26 @@ def test_films_signals_need_slots() -> None:
         InputError, match=r"readout.ridges: asks for films' stresses, and plain-ridges has no"
     ):
         load_scene(SLIP, ["skin=plain-ridges", "effects.film=none"])
+
+
+@pytest.mark.parametrize(
+    ("more", "key"),
+    [
+        ("history.rotation_deg=[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]", "history.rotation_deg"),
+        ("readout.steps=[3]", "readout.steps"),
+        ("effects.free_ends={}", "effects.free_ends"),
+    ],
+)
+@pytest.mark.parametrize("other", ["finite_strain={}", "viscosity.retardation_time=1e-4"])
+def test_what_a_condensed_pad_alone_knows_is_refused_with_others(more: str, key: str, other: str) -> None:
+    name = "viscosity" if "viscosity" in other else "finite_strain"
+    with pytest.raises(InputError, match=f"{key}: is not known together with .*{name}"):
+        load_scene(SLIP, [more, f"effects.{other}"])
+
+
+def test_a_circuit_needs_films() -> None:
+    with pytest.raises(InputError, match=r"effects.piezo: needs the effect film"):
+        load_scene(SLIP, ["effects.piezo.circuit=yamada-2002", "effects.film=none"])
 
 
 def test_a_skins_path_counts_from_the_scene(tmp_path: Path) -> None:

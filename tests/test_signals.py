@@ -7,10 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from skincad.circuit.low_pass import band_limited, corner, delay
 from skincad.signals import (
-    band_limited,
-    corner,
-    delay,
     gross_slip_step,
     intervals,
     lasting_slip_step,

@@ -16,7 +16,7 @@ from skincad.circuit.closed_form import exact_response
 from skincad.circuit.network import Constants, Real, checked_frequencies, decibels
 from skincad.errors import InputError, RefusedError
 
-FITTED = tuple(field.name for field in fields(Constants) if field.name != "d33")
+FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", "feedback_capacitance"))
 PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2
 PAPER_LOW, PAPER_HIGH = 10.0, 8000.0  # Hz; paper's sweep up to before its drop at 9 kHz
 

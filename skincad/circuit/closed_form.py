@@ -16,6 +16,7 @@ from skincad.circuit.network import (
     Real,
     angular,
     decibels,
+    feedback_impedance,
     motional_impedance,
 )
 
@@ -39,7 +40,7 @@ def _terms(c: Constants, frequency: Real) -> _Terms:
     # 1 - A2, in the same way
     leak = (rest + ymot * c.series_resistance) / (rest + ymot * (c.series_resistance + ropi))
     a3 = 1 / (1 + jw * copi * ropi * leak)  # (12)
-    behind = c.feedback_resistance + c.output_resistance
+    behind = feedback_impedance(c, jw) + c.output_resistance
     a4 = jw * copi / (jw * copi * ropi * leak * a3 + jw * copi * behind)  # (13), 1 - A3 written out
     return _Terms(jw, a2, a3, a4)
 
@@ -54,16 +55,16 @@ def exact_response(c: Constants, frequency: Real) -> Complex:
     """Return vout / lo `(n,)` V/N by the two node equations that (4) to (9) reduce to, no term left out."""
     jw = angular(frequency)
     film = jw * c.capacitance + 1 / motional_impedance(c, jw)  # S, at the film
-    behind = c.feedback_resistance + c.output_resistance
+    behind = feedback_impedance(c, jw) + c.output_resistance
     node = jw * c.input_capacitance + 1 / c.input_resistance + (1 + c.gain) / behind  # S, at the input
     vd = jw * c.d33 / (film + node + film * node * c.series_resistance)
-    return np.asarray(vd * output_factor(c))
+    return np.asarray(vd * output_factor(c, jw))
 
 
-def output_factor(c: Constants) -> float:
-    """Return vout / vd: (9) with i4 = (1 + A) vd / (R3 + R4 + Ropo), the sum of (6) and (7)."""
-    behind = c.feedback_resistance + c.output_resistance
-    return (c.gain * c.feedback_resistance - c.output_resistance) / behind
+def output_factor(c: Constants, jw: Complex) -> Complex:
+    """Return vout / vd `(n,)`: (9) with i4 = (1 + A) vd / (R3 + R4 + Ropo), the sum of (6) and (7)."""
+    back = feedback_impedance(c, jw)
+    return np.asarray((c.gain * back - c.output_resistance) / (back + c.output_resistance))
 
 
 def departure(c: Constants, frequency: Real) -> Real:

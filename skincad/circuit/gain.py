@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
+from skincad.circuit.closed_form import exact_response
 from skincad.circuit.model import Circuit, Indenter, constants
-from skincad.circuit.network import Complex, Constants, Real, decibels, response
+from skincad.circuit.network import Complex, Constants, Real, decibels
 from skincad.circuit.resample import PASS
 from skincad.circuit.slopes import Slopes, fit_slopes
 from skincad.errors import InputError
@@ -76,13 +77,18 @@ def circuit_gain(
     """
     watch, sweep = Stopwatch(progress), circuit.sweep
     given = None
+    if measured is not None and circuit.amplifier.feedback_capacitance:
+        rule = "must be 0 F where constants are calibrated to a measured curve"
+        value = circuit.amplifier.feedback_capacitance
+        raise InputError("amplifier.feedback_capacitance", rule, value, "take the paper's network")
     if measured is not None:
         with watch.stage("calibrating"):
             given = _measured(circuit, measured)
     c = given.calibration.constants if given else constants(circuit)
     with watch.stage("sweeping"):
         frequency = np.geomspace(sweep.low, sweep.high, sweep.points)
-        ratio = response(c, frequency)
+        with np.errstate(all="ignore"):  # constants so far apart that they overflow are refused below
+            ratio = exact_response(c, frequency)  # the 4x4 system loses all digits where A is near Ropo / Rf
         if circuit.indenter:
             ratio = ratio * indenter_response(circuit.indenter, frequency)
         if not (np.isfinite(ratio).all() and np.abs(ratio).min() > 0):

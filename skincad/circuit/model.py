@@ -61,6 +61,9 @@ class Amplifier(Table):
     feedback_resistance: float = quantity("ohm", "R3 + R4, from output to input", gt=0.0, le=1e13)
     output_resistance: float = quantity("ohm", "Ropo, of the output", gt=0.0, le=1e9)
     gain: float = quantity("1", "A, of the open loop", gt=0.0, le=1e12)
+    feedback_capacitance: float = quantity(
+        "F", "beside R3 + R4, of a charge amplifier; 0: none", ge=0.0, le=1e-3, default=0.0
+    )
 
 
 class Noise(Table):
@@ -164,6 +167,7 @@ def constants(circuit: Circuit) -> Constants:
         feedback_resistance=amplifier.feedback_resistance,
         output_resistance=amplifier.output_resistance,
         gain=amplifier.gain,
+        feedback_capacitance=amplifier.feedback_capacitance,
     )
 
 

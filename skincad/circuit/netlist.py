@@ -36,6 +36,7 @@ def element_lines(c: Constants) -> list[str]:
         f"Ropi in 0 {c.input_resistance!r}",
         f"Copi in 0 {c.input_capacitance!r}",
         f"R34 in out {c.feedback_resistance!r}",
+        *([f"C34 in out {c.feedback_capacitance!r}"] if c.feedback_capacitance else []),
         f"Ropo amp out {c.output_resistance!r}",
         f"Eamp amp 0 in 0 {-c.gain!r}",
         "Evout vout 0 out 0 -1",

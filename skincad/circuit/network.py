@@ -1,7 +1,8 @@
 """The paper's equivalent circuit: loop equations (2) to (9) as one linear system at each frequency.
 
 The film is a current source beside its static capacitance and a series R-L-C (motional) branch. It feeds an
-inverting amplifier through R1 + R2; R3 + R4 lead back from the output.
+inverting amplifier through R1 + R2; R3 + R4 lead back from the output. Beyond the paper a capacitor may lie
+beside R3 + R4: a charge amplifier, whose output follows the stress itself.
 Source: Yamada et al. 2002, equations (1) to (9) and Figs 5 and 6. Everything in SI.
 """
 
@@ -23,7 +24,8 @@ Complex = NDArray[np.complex128]
 class Constants:
     """The constants of the network, each finite and above 0; `d33` may have either sign, not 0.
 
-    `capacitance` is the paper's Cpvd with the cable's in parallel. Raises InputError for any other value.
+    `capacitance` is the paper's Cpvd with the cable's in parallel; `feedback_capacitance` may be 0:
+    none. Raises InputError for any other value.
     """
 
     d33: float  # C/N
@@ -37,6 +39,7 @@ class Constants:
     feedback_resistance: float  # ohm, R3 + R4
     output_resistance: float  # ohm, Ropo
     gain: float  # A
+    feedback_capacitance: float = 0.0  # F, beside R3 + R4; none in the paper
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -45,7 +48,9 @@ class Constants:
                 raise InputError(field.name, "must be a finite number", value)
             if field.name == "d33" and value == 0:
                 raise InputError(field.name, "must not be 0", value)
-            if field.name != "d33" and value <= 0:
+            if field.name == "feedback_capacitance" and value < 0:
+                raise InputError(field.name, "must not be below 0", value)
+            if field.name not in ("d33", "feedback_capacitance") and value <= 0:
                 raise InputError(field.name, "must be above 0", value)
 
     def as_json(self) -> dict[str, float]:
@@ -66,6 +71,7 @@ _SUFFIX = {
     "feedback_resistance": _OHM,
     "output_resistance": _OHM,
     "gain": "",
+    "feedback_capacitance": _FARAD,
 }
 
 
@@ -99,7 +105,7 @@ def response(c: Constants, frequency: Real) -> Complex:
     matrix[:, 2, 1], matrix[:, 2, 3] = shunt, -shunt  # (6)
     matrix[:, 2, 2] = -1.0 - shunt / c.input_resistance
     matrix[:, 3, 1], matrix[:, 3, 2] = -shunt, shunt / c.input_resistance - c.gain  # (7)
-    matrix[:, 3, 3] = shunt + c.feedback_resistance + c.output_resistance
+    matrix[:, 3, 3] = shunt + feedback_impedance(c, jw) + c.output_resistance
     source = np.zeros((jw.size, 4, 1), complex)
     source[:, 0, 0] = film * jw * c.d33  # (2), (3): ipv = jw d33 lo
     current = np.linalg.solve(matrix, source)[:, :, 0]
@@ -109,6 +115,11 @@ def response(c: Constants, frequency: Real) -> Complex:
 def motional_impedance(c: Constants, jw: Complex) -> Complex:
     """Return 1 / Ymot, ohm, at jw in rad/s."""
     return np.asarray(c.motional_resistance + jw * c.motional_inductance + 1 / (jw * c.motional_capacitance))
+
+
+def feedback_impedance(c: Constants, jw: Complex) -> Complex:
+    """Return that of R3 + R4 with the capacitor beside them, ohm, at jw in rad/s."""
+    return np.asarray(c.feedback_resistance / (1 + jw * c.feedback_capacitance * c.feedback_resistance))
 
 
 def decibels(ratio: Complex) -> Real:

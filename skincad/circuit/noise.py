@@ -14,7 +14,7 @@ import numpy as np
 from scipy.constants import Boltzmann
 
 from skincad.circuit.closed_form import output_factor
-from skincad.circuit.network import Constants, Real, angular, motional_impedance
+from skincad.circuit.network import Constants, Real, angular, feedback_impedance, motional_impedance
 from skincad.errors import InputError
 
 
@@ -33,17 +33,18 @@ def noise_density(c: Constants, n: NoiseSources, frequency: Real) -> dict[str, R
     """Return the one-sided power density at the output by source, `(n,)` V2/Hz each, at `(n,)` Hz."""
     jw = angular(frequency)
     motional, r12 = motional_impedance(c, jw), c.series_resistance
-    behind = c.feedback_resistance + c.output_resistance
+    feedback = feedback_impedance(c, jw)
+    behind = feedback + c.output_resistance
     film = jw * c.capacitance + 1 / motional
     node = jw * c.input_capacitance + 1 / c.input_resistance + (1 + c.gain) / behind
     # vd by 1 A into the film's node, into the input node, and by 1 V in series with R1 + R2
     below = film + node + film * node * r12
     from_film, from_input, from_series = 1 / below, (1 + film * r12) / below, film / below
     thermal = 4 * Boltzmann * n.temperature
-    factor = output_factor(c)
+    factor = output_factor(c, jw)
     # the amplifier's own voltage e: i4 = (vn + A (vn + e)) / behind, vout = A (vn + e) - Ropo i4
-    direct = c.gain * c.feedback_resistance / behind
-    # a voltage e in series with R3 (or Ropo): i4 = ((1 + A) vn + e) / behind; with Ropo it also is in vout
+    direct = c.gain * feedback / behind
+    # a voltage e in series with feedback (or Ropo): i4 = ((1 + A) vn + e) / behind; with Ropo also in vout
     back = -from_input / behind
     loss = thermal * 2 * np.pi * frequency * n.film_capacitance * n.loss_tangent
     size = {
@@ -53,10 +54,8 @@ def noise_density(c: Constants, n: NoiseSources, frequency: Real) -> dict[str, R
         "input resistance": thermal / c.input_resistance * np.abs(factor * from_input) ** 2,
         "feedback resistance": thermal
         * c.feedback_resistance
-        * np.abs(factor * back - c.output_resistance / behind) ** 2,
-        "output resistance": thermal
-        * c.output_resistance
-        * np.abs(factor * back + c.feedback_resistance / behind) ** 2,
+        * np.abs(feedback / c.feedback_resistance * (factor * back - c.output_resistance / behind)) ** 2,
+        "output resistance": thermal * c.output_resistance * np.abs(factor * back + feedback / behind) ** 2,
         "amplifier voltage": n.voltage_density**2 * np.abs(direct + c.gain * factor * back) ** 2,
         "amplifier current": n.current_density**2 * np.abs(factor * from_input) ** 2,
     }
@@ -77,7 +76,9 @@ def noise_rms(c: Constants, n: NoiseSources, low: float, high: float) -> float:
     return math.sqrt(float(np.trapezoid(total_density(c, n, frequency), frequency)))
 
 
-def noise_samples(c: Constants, n: NoiseSources, rate: float, count: int, seed: int) -> Real:
+def noise_samples(
+    c: Constants, n: NoiseSources, rate: float, count: int, seed: int | tuple[int, ...]
+) -> Real:
     """Return noise at the output, `(count,)` V at `rate` Hz, normal, with the density up to rate / 2.
 
     Periodic over `count`, without a mean; the same seed gives the same noise.

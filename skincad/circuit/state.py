@@ -1,19 +1,20 @@
 """The network in time: state equations, their exact step for piecewise linear charge, and the output.
 
 States: the film's voltage less its charge's share, the motional current and capacitor voltage, the input
-node's voltage. The film's charge is the input, so that no derivative is taken. Exact first-order hold by
-the matrix exponential (Van Loan 1978): stable at any step for any passive network, however stiff.
+node's voltage, and with a feedback capacitor its voltage. The film's charge is the input, so that no
+derivative is taken. Exact first-order hold by the matrix exponential (Van Loan 1978): stable at any step for
+any passive network, however stiff.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import schur
 from scipy.signal import lfilter
 
-from skincad.circuit.closed_form import output_factor
 from skincad.circuit.exponential import exponential
 from skincad.circuit.network import Complex, Constants, Real
 from skincad.errors import InputError, RefusedError
@@ -23,7 +24,8 @@ ROUNDING = 1e-12  # of a step's largest factor above 1
 
 @dataclass(frozen=True)
 class StateSpace:
-    """x' = a x + b q, vout = c x: a `(4, 4)` 1/s, b and c `(4,)`; q the charge in C, vout in V."""
+    """x' = a x + b q, vout = c x: a `(n, n)` 1/s, b and c `(n,)`; q the charge in C, vout in V. n is 4, or 5
+    with a feedback capacitor."""
 
     a: Real
     b: Real
@@ -35,18 +37,17 @@ class Stepper:
     """One exact step in a triangular basis: z+ = step z + now q + then q+; vout = Re(out z)."""
 
     rate: float  # Hz
-    step: Complex  # (4, 4), upper triangular
-    now: Complex  # (4,)
-    then: Complex  # (4,)
-    out: Complex  # (4,)
-    rest: Complex  # (4,), the state at rest under a charge of 1 C
+    step: Complex  # (n, n), upper triangular
+    now: Complex  # (n,)
+    then: Complex  # (n,)
+    out: Complex  # (n,)
+    rest: Complex  # (n,), the state at rest under a charge of 1 C
 
 
 def state_space(c: Constants) -> StateSpace:
     """Return the network's state equations."""
     cp, co, r12 = c.capacitance, c.input_capacitance, c.series_resistance
-    leak = 1 / c.input_resistance + (1 + c.gain) / (c.feedback_resistance + c.output_resistance)
-    lm = c.motional_inductance
+    leak, lm = _leak(c), c.motional_inductance
     a = np.array(
         [
             [-1 / (r12 * cp), -1 / cp, 0.0, 1 / (r12 * cp)],
@@ -56,7 +57,22 @@ def state_space(c: Constants) -> StateSpace:
         ]
     )
     b = np.array([-1 / (r12 * cp), 1 / lm, 0.0, 1 / (r12 * co)]) / cp
-    return StateSpace(a, b, np.array([0.0, 0.0, 0.0, output_factor(c)]))
+    if not c.feedback_capacitance:
+        behind = c.feedback_resistance + c.output_resistance
+        factor = (c.gain * c.feedback_resistance - c.output_resistance) / behind  # vout / vd of (9)
+        return StateSpace(a, b, np.array([0.0, 0.0, 0.0, factor]))
+    # the feedback's current is ((1 + A) vd - vf) / Ropo; vout = vf - vd
+    cf, ro = c.feedback_capacitance, c.output_resistance
+    a = np.pad(a, (0, 1))
+    a[3, 4] = 1 / (ro * co)
+    a[4, 3], a[4, 4] = (1 + c.gain) / (ro * cf), -(1 / ro + 1 / c.feedback_resistance) / cf
+    return StateSpace(a, np.append(b, 0.0), np.array([0.0, 0.0, 0.0, -1.0, 1.0]))
+
+
+def _leak(c: Constants) -> float:
+    """The input node's conductance by its own resistance and the amplifier's feedback, S."""
+    back = c.output_resistance + (0.0 if c.feedback_capacitance else c.feedback_resistance)
+    return 1 / c.input_resistance + (1 + c.gain) / back
 
 
 def stepper(c: Constants, rate: float) -> Stepper:
@@ -67,7 +83,7 @@ def stepper(c: Constants, rate: float) -> Stepper:
     """
     if not (np.isfinite(rate) and rate > 0):
         raise InputError("rate", "must be above 0 Hz and finite", rate)
-    system, size = state_space(c), _sizes(c)
+    system, size = state_space(c), sizes(c)
     order = size.size
     whole = np.zeros((order + 2, order + 2))
     with np.errstate(over="ignore"):  # the exponential refuses what is not finite
@@ -79,7 +95,8 @@ def stepper(c: Constants, rate: float) -> Stepper:
     if not np.abs(np.diag(triangle)).max() <= 1.0 + ROUNDING:
         raise RefusedError(f"the network's step at {rate:g} Hz grows: its constants are too far apart")
     back, slope = basis.conj().T, powers[:order, order + 1]
-    rest = np.array([-1 / c.capacitance, 0.0, 0.0, 0.0])  # no voltage: the state takes the charge's off
+    rest = np.zeros(order)
+    rest[0] = -1 / c.capacitance  # no voltage: the state takes the charge's off
     return Stepper(
         rate,
         triangle,
@@ -90,15 +107,15 @@ def stepper(c: Constants, rate: float) -> Stepper:
     )
 
 
-def _sizes(c: Constants) -> Real:
+def sizes(c: Constants) -> Real:
     """The states' units, so that all are of one size: those of equal energy, and of the input its share.
 
     In these the lossless part of the network only turns the state, and rounding stays relative.
     """
-    leak = 1 / c.input_resistance + (1 + c.gain) / (c.feedback_resistance + c.output_resistance)
     current = np.sqrt(c.capacitance / c.motional_inductance)
     voltage = np.sqrt(c.capacitance / c.motional_capacitance)
-    return np.array([1.0, current, voltage, 1 / (1 + c.series_resistance * leak)])
+    sizes = [1.0, current, voltage, 1 / (1 + c.series_resistance * _leak(c))]
+    return np.array([*sizes, *([np.sqrt(c.capacitance / cf)] if (cf := c.feedback_capacitance) else [])])
 
 
 def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, Complex]:
@@ -106,21 +123,29 @@ def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, C
 
     Without a state the network has been at rest under the first charge for ever: vout starts at 0. With one
     the charge begins with the last sample of the piece before, whose output is repeated. Charge runs straight
-    between samples, so that an output that follows its rate comes half a sample late. A triangular step is
-    four scalar recursions, the last state first.
+    between samples, so that an output that follows its rate comes half a sample late.
     """
     charge = _checked(charge)
     if state is None:
         state = s.rest * charge[0]
-    found = np.empty((s.now.size, charge.size), complex)
-    for k in range(s.now.size - 1, -1, -1):
-        forcing = s.now[k] * charge[:-1] + s.then[k] * charge[1:]
-        for j in range(k + 1, s.now.size):
-            forcing = forcing + s.step[k, j] * found[j, :-1]
-        found[k, 0] = state[k]
-        pole = s.step[k, k]
-        found[k, 1:] = lfilter([1.0], [1.0, -pole], forcing, zi=[pole * state[k]])[0]
+    found = recursion(s.step, lambda k: s.now[k] * charge[:-1] + s.then[k] * charge[1:], state, charge.size)
     return np.asarray((s.out @ found).real), found[:, -1].copy()
+
+
+def recursion(step: Complex, forced: Callable[[int], Complex], state: Complex, count: int) -> Complex:
+    """Return z `(n, count)` of z+ = step z + forcing from `state` `(n,)`; `forced` gives a row's.
+
+    A triangular step is n scalar recursions, the last state first.
+    """
+    found = np.empty((state.size, count), complex)
+    for k in range(state.size - 1, -1, -1):
+        forcing = forced(k)
+        for j in range(k + 1, state.size):
+            forcing = forcing + step[k, j] * found[j, :-1]
+        found[k, 0] = state[k]
+        pole = step[k, k]
+        found[k, 1:] = lfilter([1.0], [1.0, -pole], forcing, zi=[pole * state[k]])[0]
+    return found
 
 
 def output(c: Constants, charge: Real, rate: float) -> Real:

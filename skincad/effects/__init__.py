@@ -12,8 +12,13 @@ if TYPE_CHECKING:
 
 EFFECTS = {
     "film": "skincad.effects.film:Film",
+    "finite_strain": "skincad.effects.finite_strain:FiniteStrain",
+    "free_ends": "skincad.effects.free_ends:FreeEnds",
     "friction": "skincad.effects.friction:Friction",
+    "inertia": "skincad.effects.inertia:Inertia",
+    "piezo": "skincad.effects.piezo:Piezo",
     "small_strain": "skincad.effects.small_strain:SmallStrain",
+    "viscosity": "skincad.effects.viscosity:Viscosity",
 }
 
 

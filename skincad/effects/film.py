@@ -1,12 +1,15 @@
-"""The PVDF strips as thin stiff solids bonded in their slots, along their real, straight or tilted, lines.
+"""The PVDF strips in their slots, along their real, straight or tilted, lines: bonded, or loose.
 
-Range: small strain, isotropic film. Without this effect the slots are full of silicone, and what is told is
-the silicone's stress in the films' place. A strip is meshed as a solid: a membrane line without bending
-stiffness buckles (FACTS.md). Reference: film/stress.py's patches and contour integrals.
+Bonded strips are thin stiff solids in silicone; a membrane line without bending stiffness buckles (FACTS.md).
+A loose strip lies in an empty slot and carries nothing, so it feels nothing either, until the slot's walls
+meet it; a scene warns where walls meet, for contact within a slot is not in the model. Range: isotropic film.
+Without this effect the slots are full of silicone, and what is told is the silicone's stress in the films'
+place. Reference: film/stress.py's patches and contour integrals; loose, the linear tier on the same pad.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 from pydantic import Field
@@ -20,15 +23,30 @@ from skincad.mechanics.problem import Pad
 class Film(Body):
     """PVDF strips in the slots."""
 
-    bond: Literal["bonded"] = Field(default="bonded", description="the slot's rest is filled with silicone")
+    bond: Literal["bonded", "loose"] = Field(
+        default="bonded", description="bonded: silicone fills the slot's rest; loose: the slot is empty"
+    )
+
+    @property
+    def feels(self) -> bool:
+        """Whether the strips bear stress."""
+        return self.bond == "bonded"
 
     def check(self, design: Design) -> None:
         """Raise InputError for a skin without films."""
         if design.film is None:
             raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
 
-    def changed(self, pad: Pad, design: Design) -> Pad:  # noqa: ARG002
-        """Return the design's pad with its strips."""
-        from skincad.mechanics.film.stress import filled_pad
+    def changed(self, pad: Pad, design: Design) -> Pad:
+        """Return the pad with the design's strips, or with empty slots."""
+        from skincad.mechanics.problem import pad_of
 
-        return filled_pad(design.with_(contact={"film": "bonded"}))[0]
+        own = pad_of(design.with_(contact={"film": self.bond}))
+        return replace(
+            pad,
+            strips=own.strips,
+            voids=own.voids,
+            film_modulus=own.film_modulus,
+            film_ratio=own.film_ratio,
+            film_density=own.film_density,
+        )

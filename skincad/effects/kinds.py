@@ -7,9 +7,9 @@ step leaves behind is the model's own state, which the march replaces only when 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,26 +21,35 @@ from skincad.tables import Table
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.film.whole_state import Shown
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and stress that hangs on strain's past
 
 
 @dataclass(frozen=True)
 class Step:
-    """From time `start` to `end`, s, the plate goes from `before` to `after`."""
+    """From time `start` to `end`, s, the plate, of `mass` g, goes from `before` to `after`."""
 
     start: float
     end: float
     before: Drive
     after: Drive
+    mass: float = 0.0
 
 
 @dataclass(frozen=True)
 class Share:
-    """What a term adds to a step: friction's `cone`, and `more` for a law that knows what to do with it."""
+    """What a term adds to a step: friction's `cone`; `damped`, for masses, what is left of the highest modes
+    after a step; `rate` s, the viscous part's stress per strain rate by the elastic one's per strain;
+    `relaxing`, pairs of what a modulus is larger at first, relative to the slow one, and the time, s, in
+    which it relaxes; and `more` for a law that knows what to do with it."""
 
     cone: Cone | None = None
+    damped: float | None = None
+    rate: float = 0.0
+    relaxing: tuple[tuple[float, float], ...] = ()
     more: Mapping[str, Any] | None = None
 
 
@@ -50,7 +59,8 @@ class Reading:
 
     `normal`, `tangential` N and `approach`, `travel` mm of the plate; `touches`, `slips` `(m,)` by contact
     point; `films` `(strips, 3)` MPa, across, along and lengthwise; `elastic` mJ stored and `dissipated` mJ
-    in the step; `residual` relative.
+    in the step; `residual` relative. With masses `kinetic` mJ, of viscous parts `viscous` mJ dissipated in
+    the step; `work` mJ is what drives the plate did in the step, None where the plate's forces tell it.
     """
 
     normal: float
@@ -63,6 +73,9 @@ class Reading:
     elastic: float
     dissipated: float
     residual: float
+    kinetic: float = 0.0
+    viscous: float = 0.0
+    work: float | None = None
 
 
 class Model(Protocol):
@@ -89,23 +102,52 @@ class Model(Protocol):
         """Return what is told of a state that a step led to from `before`."""
 
 
+@runtime_checkable
+class Showing(Protocol):
+    """A model that also tells the whole section's state."""
+
+    def shown(self, state: Any) -> Shown:
+        """Return the whole section in a state, to draw."""
+
+    def fault(self, state: Any) -> str | None:
+        """Return what of the skin would collide unseen in a state, or None."""
+
+
 class Effect(Table):
-    """A table `[effects.<name>]` of a scene."""
+    """A table `[effects.<name>]` of a scene; `needs` names the effects that it cannot be without."""
+
+    needs: ClassVar[tuple[str, ...]] = ()
 
     def check(self, design: Design) -> None:
         """Raise InputError, its key within the effect's own table, where the skin lacks what it needs."""
 
 
 class Law(Effect):
-    """Stress from strain."""
+    """Stress from strain; `gives` names what its models know of what terms ask, `halves` says whether the
+    half of a mirror-symmetric pad is enough of a mesh, `condenses` whether its quasi-static models know the
+    pad by the compliance of its contact points: then the plate may turn, and a pad may have `ends`."""
 
-    def model(self, part: Part, mesh: object, order: int, films: bool) -> Model:
-        """Return the model of a meshed pad; `films` asks for the stresses in its strips."""
+    halves: ClassVar[bool] = True
+    condenses: ClassVar[bool] = False
+    gives: ClassVar[frozenset[str]] = frozenset()
+
+    def model(self, part: Part, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
+        """Return the model of a meshed pad; `films` asks for the stresses in its strips.
+
+        Only what the terms ask is built.
+        """
         raise NotImplementedError
 
 
 class Body(Effect):
-    """A region of the section with its own stiffness."""
+    """A region of the section with its own stiffness; `condenses` says whether it needs a law that does."""
+
+    condenses: ClassVar[bool] = False
+
+    @property
+    def feels(self) -> bool:
+        """Whether films bear stress with it."""
+        return True
 
     def changed(self, pad: Pad, design: Design) -> Pad:
         """Return the pad with this body in it."""
@@ -113,16 +155,36 @@ class Body(Effect):
 
 
 class Term(Effect):
-    """Adds forces, and their tangent, to a step."""
+    """Adds forces, and their tangent, to a step; `asks` names what it needs of the law beyond its stress:
+    MASS, RATE."""
+
+    asks: ClassVar[frozenset[str]] = frozenset()
+
+    def remarks(self, asked: frozenset[str]) -> Iterator[str]:  # noqa: ARG002
+        """Yield what to warn of, given all that the scene's terms ask."""
+        yield from ()
 
     def share(self, step: Step) -> Share:
         """Return what it adds; pure."""
         raise NotImplementedError
 
 
+@dataclass(frozen=True)
+class Watched:
+    """What a readout reads of: the skin, the told ridges, and the signals' bandwidth, Hz."""
+
+    design: Design
+    ridges: tuple[int, ...]
+    bandwidth: float
+
+
 class Readout(Effect):
     """Looks at what the march has accepted."""
 
-    def read(self, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
-        """Return keys for the result's JSON from the accepted readings at `time` s."""
+    def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
+        """Return keys for the result's JSON from the accepted readings at `time` s.
+
+        `warnings` are added to the result's. `<name>_<unit>` of ridge, of signal, with a number a step, also
+        become columns of the table.
+        """
         raise NotImplementedError

@@ -6,21 +6,23 @@ condensed once, so a step is a contact problem alone. Reference: the linear tier
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
-from skincad.effects.kinds import Law, Reading, Share, Step
+from skincad.effects.kinds import MASS, RATE, Law, Model, Reading, Share, Step, Term
 from skincad.errors import RefusedError
-from skincad.mechanics.frictional import halved
-from skincad.mechanics.grip import Cone, Grip, Pressed, at_rest
+from skincad.mechanics import turning
+from skincad.mechanics.grip import Cone, Drive, Grip, Pressed, at_rest
+from skincad.mechanics.halving import halved
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.film.whole_state import Shown, WholeState
     from skincad.mechanics.sliding import Sliding
 
 Array = NDArray[np.float64]
@@ -30,8 +32,15 @@ FRICTIONLESS = Cone(0.0, 0.0)
 class SmallStrain(Law):
     """Linear elasticity."""
 
-    def model(self, part: Part, mesh: object, order: int, films: bool) -> Condensed:
-        """Return the condensed pad."""
+    condenses: ClassVar[bool] = True
+    gives: ClassVar[frozenset[str]] = frozenset({MASS, RATE})
+
+    def model(self, part: Part, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
+        """Return the condensed pad, or where a term asks for masses or a past the pad that has them."""
+        if any(term.asks for term in terms):
+            from skincad.effects.moving import moving
+
+            return moving(part, mesh, order, films)
         from skincad.mechanics.sliding import sliding
 
         return condensed(sliding(part, mesh, order, films))
@@ -68,13 +77,39 @@ class Condensed:
         if any(share.more for share in shares):
             raise RefusedError("small_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
-        with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
-            return halved(lambda _: self.skin, state, step.before, step.after, cone)
+        return halved(self._seen, state, step.before, step.after, cone)
+
+    def _seen(self, drive: Drive) -> Pressed:
+        """The pad in the axes of the plate, which may have turned."""
+        return turning.turned(self.pad, drive.angle) if drive.angle else self.skin
+
+    def shown(self, state: Grip) -> Shown:
+        """Return the whole section in a state."""
+        return self._whole.shown(*self._placed(state))
+
+    def fault(self, state: Grip) -> str | None:
+        """Return what of the skin would collide unseen in a state, or None."""
+        return self._whole.fault(*self._placed(state))
+
+    @property
+    def _whole(self) -> WholeState:
+        if self.pad.whole is None:
+            raise RefusedError("a pad that was not condensed from a mesh has no field to show")
+        return self.pad.whole
+
+    def _placed(self, state: Grip) -> tuple[Array, float, float]:
+        """Forces on the skin, and the plate: its height over x = 0, mm, and its angle."""
+        force = turning.in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
+        height = self._whole.part.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
+        return force, height, state.angle
 
     def reading(self, before: Grip, state: Grip) -> Reading:
         """Return what is told of a state."""
-        force = np.concatenate([state.tangential, -state.normal])
-        mean = (before.tangential + state.tangential) / 2
+        along = np.concatenate([state.tangential, -state.normal])
+        force = turning.in_skin_axes(along, state.angle) if state.angle else along
+        # a force that turned round within the step had done so before its point slipped
+        mean = np.where(before.tangential * state.tangential < 0, 1.0, 0.5) * state.tangential
+        mean += np.where(before.tangential * state.tangential < 0, 0.0, 0.5) * before.tangential
         return Reading(
             float(state.normal.sum()),
             float(state.tangential.sum()),
@@ -86,4 +121,5 @@ class Condensed:
             float(force @ self.pad.compliance @ force) / 2,
             -float(mean @ state.slipped),
             state.residual,
+            work=turning.work(self.pad, before, state) if before.angle or state.angle else None,
         )

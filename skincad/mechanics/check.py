@@ -12,14 +12,17 @@ from skincad.design import Design
 from skincad.errors import InputError
 from skincad.measurements import crest_drops
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
-from skincad.mechanics.problem import Answer, Manufacture, Request, Spread
-from skincad.mechanics.tiers import AUTO, TIERS, able, run, tier_of
+from skincad.mechanics.prices import LAWS, expected
+from skincad.mechanics.problem import Answer, LateError, Manufacture, Request, Spread
+from skincad.mechanics.tiers import AUTO, TIERS, able, load, run, tier_of
 from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
 from skincad.mechanics.verdict import ContactCheck, decided, relative_error, with_model, with_shortfall
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
 LARGEST_FORCE = 1e6  # N, as contact.force
+HOPELESS = 1.5  # budgets that the linear tier's law may ask for and the tier still be tried
+LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
 MESH_SHARE = 0.3  # of an asked tolerance, what `auto` leaves to the mesh
 FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
 
@@ -79,7 +82,7 @@ class _Climb:
     ) -> None:
         self.design, self.force, self.drops, self.notes = design, force, drops, notes
         self.progress = progress
-        self.began, self.sampling = perf_counter(), 0.0
+        self.began, self.sampling, self.samplings = perf_counter(), 0.0, 0
         self.done: dict[str, Answer] = {}
         self.climbed: list[tuple[str, Estimate, float]] = []
         self.ladder = [name for name in AUTO if not able(name, design, bool(drops))]
@@ -89,16 +92,39 @@ class _Climb:
         mesh = FINEST if tol is None else min(FINEST, MESH_SHARE * tol)
         request = Request(self.force, mesh, None, self.drops, parts=not self.drops)
         name = self.ladder[self._start(tol)]
+        if budget is not None and name != "winkler":
+            return self._within(request, tol, budget)
+        return self._climbed(name, request, tol, budget)
+
+    def _within(self, request: Request, tol: float | None, budget: float) -> ContactCheck:
+        """Climb from the linear tier where it fits into the budget; the closed form is the least there is."""
+        least = self.ladder[0] == "winkler"
+        name = "linear" if "linear" in self.ladder else self.ladder[0]
+        load(name)  # the library's import is no part of the budget
+        self.began = perf_counter()
+        try:
+            if least and name == "linear" and expected(name, self.design, set()) > HOPELESS * budget:
+                raise LateError(expected(name, self.design, set()))
+            return self._climbed(name, replace(request, must_fit=least), tol, budget)
+        except LateError as late:
+            found = self.judged("winkler", request)
+            words = f"the linear tier would take about {late.seconds:.2g} s of the budget of {budget:g} s"
+            found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
+            return with_shortfall(found, tol, 0.0)
+
+    def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
         while True:
-            found = self.judged(name, request)
+            left = None if budget is None else max(budget - self._spent(), LEAST)
+            found = self.judged(name, replace(request, budget=left))
             enough = budget is None and decided(found) if tol is None else relative_error(found, 0.0) <= tol
             if found.beyond or enough or found.next_tier is None:
                 break
             if budget is not None and self._spent() + found.next_tier[1] > budget:
                 break
             name = found.next_tier[0]
+            request = replace(request, must_fit=False)
         if budget is not None and self._spent() > budget:
-            late = f"the cheapest model took {self._spent():.2g} s, more than the budget of {budget:g} s"
+            late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, late))
         return with_shortfall(found, tol, 0.0)
 
@@ -122,11 +148,13 @@ class _Climb:
     def judged(self, name: str, request: Request) -> ContactCheck:
         """Return the verdict by one tier, solved on what is solved already."""
         started = self._spent()
+        if self.progress and self.done:  # the first tier's time is not known before
+            self.progress(f"{name} tier, about {self._seconds(name):.2g} s")
         found = run(name, self.design, request, self.done, self.progress)
         self._refuse_crushed(name, found)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
         made = None if self.drops or name == "winkler" else self._manufacture(found)
-        verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made, started)
+        verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made)
         self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
         return verdict
 
@@ -153,6 +181,7 @@ class _Climb:
         started = perf_counter()
         made = manufacture(parts, self.force, threshold, spread_of(self.design))
         self.sampling += perf_counter() - started
+        self.samplings += 1
         return made
 
     def _verdict(
@@ -161,7 +190,6 @@ class _Climb:
         found: Answer,
         bounds: tuple[LeftOut, ...],
         made: Manufacture | None,
-        started: float,
     ) -> ContactCheck:
         design, force, small = self.design, self.force, FINITE_STRAIN in TIERS[name].leaves_out
         beyond, warnings = "", (*found.warnings, *self.notes)
@@ -192,7 +220,7 @@ class _Climb:
             warnings,
             bounds,
             tuple(self.climbed),
-            self._next(name, self._spent() - started),
+            self._next(name),
             made,
             design.contact.plate.shape,
             beyond,
@@ -202,8 +230,8 @@ class _Climb:
         """Time of the yield: its model's, which the linear tier built, and its parts'."""
         return {"yield": found.seconds.get("yield", 0.0) + self.sampling} if self.sampling else {}
 
-    def _next(self, name: str, seconds: float) -> tuple[str, float] | None:
-        """The next tier with less left out and its seconds, from what this one took."""
+    def _next(self, name: str) -> tuple[str, float] | None:
+        """The next tier with less left out and its seconds: its law's, at the speed seen so far."""
         mine = TIERS[name]
         better = [
             other
@@ -213,9 +241,20 @@ class _Climb:
         ]
         if not better:
             return None
-        had = max((TIERS[n].price for n in self.done if n in TIERS[better[0]].on), default=0.0)
-        per_price = seconds / (mine.price - max((TIERS[n].price for n in mine.on), default=0.0))
-        return better[0], (TIERS[better[0]].price - had) * per_price
+        return better[0], self._seconds(better[0])
+
+    def _seconds(self, name: str) -> float:
+        """What a tier will take from here: its law's at the speed seen so far, and a yield."""
+        price = expected(name, self.design, set(self.done)) * self._speed()
+        return price + self.sampling / max(1, self.samplings)
+
+    def _speed(self) -> float:
+        """Seconds here for a second of the laws' machine, by the linear tier; 1 where that is not solved."""
+        plane = self.done.get("linear")
+        if plane is None:
+            return 1.0
+        spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
+        return spent / LAWS["linear"].at(plane.unknowns)
 
 
 def spread_of(design: Design) -> Spread:

@@ -28,8 +28,9 @@ LAYERS = Layers(0.6, 2.0, 4)
 MOST_FILLET = 0.25  # of the tip's width; smaller fillets change the ratio less than its error
 
 # Errors of the change itself. Measured against a finer solid on three templates (test_solid.py) and eight
-# variants of length, thickness, height, fillet and Poisson's ratio: at most 0.26 %, 0.5 % and 0.41 %
-APPROACH_ERROR = 0.005  # of the approach
+# variants of length, thickness, height, fillet and Poisson's ratio: at most 0.26 %, 0.5 % and 0.41 %; of
+# twelve random designs the approach was up to 1.0 % off the solid tier's, F9 up to 0.6 %
+APPROACH_ERROR = 0.01  # of the approach
 THRESHOLD_ERROR = 0.01  # of F9
 SHARE_ERROR = 0.01  # of the mean share
 

@@ -1,5 +1,5 @@
-"""Finite elements on the triangles; only this file, strip_field.py, prisms.py, section_points.py and
-neo_hooke.py name ngsolve.
+"""Finite elements on the triangles; only this file, strip_field.py, moving_body.py, prisms.py,
+section_points.py and neo_hooke.py name ngsolve.
 
 Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
 order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric
@@ -81,8 +81,11 @@ def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
     return with_contact(as_csr(form.mat), mesh, both, order)
 
 
-def small_strain(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
-    """Return NGSolve's assembled form of small strain in plane strain, and its space.
+def small_strain(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], condense: bool = True
+) -> tuple[Any, Any]:
+    """Return NGSolve's assembled form of small strain in plane strain, and its space; to `condense` is to
+    eliminate what is inside the elements.
 
     `materials` maps a domain to (Young's modulus, Poisson's ratio), the ratio from 0 to below 0.5. The
     split is 2 G dev(e):dev(e) plus a pressure q with q = K div u, which holds at nu = 0 as well (the
@@ -94,7 +97,7 @@ def small_strain(mesh: Any, order: int, materials: Mapping[str, tuple[float, flo
     shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
     bulk = mesh.MaterialCF({name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()})
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
-    form = ng.BilinearForm(both, symmetric=True, condense=True)
+    form = ng.BilinearForm(both, symmetric=True, condense=condense)
     form += (
         2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
         + q * ng.div(v)

@@ -18,8 +18,11 @@ Array = NDArray[np.float64]
 THROUGH = 2e-3  # of the unit; between contact points the crown itself is up to 1e-3 above the plate
 
 
-def fault(loops: list[Outline], plate: Callable[[Array], Array]) -> str | None:
-    """Return what is wrong with deformed loops under a plate at the heights `plate` of x, or None."""
+def fault(loops: list[Outline], plate: Callable[[Array], Array], with_itself: bool = True) -> str | None:
+    """Return what is wrong with deformed loops under a plate at the heights `plate` of x, or None.
+
+    Contact of the skin with itself is looked for unless `with_itself` is false.
+    """
     for loop in loops:
         x, z = loop.moved[~(loop.touches | np.roll(loop.touches, 1))].T
         if (z > plate(x) + THROUGH).any():
@@ -28,7 +31,7 @@ def fault(loops: list[Outline], plate: Callable[[Array], Array]) -> str | None:
         return "a slot is turned inside out"
     outer = max(range(len(loops)), key=lambda i: abs(_area(loops[i].rest)))
     holes = [loop.moved for i, loop in enumerate(loops) if i != outer]
-    if not shapely.is_valid(shapely.Polygon(loops[outer].moved, holes)):
+    if with_itself and not shapely.is_valid(shapely.Polygon(loops[outer].moved, holes)):
         return "the skin folds onto itself: two ridges meet or a slot closes"
     return None
 

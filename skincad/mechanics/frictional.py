@@ -10,14 +10,26 @@ their anchor from step to step, so a held load does not creep. Implicit in time:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from skincad.mechanics.grip import LEFT, OPEN, RIGHT, STICK, Cone, Drive, Grip, GrossSlip, Pressed, Status
+from skincad.mechanics.grip import (
+    LEFT,
+    OPEN,
+    RIGHT,
+    STICK,
+    Cone,
+    Drive,
+    Grip,
+    GrossSlip,
+    Inert,
+    Pressed,
+    Status,
+)
 from skincad.mechanics.problem import ContactError
 
 Array = NDArray[np.float64]
@@ -32,12 +44,14 @@ ROUNDING = 1e-12  # relative; what counts as zero when the sets are updated
 ACCEPTED = 1e-10  # relative; a larger residual is never accepted
 
 
-def grip(skin: Pressed, before: Grip, drive: Drive, cone: Cone) -> Grip:
-    """Return the state at the end of a step.
+def grip(skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None) -> Grip:
+    """Return the state at the end of a step; a plate with mass, `inert`, may leave the skin and may slide.
 
     Raises GrossSlip where friction cannot hold the tangential force, ContactError where the sets do not
     settle or the residual is above 1e-10 of scale: halve the step then.
     """
+    if inert is not None:
+        return _Step(skin, before, drive, cone, inert).settled()
     if drive.normal < 0:
         raise ContactError(f"the plate's normal force must not pull, got {drive.normal:g} N")
     if drive.normal == 0.0:
@@ -62,12 +76,14 @@ def _lifted(skin: Pressed, before: Grip, drive: Drive) -> Grip:
     anchor = skin.free[:m] - travel
     approach = float((skin.gap - skin.free[m:]).min())
     zero = np.zeros(m)
-    return Grip(zero, zero, anchor, np.zeros(m, dtype=np.int8), zero, approach, travel, 0.0)
+    clear = np.zeros(m, dtype=np.int8)
+    return Grip(zero, zero, anchor, clear, zero, approach, travel, 0.0, angle=drive.angle)
 
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """What one choice of sets leads to: forces, plate, gaps `w` and slips `moved`, all `(m,)`."""
+    """What one choice of sets leads to: forces, plate, gaps `w` and slips `moved`, all `(m,)`; `unborne` is
+    what the forces miss of a plate's with mass, relative."""
 
     p: Array
     t: Array
@@ -75,20 +91,26 @@ class _Trial:
     s: float
     w: Array
     moved: Array
+    unborne: float
 
 
 class _Step:
     """One step's data and scales."""
 
-    def __init__(self, skin: Pressed, before: Grip, drive: Drive, cone: Cone) -> None:
-        self.skin, self.before, self.drive, self.cone = skin, before, drive, cone
+    def __init__(
+        self, skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None
+    ) -> None:
+        self.skin, self.before, self.drive, self.cone, self.inert = skin, before, drive, cone, inert
         m = self.m = skin.gap.size
         c, self.solved = skin.compliance, skin.solved
         self.xx, self.xz, self.zx, self.zz = c[:m, :m], c[:m, m:], c[m:, :m], c[m:, m:]
         self.gap = skin.gap - skin.free[m:]
         self.home = before.anchor - skin.free[:m]  # what C (t, -p) in x is compared with, plus the travel
-        self.force = drive.normal / max(1, int(np.count_nonzero(before.touches)))
-        self.length = float(np.ptp(self.gap)) or float(drive.normal * self.zz.diagonal().mean())
+        self.load = drive.normal  # scale of the forces
+        if inert is not None:
+            self.load = max(abs(drive.normal), float(before.normal.sum()), 1e-300)
+        self.force = self.load / max(1, int(np.count_nonzero(before.touches)))
+        self.length = float(np.ptp(self.gap)) or float(self.load * self.zz.diagonal().mean())
         # a point that slid keeps sliding by the kinetic coefficient; one that stuck breaks off at the static
         self.limit = np.where(before.status >= RIGHT, cone.kinetic, cone.static)
 
@@ -99,12 +121,17 @@ class _Step:
         near: then the search starts anew from all points sliding, and from all sticking.
         """
         starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
-        sweeps = 0
+        sweeps, slides = 0, 0.0
         for status in starts:
             found, took = self._swept(status, all_slip)
             sweeps += took
-            if found is not None:
+            if isinstance(found, Grip):
                 return found
+            slides = found or slides
+        if slides:  # less than the static limit, but what has broken off holds the kinetic friction alone
+            pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
+            words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all slips"
+            raise GrossSlip(self.settled(all_slip=slides), words)
         raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
 
     def _starts(self) -> Iterator[Status]:
@@ -117,19 +144,28 @@ class _Step:
             yield np.where(first != OPEN, way, OPEN).astype(np.int8)
         if self.cone.static > SLIGHT:
             less = Cone(LESS * self.cone.static, LESS * self.cone.kinetic)
-            weak = _Step(self.skin, self.before, self.drive, less)
+            weak = _Step(self.skin, self.before, self.drive, less, self.inert)
             try:
                 yield weak.settled().status
             except ContactError:
                 return
 
-    def _swept(self, status: Status, all_slip: float) -> tuple[Grip | None, int]:
-        """The state that the sets lead to, or None where they cycle; and the sweeps that it took."""
+    def _swept(self, status: Status, all_slip: float) -> tuple[Grip | float, int]:
+        """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
+        and does not hold the pull; and the sweeps that it took."""
         seen: set[bytes] = set()
         single = False
         for sweep in range(SWEEPS + SINGLE):
             trial = self._solve(status, all_slip)
             wrong, wanted = self._violations(trial, status, all_slip)
+            missing = 0.0 if all_slip else self._missing(trial, status)
+            if missing:  # nothing sticks, so the travel is not solved for, and no halt is judged by it
+                wrong[(status >= RIGHT) & (wanted == STICK)] = 0.0
+                if not wrong.any():
+                    status = self._carried_on(trial, status)
+                    if not (status == STICK).any():
+                        return float(np.sign(missing)), sweep + 1
+                    continue
             if not wrong.any():
                 return self._accepted(trial, status, sweep + 1, all_slip), sweep + 1
             single = single or sweep >= SWEEPS or status.tobytes() in seen
@@ -137,13 +173,33 @@ class _Step:
             status = status.copy()
             change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
             status[change] = wanted[change]
-            if not (status != OPEN).any():
+            if self.inert is None and not (status != OPEN).any():
                 status[int(np.argmin(trial.w))] = STICK if not all_slip else self._way(all_slip)
-        return None, SWEEPS + SINGLE
+        return 0.0, SWEEPS + SINGLE
+
+    def _missing(self, trial: _Trial, status: Status) -> float:
+        """What of the pull, N, is not borne: without a sticking point `_solve` does not ask for it."""
+        if self.inert is not None or self.drive.tangential is None or (status == STICK).any():
+            return 0.0
+        missing = self.drive.tangential - float(trial.t.sum())
+        return missing if abs(missing) > ROUNDING * self.drive.normal else 0.0
+
+    def _carried_on(self, trial: _Trial, status: Status) -> Status:
+        """The sets of sliding points where the plate's travel bears the pull: points it has passed are
+        dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
+        closed = np.flatnonzero(status != OPEN)
+        closed = closed[np.argsort(trial.moved[closed], kind="stable")]
+        dragged = self.cone.kinetic * (2 * np.cumsum(trial.p[closed]) - trial.p.sum())
+        pull, whole = self.drive.tangential or 0.0, self.cone.kinetic * float(trial.p.sum())
+        at = int(np.searchsorted(dragged, pull)) if pull >= -whole else closed.size
+        status = status.copy()
+        status[closed[:at]], status[closed[at:]] = RIGHT, LEFT
+        status[closed[at : at + 1]] = STICK
+        return status
 
     def _start(self) -> Status:
         """The sets before, or from rest the points within a stiff guess of the approach, sticking."""
-        if self.before.touches.any():
+        if self.inert is not None or self.before.touches.any():
             return self.before.status
         near = min(float(np.ptp(self.gap)), 0.5 * self.drive.normal * float(np.mean(self.zz)))
         return np.where(self.gap <= self.gap.min() + near, STICK, OPEN).astype(np.int8)
@@ -161,18 +217,21 @@ class _Step:
 
         Rows: closed points' gaps, sticking points' slips, sum of p, and sum of t or the travel. Without a
         sticking point the travel is not determined by the forces; it stays as it was, or the smallest that
-        lets all slip.
+        lets all slip. A plate with mass always has its place: its approach and travel are counted from there.
         """
+        inert = self.inert
         closed, stuck = np.flatnonzero(status != OPEN), np.flatnonzero(status == STICK)
         drag = self.cone.kinetic * ((status == RIGHT).astype(float) - (status == LEFT))
         k, n = closed.size, stuck.size
-        given = self.drive.travel is not None or n == 0
-        first = float(self.gap[closed].min())  # counted from here, so that a tiny force loses no digits
-        travel = self.before.travel if self.drive.travel is None else self.drive.travel
+        given = self.drive.travel is not None or (n == 0 and inert is None)
+        # counted from here, so that a tiny force loses no digits
+        first = float(self.gap[closed].min()) if inert is None else inert.approach
+        start = self.before.travel if inert is None else inert.travel
+        travel = start if self.drive.travel is None else self.drive.travel
         side = np.concatenate([first - self.gap[closed], self.home[stuck], [self.drive.normal]])
-        if given:
+        if given or inert is not None:
             side[k : k + n] += travel
-        else:
+        if not given:
             side = np.append(side, self.drive.tangential or 0.0)
         found = linalg.lu_solve(self._factor(status, closed, stuck, drag, given), side, check_finite=False)
         p, t = np.zeros(self.m), np.zeros(self.m)
@@ -184,11 +243,19 @@ class _Step:
         w[closed] = 0.0 if closed.size else w[closed]
         place = self.xx @ t - self.xz @ p - self.home
         if not given:
-            travel = float(found[-1])
-        elif self.drive.travel is None:
+            travel = float(found[-1]) if inert is None else travel + float(found[-1])
+        elif self.drive.travel is None and inert is None:
             travel = self._least_travel(place, closed, all_slip)
         moved = place - travel
-        return _Trial(p, t, d, travel, w, moved)
+        return _Trial(p, t, d, travel, w, moved, self._unborne(p, t, found[k + n :]))
+
+    def _unborne(self, p: Array, t: Array, ahead: Array) -> float:
+        """What the plate's equations miss; `ahead` is what it is beyond its `inert` place."""
+        if self.inert is None:
+            return 0.0
+        sums = [p.sum() - self.drive.normal, t.sum() - (self.drive.tangential or 0.0)]
+        missing = np.abs(np.array(sums[: ahead.size]) + self.inert.stiffness * ahead)
+        return float(missing.max()) / self.load
 
     def _factor(
         self, status: Status, closed: Index, stuck: Index, drag: Array, given: bool
@@ -205,10 +272,14 @@ class _Step:
         matrix[k : k + n, :k] = self.xx[ix(stuck, closed)] * drag[closed] - self.xz[ix(stuck, closed)]
         matrix[k : k + n, k : k + n] = self.xx[ix(stuck, stuck)]
         matrix[k + n, :k] = 1.0
+        if self.inert is not None:
+            matrix[k + n, k + n] = self.inert.stiffness
         if not given:
             matrix[k : k + n, -1] = -1.0
             matrix[-1, :k] = drag[closed]
             matrix[-1, k : k + n] = 1.0
+            if self.inert is not None:
+                matrix[-1, -1] = self.inert.stiffness
         lower, pivots, singular = linalg.lapack.dgetrf(matrix)
         if singular:
             raise ContactError("the contact equations are singular: friction wedges the points")
@@ -263,56 +334,28 @@ class _Step:
         anchor = np.where(stuck, self.before.anchor, trial.moved + self.before.anchor)
         slipped = np.where(status >= RIGHT, trial.moved, 0.0)
         p, t = np.maximum(trial.p, 0.0), trial.t
-        return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, sweeps, bool(all_slip))
+        gross, angle = bool(all_slip), self.drive.angle
+        return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, sweeps, gross, angle)
 
     def _residual(self, trial: _Trial, status: Status, all_slip: float) -> float:
         p, t = trial.p, trial.t
         w = self.gap - trial.d + self.zz @ p - self.zx @ t
         closed, stuck = status != OPEN, status == STICK
         largest, length = float(np.abs(p).max()), self.length + abs(trial.d)
+        largest = largest or self.force  # nothing touches a plate with mass
         terms: list[float] = [
             float(-w.min()) / length,
             float(np.abs(w[closed]).max(initial=0.0)) / length,
             float(-p.min()) / largest,
             float((np.abs(t) - np.where(stuck, self.limit, self.cone.kinetic) * p).max()) / largest,
             float(np.abs(trial.moved[stuck]).max(initial=0.0)) / length,
-            abs(float(p.sum()) / self.drive.normal - 1),
+            trial.unborne,
         ]
-        if self.drive.tangential is not None and not all_slip:
+        if self.inert is None:
+            terms.append(abs(float(p.sum()) / self.drive.normal - 1))
+        if self.inert is None and self.drive.tangential is not None and not all_slip:
             terms.append(abs(float(t.sum()) - self.drive.tangential) / self.drive.normal)
         way = np.where(status == RIGHT, 1.0, -1.0)[status >= RIGHT]
         if not all_slip:
             terms.append(float((way * trial.moved[status >= RIGHT]).max(initial=0.0)) / length)
         return max(0.0, *terms)
-
-
-def halved(
-    skin: Callable[[Drive], Pressed], before: Grip, start: Drive, end: Drive, cone: Cone, deepest: int = 4
-) -> Grip:
-    """Return `grip` at `end`; a step that does not converge is cut in two, `deepest` times at most.
-
-    What the parts slipped is added up. Raises as `grip` does.
-    """
-    try:
-        return grip(skin(end), before, end, cone)
-    except GrossSlip:
-        raise
-    except ContactError:
-        if deepest == 0:
-            raise
-    middle = _between(start, end)
-    first = halved(skin, before, start, middle, cone, deepest - 1)
-    second = halved(skin, first, middle, end, cone, deepest - 1)
-    return replace(
-        second,
-        slipped=first.slipped + second.slipped,
-        residual=max(first.residual, second.residual),
-        sweeps=first.sweeps + second.sweeps,
-    )
-
-
-def _between(a: Drive, b: Drive) -> Drive:
-    def mean(one: float | None, other: float | None) -> float | None:
-        return None if one is None or other is None else (one + other) / 2
-
-    return Drive((a.normal + b.normal) / 2, mean(a.tangential, b.tangential), mean(a.travel, b.travel))

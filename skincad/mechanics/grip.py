@@ -27,11 +27,23 @@ class Cone:
 
 @dataclass(frozen=True)
 class Drive:
-    """What the plate does at a step's end: normal force, N, and tangential force, N, or travel, mm."""
+    """What the plate does at a step's end: normal force, N, and tangential force, N, or travel, mm, both
+    along the plate at its `angle` about y, rad, positive where it rises towards +x."""
 
     normal: float
     tangential: float | None = None
     travel: float | None = None
+    angle: float = 0.0
+
+
+@dataclass(frozen=True)
+class Inert:
+    """What a plate with mass adds to a step's drive: the forces are less by `stiffness` N/mm times what the
+    plate's approach and travel exceed these two, mm. Counted from there, a heavy plate loses no digits."""
+
+    stiffness: float
+    approach: float
+    travel: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +63,7 @@ class Grip:
     residual: float
     sweeps: int = 0
     gross: bool = False  # all that touches slips, the last point having just begun
+    angle: float = 0.0  # of the plate, rad
 
     @property
     def slips(self) -> NDArray[np.bool_]:
@@ -69,7 +82,7 @@ class Grip:
 class GrossSlip(ContactError):  # noqa: N818
     """No equilibrium: the tangential force is more than friction holds. `last` is the state that slips."""
 
-    def __init__(self, last: Grip, words: str) -> None:
+    def __init__(self, last: Any, words: str) -> None:
         super().__init__(words)
         self.last = last
 

@@ -181,14 +181,19 @@ class Linearised:
 
 def tangent(body: Body, state: Array, residual: Array) -> Tangent:
     """Return the tangent at a state whose `residual` is at hand; ContactError where it has none."""
-    at, whole = _vector(body, state), _vector(body, residual)
     try:
-        body.form.AssembleLinearization(at)
+        body.form.AssembleLinearization(_vector(body, state))
     except Exception:  # NGSolve's own error: an element's inner block is singular
         raise ContactError("the tangent stiffness of an element is singular") from None
+    return under(body, as_csr(body.form.mat), residual)
+
+
+def under(body: Body, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
+    """Return the body's latest tangent, its condensed `matrix` kept, under another state's residual."""
+    whole = _vector(body, residual)
     condensed = whole.CreateVector()
     condensed.data = whole + body.form.harmonic_extension_trans * whole
-    return Tangent(as_csr(body.form.mat), np.array(condensed.FV().NumPy()), body.form, whole)
+    return Tangent(matrix, np.array(condensed.FV().NumPy()), body.form, whole)
 
 
 def residual(body: Body, state: Array) -> Array:

@@ -17,10 +17,19 @@ from skincad.section import CONTACT_KINDS, Section, section
 
 Array = NDArray[np.float64]
 FLAT = Plate()
+PVDF_DENSITY = 1780.0  # kg/m3; source: data sheets
 
 
 class ContactError(RefusedError):
     """A contact or finite element solution that does not hold; words say what and the remedy."""
+
+
+class LateError(RefusedError):
+    """A tier that would take longer than its budget; `seconds` are those expected in all."""
+
+    def __init__(self, seconds: float) -> None:
+        super().__init__(f"would take about {seconds:.2g} s")
+        self.seconds = seconds
 
 
 @dataclass(frozen=True)
@@ -28,7 +37,8 @@ class Pad:
     """An elastic section of `length` mm along y, clamped at its `back` segments.
 
     Segments of CONTACT_KINDS may touch the plate. `strips` are loops filled with the film's material
-    (moduli in MPa), `voids` are holes.
+    (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
+    mm/N is by how much more the ridges give way because the pad is no endless one, where that is asked.
     """
 
     section: Section
@@ -40,6 +50,9 @@ class Pad:
     film_modulus: float = 0.0
     film_ratio: float = 0.0
     plate: Plate = FLAT
+    density: float = 0.0
+    film_density: float = 0.0
+    ends: tuple[tuple[float, ...], ...] = ()
 
     @property
     def ridges(self) -> tuple[int, ...]:
@@ -97,7 +110,8 @@ class Request:
     """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s.
 
     `drops` says by how much each crest of one measured part is lower than designed, mm; `parts` whether the
-    ridge model for the yield is wanted too.
+    ridge model for the yield is wanted too; `must_fit` that a first rung which would overrun the budget is
+    refused with a LateError, not solved as the least.
     """
 
     force: float
@@ -105,6 +119,7 @@ class Request:
     budget: float | None = None
     drops: tuple[float, ...] = ()
     parts: bool = False
+    must_fit: bool = False
 
 
 @dataclass(frozen=True)
@@ -145,7 +160,8 @@ def pad_of(design: Design) -> Pad:
         strips, moduli = (), (0.0, 0.0)
     voids = tuple(slot.loop() for slot in shape.slots) if state == "loose" else ()
     modulus, ratio, length = stuff.young_modulus.value, stuff.poisson_ratio, design.skin.length
-    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, design.contact.plate)
+    densities = stuff.density, PVDF_DENSITY if strips else 0.0
+    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, design.contact.plate, *densities)
 
 
 def check_pad(pad: Pad) -> None:

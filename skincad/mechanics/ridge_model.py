@@ -21,7 +21,7 @@ from skincad.mechanics.threshold import Ridges
 Array = NDArray[np.float64]
 
 TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where the patch is small
-SWEEPS = 400
+SWEEPS = 4000  # under a force far below what closes the gaps each sweep leaves 98 % of the error
 BATCH = 500  # parts swept together: their forces stay in a processor's cache
 SETTLED = 1e-9  # relative, of the force; Gauss-Seidel ends there
 ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it has lost its digits

@@ -22,6 +22,8 @@ from skincad.mechanics.condense import Condensed
 from skincad.mechanics.film import strip_field
 from skincad.mechanics.film.stick import Part, condensed, contact_rows, on_whole, resolved
 from skincad.mechanics.film.strip_field import Body
+from skincad.mechanics.film.whole_state import Parity, WholeState
+from skincad.mechanics.problem import Pad
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -36,7 +38,8 @@ class Sliding:
     `compliance` `(2 m, 2 m)`: displacements in x, then in z, under forces in x, then in z. `gap` `(m,)` from
     the plate to the points when it first touches. `strips` `(strips, 3, 2 m)`: mean stress across the film,
     along it in the section and along y, per N; the strips in the order of the section's slots, none where
-    they were not asked. `back_solve` is the seconds of one solve with the factorisation, to compare with.
+    they were not asked. `back_solve` is the seconds of one solve with the factorisation, to compare with;
+    `whole` tells the whole pad's state from these forces.
     """
 
     compliance: Array
@@ -47,6 +50,7 @@ class Sliding:
     strips: Array
     unknowns: int
     back_solve: float
+    whole: WholeState | None = None
 
 
 def sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
@@ -74,46 +78,55 @@ def _sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
     )
     nodes = body.system.nodes
     x, z = (nodes.position * unit).T
-    lay = _layout(x, part.mirrored, ON_AXIS * unit)
+    lay = layout(x, part.mirrored, ON_AXIS * unit)
     compliance = np.zeros((2 * lay.of.size, 2 * lay.of.size))
     strips = np.zeros((len(part.whole.section.slots) if films else 0, 3, 2 * lay.of.size))
-    seconds = 0.0
-    for parity, held in _parities(part, body):
+    seconds, solved = 0.0, []
+    for parity, held in parities(part, body):
         small = condensed(body, held)
         rows, spread = contact_rows(body, small), lay.spread(parity)
+        solved.append(Parity(small, rows, spread))
         own = rows @ np.asarray(rows @ small.flexibility).T
         compliance += spread.T @ np.asarray(spread.T @ (own + own.T)).T / (2 * lay.share)
+        began = perf_counter()
+        small.solve(body.system.lift)
+        seconds = perf_counter() - began
         if functionals is not None:
-            began = perf_counter()
             stress = _stress_rows(part, functionals, small, rows, parity)
-            seconds = (perf_counter() - began) / functionals[:, :, 0].size
             strips += np.asarray((stress.reshape(-1, rows.shape[0]) @ spread).reshape(strips.shape))
-        else:
-            began = perf_counter()
-            small.solve(body.system.lift)
-            seconds = perf_counter() - began
     per_force = 1 / (pad.young_modulus * pad.length)  # mm of the part per N on it, of a unit length each
     gap = (part.whole.top - z)[lay.of]
+    ridges = ridges_of(part, nodes.ridge[lay.of], lay.left)
     return Sliding(
-        compliance * per_force,
+        compliance * per_force + _of_ends(part.whole, ridges),
         gap - gap.min(),
         np.where(lay.left, -x[lay.of], x[lay.of]),
-        _ridges(part, nodes.ridge[lay.of], lay.left),
+        ridges,
         nodes.weight[lay.of] * unit * np.where(lay.axis & part.mirrored, 2.0, 1.0),
         strips / (unit * pad.length),
         body.system.unknowns,
         seconds,
+        WholeState(part, body, tuple(solved)),
     )
 
 
-def _ridges(part: Part, meshed: Index, left: NDArray[np.bool_]) -> Index:
+def _of_ends(pad: Pad, ridges: Index) -> Array:
+    """Compliance `(2 m, 2 m)` mm/N in z that a pad's free ends add to points of these ridges `(m,)`."""
+    m, more = ridges.size, np.zeros((2 * ridges.size,) * 2)
+    if pad.ends:
+        at = np.searchsorted(pad.ridges, ridges)
+        more[m:, m:] = np.array(pad.ends)[np.ix_(at, at)]
+    return more
+
+
+def ridges_of(part: Part, meshed: Index, left: NDArray[np.bool_]) -> Index:
     """Ridge of each point `(m,)` from that of its meshed point: the image of the last is the first."""
     numbers = np.array(part.whole.ridges)
     at = np.searchsorted(numbers, meshed)
     return np.asarray(numbers[np.where(left, numbers.size - 1 - at, at)])
 
 
-def _parities(part: Part, body: Body) -> Iterator[tuple[int, Index]]:
+def parities(part: Part, body: Body) -> Iterator[tuple[int, Index]]:
     """The loads to solve apart and the unknowns each holds on the cut: 1 even, -1 odd, 0 a whole pad."""
     if not part.mirrored:
         yield 0, np.empty(0, np.int64)
@@ -123,7 +136,7 @@ def _parities(part: Part, body: Body) -> Iterator[tuple[int, Index]]:
 
 
 @dataclass(frozen=True)
-class _Layout:
+class Layout:
     """The whole pad's points: `of` `(m,)` is the meshed point of each, `left` those that mirror one at x > 0,
     `axis` those on the cut; `share` is what of a force the meshed part bears."""
 
@@ -148,30 +161,26 @@ class _Layout:
         return sparse.csr_matrix((both, index), shape=(2 * meshed, 2 * m))
 
 
-def _layout(x: Array, mirrored: bool, tolerance: float) -> _Layout:
+def layout(x: Array, mirrored: bool, tolerance: float) -> Layout:
+    """Return the whole pad's points by x `(meshed,)`; those within `tolerance` of 0 are on the cut, mm."""
     order = np.argsort(x, kind="stable")
     axis = np.abs(x) <= tolerance
     if not mirrored:
-        return _Layout(order, np.zeros(x.size, dtype=bool), axis[order], 1.0)
+        return Layout(order, np.zeros(x.size, dtype=bool), axis[order], 1.0)
     images = order[~axis[order]][::-1]
     of = np.concatenate([images, order])
     left = np.concatenate([np.ones(images.size, dtype=bool), np.zeros(order.size, dtype=bool)])
-    return _Layout(of, left, axis[of], 0.5)
+    return Layout(of, left, axis[of], 0.5)
 
 
 def _stress_rows(
     part: Part, functionals: Array, small: Condensed, rows: sparse.csr_matrix, parity: int
 ) -> Array:
     """Stresses `(strips of the whole, 3, 2 meshed)` across, along and lengthwise per force on the part."""
-    count = functionals.shape[0]
     last = small.order[-small.flexibility.shape[0] :]
-    per_force = np.empty((count, 4, rows.shape[0]))
-    for i in range(count):
-        for j in range(4):
-            free = np.zeros(functionals.shape[2])
-            free[small.order] = functionals[i, j][small.order]
-            per_force[i, j] = rows @ small.solve(free)[last]
-    # resolve() and the mirror act strip by strip: put the forces' axis first
-    found = [resolved(column, part.slots) for column in np.moveaxis(per_force, 2, 0)]
-    whole = [on_whole(part, column, parity or 1) for column in found]
-    return np.moveaxis(np.array(whole), 0, 2)
+    sides = resolved(functionals, part.slots).reshape(-1, functionals.shape[2]).T
+    free = np.zeros_like(sides)
+    free[small.order] = sides[small.order]
+    per_force = (rows @ small.solve(free)[last]).T
+    whole = on_whole(part, per_force.reshape(functionals.shape[0], -1), parity or 1)
+    return whole.reshape(len(whole), 3, -1)

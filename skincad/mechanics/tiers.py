@@ -77,7 +77,12 @@ def run(
     if name not in done:
         tier = TIERS[name]
         below = [run(other, design, request, done, progress) for other in tier.on]
-        module, _, function = tier.where.partition(":")
-        solve: Callable[..., Answer] = getattr(import_module(module), function)
-        done[name] = solve(design, request, progress, *below)
+        done[name] = load(name)(design, request, progress, *below)
     return done[name]
+
+
+def load(name: str) -> Callable[..., Answer]:
+    """Import and return a tier's function."""
+    module, _, function = TIERS[name].where.partition(":")
+    found: Callable[..., Answer] = getattr(import_module(module), function)
+    return found

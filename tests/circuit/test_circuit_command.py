@@ -54,6 +54,7 @@ def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -
     assert any("650 Hz" in w for w in found["warnings"])
 
 
+@pytest.mark.slow
 def test_same_input_same_bytes(tmp_path: Path) -> None:
     for name in ("one", "two"):
         assert run_skincad("circuit", "yamada-2002", "-o", name, cwd=tmp_path).returncode == 0
@@ -61,6 +62,7 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
 
 
+@pytest.mark.slow
 def test_a_designs_files_in_the_same_folder_stay(tmp_path: Path) -> None:
     run_skincad("make", "plain-ridges", "--format", "md", "-o", "here", cwd=tmp_path)
     before = {p.name for p in (tmp_path / "here").iterdir()}

@@ -12,9 +12,12 @@ import pytest
 
 from skincad.catalog import load, template_names
 from skincad.errors import InputError
+from skincad.mechanics import check as check_module
+from skincad.mechanics import prices
 from skincad.mechanics.check import check
 from skincad.mechanics.linear import level
 from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.mechanics.prices import LAWS, expected, own
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.validity import buckling_force
 from tests.mechanics.designs import filleted, linear_check, reference, void_slots, yamada
@@ -302,6 +305,7 @@ def test_the_error_is_the_meshs_and_the_models() -> None:
     assert found.next_tier[0] == "corrected"
 
 
+@pytest.mark.slow
 def test_parts_that_go_through_each_other_have_no_verdict() -> None:
     """The skin between ridges reaches the plate: linear contact knows crowns and tip fillets alone."""
     found = linear_check(yamada(), force=40.0, tol=0.05)
@@ -317,3 +321,36 @@ def test_slots_that_close_have_no_verdict() -> None:
     flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05})
     assert linear_check(flat, tol=0.05, force=1.0).beyond == ""
     assert "closes" in linear_check(flat, tol=0.05, force=8.0).beyond
+
+
+def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the law alone, and where that lets it try, by what the first mesh took."""
+    for hopeless in (check_module.HOPELESS, math.inf):
+        monkeypatch.setattr(check_module, "HOPELESS", hopeless)
+        found = check(yamada(), budget=1e-3)
+        assert found.tier == "winkler"
+        assert any("would take about" in w and "of the budget of 0.001 s" in w for w in found.warnings)
+        assert found.next_tier[0] == "linear"
+        assert found.next_tier[1] > 1e-3
+
+
+@pytest.mark.slow
+def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
+    """Three plain ridges, pressed hard: clear by the linear tier, and much of the budget is left."""
+    small = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 4.0})
+    assert check(small).tier == "linear"
+    found = check(small, budget=1e3)
+    assert found.next_tier is None
+    assert [tier for tier, _, _ in found.climbed][:2] == ["linear", "corrected"]
+
+
+def test_a_tier_is_priced_by_its_unknowns() -> None:
+    plain, strips = filleted(), yamada()
+    for tier in LAWS:
+        assert own(tier, plain) <= own(tier, strips)
+    done = {"linear", "corrected"}
+    assert expected("corrected-finite-strain", plain, set()) == pytest.approx(
+        expected("corrected-finite-strain", plain, done) + sum(own(t, plain) for t in done)
+    )
+    # what the law is asked at, against what is counted
+    assert prices.plane_unknowns(strips) == pytest.approx(linear_check(strips).unknowns, rel=0.3)

@@ -12,6 +12,7 @@ from tests.mechanics.designs import filleted, reference, yamada
 from tests.mechanics.test_solid import assert_inside, refined
 
 
+@pytest.mark.slow
 def test_refined_solid_lies_inside() -> None:
     found = corrected.answer(reference(), Request(4.0))
     assert_inside(found, refined())

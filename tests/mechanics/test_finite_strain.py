@@ -218,6 +218,7 @@ def test_a_single_ridge() -> None:
         solved(design, 4.0)
 
 
+@pytest.mark.slow
 def test_the_lightest_load() -> None:
     found = solved(filleted(), 1e-6)
     assert found.touching == 1

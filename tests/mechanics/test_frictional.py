@@ -10,9 +10,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from skincad.curves import Point, Segment
 from skincad.mechanics import reference
 from skincad.mechanics.film.stick import part_of
-from skincad.mechanics.frictional import grip, halved
+from skincad.mechanics.frictional import grip
 from skincad.mechanics.grip import (
     OPEN,
     RIGHT,
@@ -24,9 +25,11 @@ from skincad.mechanics.grip import (
     Pressed,
     at_rest,
 )
+from skincad.mechanics.halving import halved
 from skincad.mechanics.mesh import Sizes, triangles
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.problem import ContactError, Pad
 from skincad.mechanics.sliding import Sliding, sliding
+from skincad.section import Section
 from tests.mechanics.test_elements import cylinder
 from tests.mechanics.test_sliding import meshed
 
@@ -210,3 +213,38 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
     assert [a[2].travel for a in tries] == [0.5, 0.25, 0.5]
     assert found.slipped[0] == pytest.approx(-(0.5 - SPRING), rel=1e-12)
     assert found.status[0] == RIGHT
+
+
+@cache
+def thin_layer() -> Sliding:
+    """A layer 1 mm thick and 20 mm wide: its middle knows nothing of its ends (they fade by exp(-pi x))."""
+    half = 10.0
+    corners = [Point(-half, 0.0), Point(half, 0.0), Point(half, 1.0), Point(-half, 1.0)]
+    sides = [Segment(a, b) for a, b in pairwise([*corners, corners[0]])]
+    sides[0] = replace(sides[0], kind="back")
+    sides[2] = replace(sides[2], kind="crown", ridge=1)
+    part = part_of(Pad(Section(tuple(sides)), 5.0, 0.8, 0.3), 0.0)
+    return sliding(part, triangles(part.pad, Sizes(0.4, 0.4, 0.4, 0.1)), 3, False)
+
+
+@pytest.mark.parametrize(("travel", "slips"), [(0.02, False), (2.0, True)])
+def test_frictional_patch(travel: float, slips: bool) -> None:
+    """Uniform pressure and traction in stick and in slip to 0.05 %, the issue's (after NAFEMS R0081's).
+
+    By hand, of a wide layer: p = M d / h with M = E (1 - nu) / (1 + nu) / (1 - 2 nu); t = G s / h where it
+    sticks, mu p where it slips.
+    """
+    pad, mu, force = thin_layer(), 0.5, 5.0
+    drives = [Drive(0.0, travel=0.0), Drive(force, travel=0.0), Drive(force, travel=travel)]
+    layer = Pressed(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    state = march(layer, drives, Cone(mu, mu))[-1]
+    middle = np.abs(pad.x) < 2.0
+    pressure, traction = (
+        each[middle] / (5.0 * pad.weight[middle]) for each in (state.normal, state.tangential)
+    )
+    confined = 0.8 * 0.7 / 1.3 / 0.4 * state.approach
+    assert pressure == pytest.approx(confined, rel=5e-4)
+    expected = mu * confined if slips else 0.8 / 2.6 * travel
+    assert traction == pytest.approx(expected, rel=5e-4)
+    assert (state.slips[middle] == slips).all()
+    assert not slips or state.slips[state.touches].all()

@@ -155,6 +155,7 @@ def test_layers_integrate_polynomials() -> None:
     assert y**3 @ along.stiff @ y**3 == pytest.approx(9 * 3.0**5 / 5, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_free_ends_as_in_the_facts() -> None:
     """FACTS: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; two meshes differ by 1 %."""
     found = refined()

@@ -79,9 +79,12 @@ class Level:
     body: Body
 
 
-def part_of(pad: Pad, thickness: float) -> Part:
-    """Return what is to be meshed of a pad with strips of this thickness, mm, in its section's slots."""
-    half, slots = half_of(pad), pad.section.slots
+def part_of(pad: Pad, thickness: float, halved: bool = True) -> Part:
+    """Return what is to be meshed of a pad with strips of this thickness, mm, in its section's slots.
+
+    That is the half of a mirror-symmetric one, unless `halved` says otherwise.
+    """
+    half, slots = half_of(pad) if halved else None, pad.section.slots
     if half is None:
         return Part(pad, pad, False, slots, thickness, unit_of(pad))
     right = tuple(s for s in slots if s.centre.x > 0)
@@ -228,15 +231,13 @@ def _state(part: Part, body: Body, moved: Array, load: Array, parity: int) -> St
 
 
 def resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
-    """Stresses xx, xz, zz, yy `(strips, 4)` as across, along the strip in the section, along y."""
-    xx, xz, zz, yy = stress.T
-
-    def towards(axes: Array) -> Array:
+    """Stresses xx, xz, zz, yy `(strips, 4, ...)` as across, along the strip in the section, along y."""
+    turn = np.zeros((len(slots), 3, 4))
+    for i, axes in enumerate((np.array([s.across for s in slots]), np.array([s.direction for s in slots]))):
         x, z = axes.T
-        return np.asarray(xx * x * x + 2 * xz * x * z + zz * z * z)
-
-    across, along = np.array([s.across for s in slots]), np.array([s.direction for s in slots])
-    return np.column_stack([towards(across), towards(along), yy])
+        turn[:, i, :3] = np.column_stack([x * x, 2 * x * z, z * z])
+    turn[:, 2, 3] = 1.0
+    return np.asarray(np.einsum("sij,sj...->si...", turn, stress))
 
 
 def on_whole(part: Part, values: Array, parity: int) -> Array:

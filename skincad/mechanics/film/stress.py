@@ -84,7 +84,11 @@ def filled_pad(design: Design) -> tuple[Pad, float]:
         return pad, thickness
     strips = tuple(slot.loop(thickness) for slot in pad.section.slots)
     return replace(
-        pad, strips=strips, film_modulus=pad.young_modulus, film_ratio=pad.poisson_ratio
+        pad,
+        strips=strips,
+        film_modulus=pad.young_modulus,
+        film_ratio=pad.poisson_ratio,
+        film_density=pad.density,
     ), thickness
 
 

@@ -97,11 +97,8 @@ def averages(body: Body, slots: Sequence[SlotPlace], thickness: float, unit: flo
     sums = [
         ng.Integrate(part, mesh, order=body.order + 1, definedon=film, element_wise=True) for part in parts
     ]
-    elements = list(film.Elements())
-    points = np.array([v.point for v in mesh.vertices])
-    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements])
-    inside = np.array(sums).T[[e.nr for e in elements]]
-    strip = _nearest(centres * unit, slots, thickness)
+    elements, strip = strips_of(mesh, slots, thickness, unit)
+    inside = np.array(sums).T[elements]
     total = np.zeros((len(slots), 5))
     np.add.at(total, strip, inside)
     areas = np.array([slot.depth * thickness for slot in slots]) / unit**2
@@ -123,16 +120,13 @@ def average_rows(
     one solve gives the stress under any load (its adjoint). The mesh must have the strips as domain `film`.
     """
     mesh, space = body.system.mesh, body.system.space
-    elements = list(mesh.Materials("film").Elements())
-    points = np.array([v.point for v in mesh.vertices])
-    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements])
-    strip = _nearest(centres * unit, slots, thickness)
+    elements, strip = strips_of(mesh, slots, thickness, unit)
     inside = ng.GridFunction(ng.L2(mesh, order=0))
     stress = _stress(mesh, materials, *space.TestFunction())
     rows = np.empty((len(slots), 4, space.ndof))
     for i, slot in enumerate(slots):
         mark = np.zeros(mesh.ne)
-        mark[[e.nr for e, s in zip(elements, strip, strict=True) if s == i]] = 1.0
+        mark[elements[strip == i]] = 1.0
         inside.vec.FV().NumPy()[:] = mark
         share = unit**2 / (slot.depth * thickness)
         for j in range(4):
@@ -144,7 +138,16 @@ def average_rows(
     return rows
 
 
-def _nearest(points: Array, slots: Sequence[SlotPlace], thickness: float) -> Index:
+def strips_of(mesh: Any, slots: Sequence[SlotPlace], thickness: float, unit: float) -> tuple[Index, Index]:
+    """Return the elements of domain `film` and the number of the strip that each lies in, both `(e,)`."""
+    elements = list(mesh.Materials("film").Elements())
+    points = np.array([v.point for v in mesh.vertices])
+    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements])
+    numbers = np.array([e.nr for e in elements], dtype=np.int64)
+    return numbers, nearest(centres * unit, slots, thickness)
+
+
+def nearest(points: Array, slots: Sequence[SlotPlace], thickness: float) -> Index:
     """Number of the strip that each point, mm, lies in."""
     centre = np.array([s.centre for s in slots])
     along, across = np.array([s.direction for s in slots]), np.array([s.across for s in slots])
@@ -166,16 +169,16 @@ class Patch:
     film: Mask
 
 
-def field(body: Body, centre: tuple[float, float], reach: float) -> Patch:
-    """Return the state within `reach` of `centre`, in units."""
+def field(body: Body, centre: tuple[float, float], reach: float, cuts: int = PIECES) -> Patch:
+    """Return the state within `reach` of `centre`, in units; a triangle's edge is drawn in so many `cuts`."""
     mesh = body.system.mesh
-    lattice = [(i, j) for j in range(PIECES + 1) for i in range(PIECES + 1 - j)]
+    lattice = [(i, j) for j in range(cuts + 1) for i in range(cuts + 1 - j)]
     number = {at: k for k, at in enumerate(lattice)}
-    pieces = [[number[i, j], number[i + 1, j], number[i, j + 1]] for i, j in lattice if i + j < PIECES]
+    pieces = [[number[i, j], number[i + 1, j], number[i, j + 1]] for i, j in lattice if i + j < cuts]
     pieces += [
-        [number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]] for i, j in lattice if i + j < PIECES - 1
+        [number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]] for i, j in lattice if i + j < cuts - 1
     ]
-    rule = ng.IntegrationRule([(i / PIECES, j / PIECES) for i, j in lattice], [0.0] * len(lattice))
+    rule = ng.IntegrationRule([(i / cuts, j / cuts) for i, j in lattice], [0.0] * len(lattice))
     points = mesh.MapToAllElements(rule, ng.VOL)
     values = ng.CF((ng.x, ng.y, *body.moved.components[0], *body.stress))(points)
     values = np.asarray(values).reshape(mesh.ne, len(lattice), 8)

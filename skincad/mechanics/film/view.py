@@ -69,17 +69,22 @@ def _around(part: Part, found: Level, ridge: int, state: State, parity: int) -> 
     here = strip_field.field(found.body, (x, z), REACH)
     if not part.mirrored:
         return here
-    image = _mirrored(strip_field.field(found.body, (-x, z), REACH), parity)
+    return joined(here, as_image(strip_field.field(found.body, (-x, z), REACH), parity))
+
+
+def joined(one: Patch, other: Patch) -> Patch:
+    """Return both pieces as one."""
     return Patch(
-        np.concatenate([here.place, image.place]),
-        np.concatenate([here.shift, image.shift]),
-        np.concatenate([here.stress, image.stress]),
-        np.concatenate([here.triangles, image.triangles + len(here.place)]),
-        np.concatenate([here.film, image.film]),
+        np.concatenate([one.place, other.place]),
+        np.concatenate([one.shift, other.shift]),
+        np.concatenate([one.stress, other.stress]),
+        np.concatenate([one.triangles, other.triangles + len(one.place)]),
+        np.concatenate([one.film, other.film]),
     )
 
 
-def _mirrored(patch: Patch, parity: int) -> Patch:
+def as_image(patch: Patch, parity: int) -> Patch:
+    """Return the mirror image about x = 0 of a piece, its state even (1) or odd (-1)."""
     return Patch(
         patch.place * [-1, 1],
         parity * patch.shift * [-1, 1],

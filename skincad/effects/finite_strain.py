@@ -1,0 +1,138 @@
+"""Finite strain, plane strain: a neo-Hookean skin, for shear and squeeze beyond the linear range.
+
+Range: neo-Hooke, as silicones are up to strains of about 0.5; quasi-static, under a flat plate that keeps its
+angle. Where the skin's surface folds the march stops and says so (mechanics/creasing.py). A step linearises
+the body several times, so it costs some hundred times one of small strain. The whole pad is meshed: mirrored
+loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it then lies
+(mechanics/film/large_field.py). Reference: the finite-strain tier without friction, simple shear with, and
+small strain at small loads (tests/mechanics/test_dragged.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+from threadpoolctl import threadpool_limits
+
+from skincad.effects.kinds import Law, Reading, Share, Step, Term
+from skincad.errors import RefusedError
+from skincad.mechanics.grip import Cone, GrossSlip
+from skincad.mechanics.problem import ContactError
+
+if TYPE_CHECKING:
+    from skincad.mechanics.dragged import Dragged, State
+    from skincad.mechanics.film.large_field import StripStress
+    from skincad.mechanics.film.stick import Part
+
+Array = NDArray[np.float64]
+FRICTIONLESS = Cone(0.0, 0.0)
+
+
+class FiniteStrain(Law):
+    """Neo-Hookean elasticity."""
+
+    creases: Literal["stop", "pass"] = Field(
+        default="stop",
+        description="where the surface folds onto itself: stop there, or pass without the fold's contact",
+    )
+    halves: ClassVar[bool] = False
+
+    def model(
+        self,
+        part: Part,
+        mesh: object,
+        order: int,
+        films: bool,
+        terms: Sequence[Term] = (),
+    ) -> Large:
+        """Return the model of a meshed whole pad; RefusedError for terms that ask for more than friction."""
+        from skincad.mechanics import dragged, elements
+        from skincad.mechanics.film.large_field import strip_stress
+
+        asked = frozenset[str]().union(*(term.asks for term in terms))
+        if asked:
+            raise RefusedError(f"finite_strain is quasi-static: leave out what asks for {', '.join(asked)}")
+        pad, unit = part.pad, part.unit
+        materials = {"skin": (1.0, pad.poisson_ratio)}
+        if pad.strips:
+            materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
+        curved = elements.curved(mesh, order)
+        with threadpool_limits(limits=1, user_api="blas"):
+            whole = dragged.dragged(
+                curved, order, materials, pad.top, unit, pad.young_modulus * unit * pad.length
+            )
+        strips = (
+            strip_stress(whole.body, order, materials, part.slots, part.thickness, unit) if films else None
+        )
+        return Large(whole, strips, pad.young_modulus, self.creases == "stop")
+
+
+@dataclass(frozen=True, eq=False)
+class Large:
+    """A pad that is linearised anew as it deforms; its states are dragged.State."""
+
+    pad: Dragged
+    strips: StripStress | None
+    modulus: float  # MPa
+    stops: bool  # at a crease
+
+    @property
+    def ridge(self) -> NDArray[np.int64]:
+        """Ridge of each contact point `(m,)`."""
+        return self.pad.ridge
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free unknowns."""
+        return self.pad.rest.unknowns
+
+    def start(self) -> State:
+        """The unloaded state."""
+        from skincad.mechanics.dragged import unloaded
+
+        return unloaded(self.pad)
+
+    def advanced(self, state: State, step: Step, shares: Sequence[Share]) -> State:
+        """Return the converged state at the step's end."""
+        from skincad.mechanics.stride import to
+
+        if any(share.more for share in shares):
+            raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
+        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+            try:
+                after = to(self.pad, state, step.before, step.after, cone)
+            except GrossSlip as limit:
+                self._check(limit.last)
+                raise
+            self._check(after)
+            return after
+
+    def _check(self, state: State) -> None:
+        """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
+        from skincad.mechanics.creasing import fault
+
+        wrong = fault(self.pad, state, self.stops)
+        if wrong is not None:
+            raise ContactError(wrong)
+
+    def reading(self, before: State, state: State) -> Reading:  # noqa: ARG002
+        """Return what is told of a state."""
+        grip = state.grip
+        return Reading(
+            float(grip.normal.sum()),
+            float(grip.tangential.sum()),
+            grip.approach,
+            grip.travel,
+            grip.touches,
+            grip.slips,
+            np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus,
+            self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit,
+            state.dissipated,
+            grip.residual,
+        )

@@ -1,0 +1,85 @@
+"""The model of small strain with what terms ask beyond it: masses, and stress that hangs on the past."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.effects.kinds import Reading, Share, Step
+from skincad.errors import RefusedError
+from skincad.mechanics.dynamics import Dynamics
+from skincad.mechanics.dynamics_state import Moved, at_rest_on
+from skincad.mechanics.grip import Cone
+from skincad.mechanics.time_scheme import Matter
+
+if TYPE_CHECKING:
+    from skincad.mechanics.film.stick import Part
+
+FRICTIONLESS = Cone(0.0, 0.0)
+
+
+def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
+    """Return the model of a meshed pad."""
+    from skincad.mechanics.dynamics_pad import linear
+
+    return Moving(Dynamics(linear(part, mesh, order, films)))
+
+
+def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
+    """Return what the terms' shares say, together."""
+    damped = next((share.damped for share in shares if share.damped is not None), None)
+    rate = sum(share.rate for share in shares)
+    branches = tuple(branch for share in shares for branch in share.relaxing)
+    return Matter(damped, 0.0 if damped is None else step.mass, rate, branches)
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """A pad with masses or a past."""
+
+    dynamics: Dynamics
+
+    @property
+    def ridge(self) -> NDArray[np.int64]:
+        """Ridge of each contact point `(m,)`."""
+        return self.dynamics.pad.ridge
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free unknowns."""
+        return self.dynamics.pad.unknowns
+
+    def start(self) -> Moved:
+        """The unloaded state, at rest."""
+        return at_rest_on(self.dynamics.pad)
+
+    def advanced(self, state: Moved, step: Step, shares: Sequence[Share]) -> Moved:
+        """Return the converged state at the step's end."""
+        if any(share.more for share in shares):
+            raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
+        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        begun, length = replace(state, drive=step.before), step.end - step.start
+        return self.dynamics.step(begun, step.after, length, cone, matter_of(step, shares))
+
+    def reading(self, before: Moved, state: Moved) -> Reading:  # noqa: ARG002
+        """Return what is told of a state."""
+        grip, dynamics = state.grip, self.dynamics
+        return Reading(
+            float(grip.normal.sum()),
+            float(grip.tangential.sum()),
+            grip.approach,
+            grip.travel,
+            grip.touches,
+            grip.slips,
+            dynamics.strips(state),
+            dynamics.elastic(state),
+            state.friction,
+            grip.residual,
+            dynamics.kinetic(state),
+            state.viscous,
+            state.work,
+        )

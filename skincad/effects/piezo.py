@@ -1,0 +1,205 @@
+"""The strips' charge through an amplifier: the voltages that one measures.
+
+Charge from the mean stresses of a strip (circuit/film.py): d33 across it, d31 and d32 along it in the section
+and along y, where plane strain has a stress too; times the electrode that lies in the skin. The circuit's
+film is replaced by the skin's own strip with its lead, so a wider strip or a longer lead changes the output;
+its motional branch stays. Both strips of a pair have the same amplifier. Range: what the film feels is the
+mean over the strip, its bare edge included; the amplifier does not act back on the stress (no stiffening).
+The stress goes through the signals' low-pass, as rate and jerk do, and so does the noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from skincad.circuit.film import charge
+from skincad.circuit.low_pass import band_limited, corner, delay
+from skincad.circuit.model import Circuit, constants, load_circuit, noise_sources
+from skincad.circuit.network import Constants
+from skincad.circuit.noise import NoiseSources, noise_samples, total_density
+from skincad.circuit.resample import PASS
+from skincad.circuit.state import Stepper, run, stepper
+from skincad.design import Design
+from skincad.design import Film as Strip
+from skincad.effects.kinds import Reading, Readout, Watched
+from skincad.errors import InputError
+from skincad.tables import quantity
+
+Array = NDArray[np.float64]
+FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12
+MOST_STEPS = 200  # of the network in one of the march
+MOST_SAMPLES = 2_000_000
+SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
+
+
+@dataclass(frozen=True)
+class Electrode:
+    """Areas in mm2: what lies in the skin gives charge, the whole with its lead has capacitance."""
+
+    inside: float
+    whole: float
+
+
+class Piezo(Readout):
+    """Voltages of the told ridges' strips."""
+
+    needs: ClassVar[tuple[str, ...]] = ("film",)
+
+    circuit: str = Field(description="a circuit's template, or a TOML file beside the scene", max_length=4096)
+    noise_seed: int | None = Field(
+        default=None, ge=0, description="adds the noise of film and amplifier by this seed; none if not given"
+    )
+    sampling_Hz: float | None = quantity(  # noqa: N815
+        "Hz", "of the recorder; the circuit's if not given", gt=0.0, le=1e9, default=None
+    )
+
+    def check(self, design: Design) -> None:
+        """Raise InputError for a skin without films or with dead ones, or an unusable circuit."""
+        if design.film is None or design.slot is None:
+            raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
+        try:
+            circuit = load_circuit(self.circuit)
+        except InputError as failure:
+            raise InputError(
+                "circuit", f"{failure.key}: {failure.rule}", failure.value, failure.remedy
+            ) from None
+        if not any((design.film.d31, design.film.d32, design.film.d33)):
+            raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")
+        constants(fitted(circuit, design))
+
+    def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
+        """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it."""
+        circuit = fitted(load_circuit(self.circuit), watched.design)
+        recorder = circuit.sampling.rate if circuit.sampling else None
+        recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
+        c, sources = constants(circuit), noise_sources(circuit)
+        stress = np.array([reading.films for reading in readings])
+        charges = strip_charges(circuit, watched.design, stress)
+        chain = Chain.of(c, time, watched.bandwidth)
+        noise = chain.noise_rms(c, sources)
+        told, ratio = {}, {}
+        for ridge in watched.ridges:
+            one, other = (chain.output(charges[:, 2 * (ridge - 1) + side]) for side in (0, 1))
+            ratio[str(ridge)] = _decibels(float(np.std(one - other)), math.sqrt(2) * noise)  # two amplifiers
+            if self.noise_seed is not None:
+                one = one + chain.noise(c, sources, (self.noise_seed, ridge, 1))
+                other = other + chain.noise(c, sources, (self.noise_seed, ridge, 2))
+            told[str(ridge)] = {"S1": one.tolist(), "S2": other.tolist(), "pair": (one - other).tolist()}
+        return {
+            "output_V": told,
+            "circuit": circuit.name,
+            "sampling_Hz": recorder,
+            "film_capacitance_F": sources.film_capacitance,
+            "output_noise_V_rms": noise,
+            "signal_to_noise_dB": ratio,
+            "warnings": _warnings(circuit.name, recorder, watched),
+        }
+
+
+def electrode(design: Design) -> Electrode:
+    """Return a strip's electrode, mm2, as the cutting pattern draws it: bare at its edges and its far end.
+
+    The lead's own cut corner (half the depth, shorter) is left out: the capacitance of a strip is that of the
+    electrode in the skin and of `film.lead` beyond it.
+    """
+    assert design.film is not None
+    assert design.slot is not None
+    margin = design.film.electrode_margin
+    across = design.slot.depth - 2 * margin
+    inside = (design.skin.length - margin) * across
+    return Electrode(inside, inside + max(0.0, design.film.lead - margin) * across)
+
+
+def fitted(circuit: Circuit, design: Design) -> Circuit:
+    """Return the circuit with the skin's own strip as its capacitor; permittivity, loss and draw axis stay.
+
+    So does the circuit's own d33, which its gain by load is told with: charge comes from `strip_charges`.
+    """
+    own = {"area": electrode(design).whole, "thickness": _strip(design).thickness}
+    film = circuit.film.model_copy(update=own)
+    return circuit.model_copy(update={"film": film})
+
+
+def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
+    """Return charges `(steps + 1, strips)` C of a Reading's stresses `(steps + 1, strips, 3)` MPa."""
+    strip = _strip(design)
+    through, across, along = np.moveaxis(stress, -1, 0)
+    return charge(
+        through,
+        along,
+        across,
+        area=electrode(design).inside,
+        coefficients=(strip.d31, strip.d32, strip.d33),
+        draw_axis=circuit.film.draw_axis,
+    )
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Low-pass and network behind a march of `count` entries, `fine` steps of the network in one of it."""
+
+    step: Stepper
+    bandwidth: float
+    count: int
+    fine: int
+
+    @classmethod
+    def of(cls, c: Constants, time: Array, bandwidth: float) -> Chain:
+        """Return the chain; the low-pass is exact, and the network's steps are short against its time."""
+        count = time.size
+        length = float(time[1] - time[0]) if count > 1 else 1.0
+        wanted = math.ceil(corner(bandwidth) * length / FINE)
+        fine = max(1, min(wanted, MOST_STEPS, MOST_SAMPLES // count))
+        return cls(stepper(c, fine / length), bandwidth, count, fine)
+
+    def output(self, charges: Array) -> Array:
+        """Return the output `(count,)` V of charges `(count,)` C, at rest before."""
+        at = np.arange((self.count - 1) * self.fine + 1)
+        straight = np.interp(at / self.fine, np.arange(self.count), charges)
+        return run(self.step, band_limited(at / self.step.rate, straight, self.bandwidth).value)[0][
+            :: self.fine
+        ]
+
+    def noise(self, c: Constants, sources: NoiseSources, seed: tuple[int, ...]) -> Array:
+        """Return noise `(count,)` V behind the low-pass."""
+        size = max(2, (self.count - 1) * self.fine + 1)
+        sample = noise_samples(c, sources, self.step.rate, size, seed)
+        # periodic: a lead-in of its own end lets the low-pass settle
+        lead = math.ceil(SETTLED * delay(self.bandwidth) * self.step.rate)
+        at = np.arange(-lead, size)
+        behind = band_limited(at / self.step.rate, sample[at % size], self.bandwidth).value
+        return behind[lead :: self.fine][: self.count]
+
+    def noise_rms(self, c: Constants, sources: NoiseSources) -> float:
+        """Return the noise behind the low-pass, V rms, from one period of the record up to half the rate."""
+        low = self.step.rate / max(2, (self.count - 1) * self.fine + 1)
+        frequency = np.geomspace(low, self.step.rate / 2, 4000)
+        passed = (1 + (2 * np.pi * frequency / corner(self.bandwidth)) ** 2) ** -2
+        return math.sqrt(float(np.trapezoid(total_density(c, sources, frequency) * passed, frequency)))
+
+
+def _decibels(signal: float, noise: float) -> float | None:
+    return 20 * math.log10(signal / noise) if signal > 0 and noise > 0 else None
+
+
+def _strip(design: Design) -> Strip:
+    assert design.film is not None
+    return design.film
+
+
+def _warnings(name: str, recorder: float | None, watched: Watched) -> list[str]:
+    """What the recorder does not show of these signals."""
+    seen = math.inf if recorder is None else PASS * recorder / 2
+    if seen >= watched.bandwidth:
+        return []
+    return [
+        f"{name} is sampled at {recorder:g} Hz, true up to {seen:.4g} Hz: output_V is told up to "
+        f"{watched.bandwidth:g} Hz, at the march's steps"
+    ]

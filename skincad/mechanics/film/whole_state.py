@@ -1,0 +1,97 @@
+"""The whole pad under given forces at its contact points: its field to draw, and what of it would collide.
+
+A state takes one solve with the factorisation that condensed the pad, of a mirrored pad one for each parity.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.mechanics import elements
+from skincad.mechanics.condense import Condensed
+from skincad.mechanics.film import strip_field
+from skincad.mechanics.film.stick import Part
+from skincad.mechanics.film.strip_field import Body, Patch
+from skincad.mechanics.film.view import as_image, joined
+from skincad.mechanics.folding import fault
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """The deformed section: `place`, `shift` `(p, 2)` mm, `stress` `(p, 4)` MPa, xx, xz, zz and yy, of its
+    points, `triangles` `(t, 3)` of them, `film` `(t,)` those of the film. The plate is the line through
+    (0, `plate`) mm at `angle` rad."""
+
+    place: Array
+    shift: Array
+    stress: Array
+    triangles: NDArray[np.int64]
+    film: NDArray[np.bool_]
+    plate: float
+    angle: float
+
+
+@dataclass(frozen=True, eq=False)
+class Parity:
+    """A factorisation for even or odd loads: forces `(2 m,)` of the whole pad are put on the part by `spread`
+    and on its contact unknowns by `rows`."""
+
+    small: Condensed
+    rows: sparse.csr_matrix
+    spread: sparse.csr_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class WholeState:
+    """What tells the whole pad's state from the forces at its contact points."""
+
+    part: Part
+    body: Body
+    parities: tuple[Parity, ...]
+
+    def shown(self, force: Array, plate: float, angle: float) -> Shown:
+        """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
+        patches = [self._field(moved) for moved in self._moved(force)]
+        found = patches[0] if len(patches) == 1 else joined(patches[0], as_image(patches[1], 1))
+        unit, modulus = self.part.unit, self.part.pad.young_modulus
+        place, shift = found.place * unit, found.shift * unit
+        return Shown(place, shift, found.stress * modulus, found.triangles, found.film, plate, angle)
+
+    def fault(self, force: Array, plate: float, angle: float) -> str | None:
+        """Return what would collide in this state although the model knows no contact there, or None."""
+        unit, slope = self.part.unit, math.tan(angle)
+
+        def over(x: Array) -> Array:
+            return np.asarray(plate / unit + slope * x)
+
+        def over_image(x: Array) -> Array:
+            return over(-x)
+
+        found = [elements.outlines(self.body.system, moved) for moved in self._moved(force)]
+        wrong = (fault(loops, height) for loops, height in zip(found, (over, over_image), strict=False))
+        return next((each for each in wrong if each), None)
+
+    def _field(self, moved: Array) -> Patch:
+        strip_field.set_state(self.body, moved)
+        return strip_field.field(self.body, (0.0, 0.0), math.inf, 1)
+
+    def _moved(self, force: Array) -> list[Array]:
+        """Displacements `(n,)` of the part, in units; of a mirrored pad also those that the rest mirrors."""
+        per_force = 1 / (self.part.pad.young_modulus * self.part.pad.length * self.part.unit)
+        found = []
+        for parity in self.parities:
+            small, load = parity.small, np.zeros(self.body.system.lift.size)
+            last = small.order[-small.flexibility.shape[0] :]
+            load[last] = parity.rows.T @ (parity.spread @ force) * per_force
+            found.append(small.solve(load))
+        if len(found) == 1:
+            return found
+        even, odd = found
+        return [even + odd, even - odd]

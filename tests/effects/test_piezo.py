@@ -1,0 +1,231 @@
+"""The strips' outputs: charge by hand, closed forms of the amplifier, pair, noise, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad import simulation
+from skincad.catalog import template_names, template_text
+from skincad.circuit.low_pass import corner
+from skincad.circuit.model import load_circuit
+from skincad.effects.kinds import Reading, Watched
+from skincad.effects.piezo import Piezo, electrode, fitted, strip_charges
+from skincad.errors import InputError
+from skincad.fabrication.pattern import strip_patterns
+from skincad.scene import load_scene
+from skincad.scene_files import write_table
+from skincad.section import area
+from skincad.simulation import LEVELS, Simulation, simulate
+from tests.conftest import run_skincad
+
+DESIGN = skincad.load("yamada-2002")
+SLIP = "yamada-2002-slip"
+RESISTANCE = 1e8 * 1e5 / (1 + 1e5)  # of the transimpedance's feedback at its finite gain
+WIDTH = 5000.0
+
+
+def readings(stress: np.ndarray) -> list[Reading]:
+    """Readings of `(steps + 1, 3)` MPa in S1 of ridge 1; all other strips feel nothing."""
+    found = []
+    for row in stress:
+        films = np.zeros((18, 3))
+        films[0] = row
+        none = np.zeros(0, bool)
+        found.append(Reading(0.0, 0.0, 0.0, 0.0, none, none, films, 0.0, 0.0, 0.0))
+    return found
+
+
+def told(stress: np.ndarray, dt: float, width: float = WIDTH, **keys: Any) -> dict[str, Any]:
+    piezo = Piezo(**{"circuit": "transimpedance", **keys})
+    time = np.arange(stress.shape[0]) * dt
+    return dict(piezo.read(Watched(DESIGN, (1,), width), time, readings(stress)))
+
+
+def ramp(count: int = 400, dt: float = 1e-5, rate: float = 10.0) -> np.ndarray:
+    """Across the film alone, MPa, at `rate` MPa/s."""
+    return np.outer(np.arange(count) * dt * rate, [1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
+def test_the_electrode_is_the_cutting_patterns(name: str) -> None:
+    design = skincad.load(name)
+    for strip in strip_patterns(design):
+        found = electrode(design)
+        assert found.inside == pytest.approx(abs(area(strip.electrode)), rel=2e-3)  # strips cast in shrink
+        # the lead's cut corner and what stands through an end plate: up to a tenth
+        drawn = abs(area(strip.electrode)) + abs(area(strip.lead))
+        through = design.mold.end_plate if design.mold.method == "cast-in" else 0.0
+        width = found.inside / (design.skin.length - design.film.electrode_margin)  # type: ignore[union-attr]
+        assert found.whole + through * width == pytest.approx(drawn, abs=design.slot.depth * width)  # type: ignore[union-attr]
+
+
+def test_each_stress_gives_its_charge_by_hand() -> None:
+    circuit = load_circuit("transimpedance")
+    film = DESIGN.film
+    assert film is not None
+    inside = (12.0 - 0.02) * (0.25 - 2 * 0.02)  # length and depth less the bare edges
+    for row, d in (((1, 0, 0), film.d33), ((0, 1, 0), film.d32), ((0, 0, 1), film.d31)):
+        found = strip_charges(circuit, DESIGN, np.array([[row]], float))
+        assert found[0, 0] == pytest.approx(d * 1e-12 * inside, rel=1e-12)
+    across = load_circuit("transimpedance", ["film.draw_axis=width"])
+    turned = strip_charges(across, DESIGN, np.array([[[0.0, 1.0, 0.0]]]))
+    assert turned[0, 0] == pytest.approx(film.d31 * 1e-12 * inside, rel=1e-12)
+
+
+def test_a_constant_stress_rate_is_a_constant_current() -> None:
+    """And that times the feedback's resistance the output, once low-pass and amplifier have settled."""
+    film = DESIGN.film
+    assert film is not None
+    current = film.d33 * 1e-12 * electrode(DESIGN).inside * 10.0
+    found = told(ramp(), 1e-5)["output_V"]["1"]
+    # 1e-6: the amplifier's 1e12 ohm beside its input, and the network's 0.2 ms after 4 ms
+    assert found["pair"][-1] == pytest.approx(current * RESISTANCE, rel=1e-6)
+    assert found["pair"] == found["S1"]
+    assert np.abs(found["S2"]).max() == 0.0
+
+
+def test_a_step_of_stress_gives_its_charge_in_all() -> None:
+    stress = np.zeros((600, 3))
+    stress[100:, 0] = 0.1
+    found = np.array(told(stress, 1e-5)["output_V"]["1"]["pair"])
+    charge = strip_charges(load_circuit("transimpedance"), DESIGN, stress[-1:][None])[0, 0]
+    # trapezoids over a pulse of some ten samples
+    assert np.trapezoid(found, dx=1e-5) == pytest.approx(charge * RESISTANCE, rel=1e-3)
+    assert abs(found[-1]) < 1e-6 * np.abs(found).max()
+    assert np.abs(found[:100]).max() == 0.0
+
+
+def test_the_steps_of_the_march_do_not_count() -> None:
+    """The same straight pieces of stress by ten times the steps; the network's own are finer than both."""
+    coarse = np.outer(np.interp(np.arange(101), [0, 20, 60, 100], [0, 0, 1, 0.2]), [1.0, 0.0, 0.0])
+    fine = np.stack([np.interp(np.arange(1001) / 10, np.arange(101), c) for c in coarse.T], axis=1)
+    one, other = (np.array(told(s, dt)["output_V"]["1"]["S1"]) for s, dt in ((coarse, 1e-4), (fine, 1e-5)))
+    # the low-pass's output is taken as straight within a step of a tenth of its time: 0.01 / 12
+    assert np.abs(one - other[::10]).max() < 1e-3 * np.abs(one).max()
+
+
+def test_a_wider_strip_gives_more_and_a_longer_lead_has_more_capacitance() -> None:
+    circuit = load_circuit("transimpedance")
+    wide = DESIGN.with_(slot={"depth": 0.3})
+    lead = DESIGN.with_(film={"lead": 16.0})
+    stress = np.ones((1, 1, 3))
+    charges = [strip_charges(circuit, d, stress)[0, 0] for d in (DESIGN, wide, lead)]
+    assert charges[1] == pytest.approx(charges[0] * 0.26 / 0.21)
+    assert charges[2] == charges[0]
+    areas = [fitted(circuit, d).film.area for d in (DESIGN, wide, lead)]
+    assert areas[1] == pytest.approx(areas[0] * 0.26 / 0.21)
+    assert areas[2] - areas[0] == pytest.approx(8.0 * 0.21)
+
+
+def test_noise_is_the_seeds_and_has_the_size_that_is_told() -> None:
+    still = np.zeros((20_000, 3))
+    runs = [told(still, 1e-5, noise_seed=seed) for seed in (1, 1, 2)]
+    assert runs[0]["output_V"] == runs[1]["output_V"]
+    assert runs[0]["output_V"] != runs[2]["output_V"]
+    one, other = (np.array(runs[0]["output_V"]["1"][side]) for side in ("S1", "S2"))
+    size = runs[0]["output_noise_V_rms"]
+    # 0.2 s of a noise with its power below 2 kHz: some 400 independent samples
+    assert np.std(one) == pytest.approx(size, rel=0.15)
+    assert abs(np.corrcoef(one, other)[0, 1]) < 0.2
+    assert runs[0]["signal_to_noise_dB"]["1"] is None
+    assert told(still, 1e-5)["output_V"]["1"]["S1"] == [0.0] * 20_000
+
+
+def test_the_ratio_is_the_pairs_to_two_amplifiers() -> None:
+    found = told(ramp(), 1e-5)
+    size = np.std(found["output_V"]["1"]["pair"]) / (math.sqrt(2) * found["output_noise_V_rms"])
+    assert found["signal_to_noise_dB"]["1"] == pytest.approx(20 * math.log10(size), rel=1e-9)
+
+
+def test_a_narrower_band_has_less_noise() -> None:
+    loud, quiet = (told(ramp(), 1e-5, width)["output_noise_V_rms"] for width in (5000.0, 50.0))
+    assert quiet < loud / 3
+    assert corner(50.0) < corner(5000.0)
+
+
+def test_one_entry_is_at_rest() -> None:
+    found = told(np.zeros((1, 3)), 1e-5, noise_seed=0)
+    assert len(found["output_V"]["1"]["pair"]) == 1
+
+
+@cache
+def pressed() -> Simulation:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulation, "LEVELS", (replace(LEVELS[0]),))
+        settings = ["effects.piezo.circuit=transimpedance", "history.steps=12", "readout.bandwidth_Hz=50.0"]
+        return simulate(load_scene("yamada-2002-press", settings))
+
+
+def test_a_mirrored_press_leaves_nothing_in_the_middle_pair() -> None:
+    """The skin is its own mirror image: ridge 5's S1 is S2, and ridge 3's S1 is ridge 7's S2."""
+    told = pressed().as_json()["output_V"]
+    size = max(np.abs(strips["S1"]).max() for strips in told.values())
+    # 1e-6: what the contact's own solution leaves of the symmetry
+    assert np.abs(told["5"]["pair"]).max() < 1e-6 * size
+    assert np.abs(np.subtract(told["3"]["S1"], told["7"]["S2"])).max() < 1e-6 * size
+    assert np.abs(np.add(told["3"]["pair"], told["7"]["pair"])).max() < 1e-6 * size
+    assert np.abs(told["3"]["pair"]).max() > 0.01 * size
+
+
+def test_the_outputs_are_columns_of_the_table(tmp_path: Path) -> None:
+    write_table(pressed(), tmp_path / "signals.csv")
+    rows = list(csv.DictReader((tmp_path / "signals.csv").open()))
+    found = [float(row["ridge 3 pair output [V]"]) for row in rows]
+    np.testing.assert_allclose(found, pressed().read["output_V"]["3"]["pair"], rtol=1e-8, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["effects.film=none"], "effects.piezo: needs the effect film"),
+        (["skin=plain-ridges", "effects.film=none"], "effects.piezo: needs a skin with a [film]"),
+        (["effects.piezo.circuit=yamda-2002"], "effects.piezo.circuit: yamda-2002: no such template"),
+        (["effects.piezo.noise_seed=-1"], "effects.piezo.noise_seed: must be greater than or equal to 0"),
+        (["effects.piezo.seed=1"], "effects.piezo.seed: unknown key"),
+        (["effects.piezo={}"], "effects.piezo.circuit: is missing"),
+    ],
+)
+def test_what_cannot_be_is_told(settings: list[str], words: str) -> None:
+    with pytest.raises(InputError) as failure:
+        load_scene(SLIP, ["effects.piezo.circuit=yamada-2002", *settings])
+    assert str(failure.value).startswith(words)
+    assert "\n" not in str(failure.value)
+
+
+def test_a_strip_that_gives_no_charge_is_refused() -> None:
+    flat = DESIGN.with_(film={"d33": 0.0})
+    Piezo(circuit="transimpedance").check(flat)  # the other two give charge
+    dead = DESIGN.with_(film={"d31": 0.0, "d32": 0.0, "d33": 0.0})
+    with pytest.raises(InputError, match="must not all be 0"):
+        Piezo(circuit="transimpedance").check(dead)
+
+
+def test_a_circuit_lies_beside_its_scene(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(template_text("transimpedance", "circuits"))
+    scene = template_text(SLIP, "scenes") + '\n[effects.piezo]\ncircuit = "mine.toml"\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    found = load_scene(tmp_path / "scene.toml").parts["piezo"]
+    assert isinstance(found, Piezo)
+    assert found.circuit == str(tmp_path / "mine.toml")
+
+
+def test_a_bad_constant_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
+    text = template_text("transimpedance", "circuits").replace("gain = 1e5", "gain = 0.0")
+    (tmp_path / "mine.toml").write_text(text)
+    (tmp_path / "s.toml").write_text(
+        template_text(SLIP, "scenes") + '\n[effects.piezo]\ncircuit = "mine.toml"\n'
+    )
+    done = run_skincad("simulate", "s.toml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("skincad: effects.piezo.circuit: amplifier.gain: must be greater than 0")
+    assert done.stderr.count("\n") == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml", "s.toml"]

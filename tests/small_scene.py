@@ -1,0 +1,24 @@
+"""Scenes on a skin of three ridges, for tests of seconds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from skincad.catalog import template_text
+from skincad.scene import Scene, load_scene
+
+
+def small_skin(text: str) -> str:
+    """A design's TOML with three ridges, and a width for them."""
+    return text.replace("count = 9 ", "count = 3 ").replace("width = 11.0", "width = 5.0")
+
+
+def small_scene(folder: Path, name: str, *overrides: str) -> Scene:
+    """A template's scene on the small skin, both written to `folder`."""
+    (folder / "small.toml").write_text(small_skin(template_text("yamada-2002")))
+    (folder / "scene.toml").write_text(template_text(name, "scenes"))
+    return load_scene(folder / "scene.toml", ["skin=small.toml", *overrides])
+
+
+# a third of the ridges: about a third of the force
+THIRD = "history.normal_force_N=[0.0, 1.3]"
