@@ -280,6 +280,11 @@ def simulate(
     budget: Annotated[
         float | None, typer.Option("--budget", metavar="S", help="Seconds: the best that they buy.")
     ] = None,
+    at: Annotated[
+        list[int],
+        typer.Option("--at", metavar="STEP", help="Draw the section with its stress there; repeatable."),
+    ] = [],  # noqa: B006
+    gif: Annotated[bool, typer.Option("--gif", help="Animate the section over the march.")] = False,
     out: Annotated[
         Path | None, typer.Option("-o", metavar="DIR", help="Out folder; default out/<name>.")
     ] = None,
@@ -294,7 +299,8 @@ def simulate(
     from skincad.scene import load_scene
     from skincad.wording import scene_lines
 
-    loaded = load_scene(scene, settings)
+    drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
+    loaded = load_scene(scene, [*settings, *drawn])
     target = Path("out") / loaded.name if out is None else out
     checked_folder(target)
     from skincad.scene_files import write_scene
@@ -307,6 +313,40 @@ def simulate(
     if found.march.interrupted:
         raise KeyboardInterrupt
     raise typer.Exit(1 if found.march.failed else 0)
+
+
+@app.command()
+def accuracy(
+    design: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    ladders: Annotated[
+        list[str],
+        typer.Option(
+            "--ladder",
+            metavar="NAME",
+            help="Only these: tessellation, contact, circuit, slip, effects; repeat for several.",
+        ),
+    ] = [],  # noqa: B006
+    repeats: Annotated[
+        int, typer.Option("--repeats", metavar="N", help="Runs of each rung; the median counts.")
+    ] = 3,
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Out folder; default out/<name>.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say what accuracy costs in time, on this design.
+
+    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
+    """
+    from skincad.accuracy.job import accuracy_job
+    from skincad.accuracy.words import accuracy_lines
+
+    loaded = skincad.load(design, settings)
+    with _progress(50) as progress:
+        found, files = accuracy_job(loaded, tuple(ladders), out, repeats=repeats, progress=progress)
+    lines = [*accuracy_lines(found), *(f"  {f['path']}" for f in files)]
+    _print({**found.as_json(), "files": files}, as_json, lines)
 
 
 @app.command("fit-material")

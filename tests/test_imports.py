@@ -39,6 +39,7 @@ def run(*arguments: str) -> str:
         (run("check", "plain-ridges", "--tier", "winkler"), (*CAD, *FE, *MESHES)),
         # pydantic comes by typer itself, for the help of any command with typed options
         (run("simulate", "--help"), (*CAD, *FE, *MESHES, "scipy", "numpy")),
+        (run("accuracy", "--help"), (*CAD, *FE, *MESHES, "scipy", "numpy")),
         ("from skincad.scene import load_scene; load_scene('yamada-2002-slip')", (*CAD, *FE, *MESHES)),
         ("import skincad", (*CAD, *FE, *MESHES, "scipy", "numpy", "pydantic")),
         (

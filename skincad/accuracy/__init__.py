@@ -1,0 +1,1 @@
+"""What accuracy costs: ladders of models and settings, their error against their time, on any design."""

@@ -1,0 +1,217 @@
+"""Contact: models, meshes and orders, judged by F9, the force from which all ridges touch, and the approach.
+
+Two errors that are never mixed. The mesh's: each physical model against its own finest rung. The whole: every
+rung against the best model that can judge the design. A model's time includes all that it builds on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from skincad.accuracy.ladder import Ladder, Measure, Rung, timed
+from skincad.design import Design
+from skincad.errors import InputError, RefusedError
+from skincad.mechanics import finite_strain, linear, solid
+from skincad.mechanics.linear import FLOOR, LevelSolver
+from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.mechanics.problem import Answer, Request, pad_of
+from skincad.mechanics.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed
+from skincad.mechanics.tiers import able, run
+from skincad.quantities import Estimate
+from skincad.stopwatch import Progress
+
+MESH = 5e-3  # relative; what `check` asks of a tier's mesh
+BEST = ("solid-finite-strain", "corrected-finite-strain", "solid", "corrected", "linear")
+AIM = {  # the tier whose finest rung another's mesh and method aim at
+    **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
+    "corrected": "solid",
+}
+OWN = "as check takes it"
+# fineness and order of each level, the last the reference
+LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
+    "linear": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4), (2.0, 3), (2.0, 4), (2.0, 5)),
+    "finite-strain": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4)),
+}
+SOLVERS: dict[str, Callable[[], LevelSolver]] = {
+    "linear": lambda: linear.level,
+    "finite-strain": finite_strain.Levels,
+}
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a rung found: F9 in N (None where there is none), approach in mm."""
+
+    model: str
+    setting: str
+    unknowns: int
+    runs: tuple[float, ...]
+    force: float | None
+    approach: float
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A model's finest rung; `own` its relative errors of F9 and approach, `words` how they are known."""
+
+    found: Found
+    own: tuple[float, float]
+    words: str
+
+
+def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
+    climb = _Climb(design, repeats, progress)
+    for name in ("winkler", "linear", "finite-strain", "solid", "corrected", *BEST[1::-1]):
+        climb.attempt(name)
+    best = next((name for name in BEST if name in climb.truth), "")
+    rungs = tuple(_rung(found, climb, best) for found in climb.found)
+    title = f"contact of {design.name} at {climb.request.force:g} N"
+    return Ladder("contact", title, rungs, _measures(climb, best), skipped=climb.skipped)
+
+
+class _Climb:
+    """What is found so far."""
+
+    def __init__(self, design: Design, repeats: int, progress: Progress | None) -> None:
+        self.design, self.repeats, self.progress = design, repeats, progress
+        self.request = Request(design.contact.force, MESH)
+        self.found: list[Found] = []
+        self.truth: dict[str, Truth] = {}
+        self.skipped: dict[str, str] = {}
+        self.done: dict[str, Answer] = {}
+
+    def attempt(self, name: str) -> None:
+        """Climb a tier's rungs; one that cannot judge the design is skipped with its reason."""
+        reason = able(name, self.design, drops=False)
+        try:
+            if not reason and name in LEVELS:
+                self._levels(name)
+            elif not reason:
+                self._tier(name)
+        except (InputError, RefusedError) as refusal:
+            reason = str(refusal)
+        if reason:
+            self.skipped[name] = reason
+
+    def _levels(self, name: str) -> None:
+        pad, force = pad_of(self.design), self.request.force
+        found = []
+        for fineness, order in LEVELS[name]:
+            setting = f"fineness {fineness:g}, order {order}"
+            self._tell(f"{name}, {setting}")
+
+            def solved(fineness: float = fineness, order: int = order) -> linear.Level:
+                mesh = triangles(pad, default_sizes(pad, fineness))
+                return SOLVERS[name]()(pad, mesh, order, force, ())
+
+            last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
+            level, runs = timed(solved, 1 if last else self.repeats)
+            numbers = level.all_touch_force, level.approach
+            found.append(Found(name, setting, level.unknowns, runs, *numbers))
+        finest, before = found[-1], found[-2]
+        own = apart(finest, before, force, pad.top)
+        words = f"{finest.setting}; {before.setting} differs by {own[0]:.0e}, approach {own[1]:.0e}"
+        self.truth[name] = Truth(finest, own, words)
+        self.found += found[:-1]
+
+    def _tier(self, name: str) -> None:
+        if name == "solid":
+            self._solid_levels()
+        self._tell(name)
+        alone = name in ("winkler", "corrected")  # short enough to be solved again from nothing
+
+        def work() -> Answer:
+            return run(name, self.design, self.request, {} if alone else self.done, None)
+
+        answer, runs = timed(work, self.repeats if alone else 1)
+        self.done[name] = answer
+        if not alone:
+            runs = (math.fsum(answer.seconds.values()),)
+        setting = "closed form" if name == "winkler" else OWN
+        force, approach = answer.all_touch_force, answer.approach
+        found = Found(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
+        self.found.append(found)
+        if name != "winkler":
+            own = (_stated(force, FLOOR * self.request.force), _stated(approach, 0.0))
+            words = f"tier {name}; its stated error, {own[0]:.1e} of F9 and {own[1]:.1e} of the approach, is "
+            self.truth[name] = Truth(found, own, words + "held against finer rungs in tests/mechanics")
+
+    def _solid_levels(self) -> None:
+        """The solid's coarsest levels, which its tier adds up."""
+        pad, rung = pad_of(self.design), solid.RUNGS[0]
+        for layers, told in ((rung.layers, "coarse"), (rung.finer, "fine")):
+            setting = f"order {rung.order - 1}, {told} layers"
+            self._tell(f"solid, {setting}")
+
+            def solved(layers: Layers = layers) -> Level:
+                meshed = meshed_part(pad, coarse_sizes(pad, rung.fineness))
+                forms = forms_of(meshed, rung.order - 1)
+                return pressed(meshed, forms, layers, self.request.force, {})
+
+            level, runs = timed(solved, self.repeats)
+            numbers = level.all_touch_force, level.approach
+            self.found.append(Found("solid", setting, level.unknowns, runs, *numbers))
+
+    def _tell(self, what: str) -> None:
+        if self.progress:
+            self.progress(f"contact: {what}")
+
+
+def apart(found: Found, truth: Found, force: float, height: float) -> tuple[float, float]:
+    """Return the relative differences of F9 and approach; nan where there is no F9."""
+    by_force, by_approach = math.nan, abs(found.approach - truth.approach)
+    if found.force is not None and truth.force is not None:
+        by_force = abs(found.force - truth.force) / max(truth.force, FLOOR * force)
+    return by_force, by_approach / max(truth.approach, 1e-9 * height)
+
+
+def _stated(estimate: Estimate, least: float) -> float:
+    value = estimate.value
+    return math.nan if value is None else (estimate.error or 0.0) / max(value, least)
+
+
+def _rung(found: Found, climb: _Climb, best: str) -> Rung:
+    """A rung with its errors; the best model has its own stated error as whole one."""
+    force, height = climb.request.force, climb.design.skin.thickness
+    errors: dict[str, float] = {}
+    for kind, name in (("mesh", AIM.get(found.model, "")), ("whole", best)):
+        truth = climb.truth.get(name)
+        itself = truth is not None and found is truth.found
+        if truth is None or (itself and kind == "mesh"):
+            continue
+        values = truth.own if itself else apart(found, truth.found, force, height)
+        named = zip(("F9", "approach"), values, strict=True)
+        errors |= {f"{kind} {q}": error for q, error in named if not math.isnan(error)}
+    return Rung(found.model, found.setting, found.unknowns, found.runs, errors)
+
+
+def _measures(climb: _Climb, best: str) -> tuple[Measure, ...]:
+    own = "; ".join(f"{name}: {truth.words}" for name, truth in climb.truth.items() if name in AIM.values())
+    found = []
+    for quantity, what in enumerate(("F9", "approach")):
+        floor = climb.truth[best].own[quantity] if best else 0.0
+        named = {"F9": "all-touch force", "approach": "approach"}[what]
+        found.append(
+            Measure(
+                f"mesh {what}",
+                f"error of mesh and method in {named}, relative",
+                "1",
+                "each model's own finest rung",
+                own,
+                compares=False,
+            )
+        )
+        found.append(
+            Measure(
+                f"whole {what}",
+                f"error of model and mesh in {named}, relative",
+                "1",
+                f"{best or 'none'}: the best model that can judge this design",
+                climb.truth[best].words if best else "nothing",
+                floor=0.0 if math.isnan(floor) else floor,
+            )
+        )
+    return tuple(found)
