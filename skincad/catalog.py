@@ -155,7 +155,7 @@ def _read_file(path: Path, name: str) -> dict[str, Any]:
 def _parsed(text: str, name: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as failure:
+    except (ValueError, RecursionError) as failure:  # beside TOML's own: integers of thousands of digits
         raise InputError(name, f"is not TOML: {failure}", remedy="see `skincad new`") from None
 
 
@@ -189,7 +189,7 @@ def _toml_value(text: str) -> Any:
         raise InputError("--set", "must be one line", text)
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return text
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+LONGEST_KEY, LONGEST_LINE = 200, 1500  # letters that are shown, of a key and of all: a line to be read
+
 
 class InputError(ValueError):
     """What a person wrote cannot be used: key, rule, value and remedy, in one line.
@@ -14,12 +16,12 @@ class InputError(ValueError):
 
     def __init__(self, key: str, rule: str, value: object = None, remedy: str = "") -> None:
         self.key, self.rule, self.value, self.remedy = key, rule, value, remedy
-        text = f"{key}: {rule}"
+        text = f"{_clipped(key, LONGEST_KEY)}: {rule}"
         if value is not None:
             text += f", got {_short(value)}"
         if remedy:
             text += f"; {remedy}"
-        super().__init__(" ".join(text.split()))
+        super().__init__(_clipped(" ".join(text.split()), LONGEST_LINE))
 
 
 class RefusedError(RuntimeError):
@@ -34,5 +36,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def _short(value: object, limit: int = 80) -> str:
-    text = f"{value:.6g}" if isinstance(value, float) else repr(value)
+    try:
+        text = f"{value:.6g}" if isinstance(value, float) else repr(value)
+    except ValueError:  # Python prints no integer of more than 4300 digits
+        text = "a number of thousands of digits"
+    return _clipped(text, limit)
+
+
+def _clipped(text: str, limit: int) -> str:
     return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from skincad.design import Design, Ridge, Skin
 
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
+SMALLEST_FILLET = (
+    1e-6  # mm; ten times the length below which the CAD kernel takes an edge's ends for one point
+)
 CORE = 0.2  # assumption: least radius of a revolved skin's back, of curvature_radius_y
 
 
@@ -103,6 +106,9 @@ def _check_ridge(ridge: Ridge) -> None:
             f"must be at most {ridge.root_width:g} mm (ridge.root_width), or the ridge hooks in its mold",
             ridge.tip_width,
         )
+    for key, radius in (("tip_fillet", ridge.tip_fillet), ("root_fillet", ridge.root_fillet)):
+        if 0 < radius < SMALLEST_FILLET:
+            raise InputError(f"ridge.{key}", f"must be 0 or at least {SMALLEST_FILLET:g} mm", radius)
     limit = min(ridge.height, ridge.tip_width / 2)
     if ridge.crown >= limit:
         raise InputError(

@@ -32,25 +32,44 @@ def read_columns(path: Path | str, allowed: tuple[str, ...]) -> dict[str, NDArra
     Raises InputError for a file that cannot be read, a column not in `allowed`, or a value that is no
     number, with its row.
     """
-    name = str(path)
-    try:
-        if Path(path).stat().st_size > LARGEST_FILE:
-            raise InputError(name, f"must be at most {LARGEST_FILE} bytes")
-        text = Path(path).read_text("utf-8-sig")
-    except OSError as failure:
-        raise InputError(name, f"cannot be read ({failure.strerror})", remedy="check the path") from None
-    except UnicodeDecodeError:
-        raise InputError(name, "is not UTF-8 text", remedy="save it as CSV in UTF-8") from None
+    name = repr(str(path))[1:-1][:80]
+    text = _text(Path(path), name)
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    rows = list(csv.reader(lines))
+    try:
+        rows = list(csv.reader(lines))
+    except csv.Error as failure:
+        raise InputError(name, f"is not CSV ({failure})") from None
     if len(rows) < 2:
         raise InputError(name, "has no rows of numbers", remedy=f"first row: {','.join(allowed)}")
     header = [cell.strip() for cell in rows[0]]
     for column in header:
         if column not in allowed:
-            raise InputError(f"{name}, column {column!r}", "unknown", remedy=did_you_mean(column, allowed))
+            shown = repr(column[:80])
+            raise InputError(f"{name}, column {shown}", "unknown", remedy=did_you_mean(column[:80], allowed))
+        if header.count(column) > 1:
+            raise InputError(f"{name}, column {column!r}", "must be given once", header.count(column))
     table = np.array([[_number(name, i, cell) for cell in row] for i, row in _even(name, header, rows)])
     return {column: table[:, i] for i, column in enumerate(header)}
+
+
+def _text(path: Path, name: str) -> str:
+    """The text of a regular file of at most LARGEST_FILE bytes; InputError calls it `name`."""
+    try:
+        if path.exists() and not path.is_file():  # a pipe would be waited for, a device has no end
+            raise InputError(name, "is not a regular file", remedy="name a CSV file")
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+        if len(data) > LARGEST_FILE:
+            raise InputError(name, f"must be at most {LARGEST_FILE} bytes")
+        return data.decode("utf-8-sig")
+    except OSError as failure:
+        raise InputError(name, f"cannot be read ({failure.strerror})", remedy="check the path") from None
+    except UnicodeDecodeError:
+        raise InputError(name, "is not UTF-8 text", remedy="save it as CSV in UTF-8") from None
+    except ValueError as failure:
+        if isinstance(failure, InputError):
+            raise
+        raise InputError(name, f"is no path ({failure})") from None
 
 
 def _even(name: str, header: list[str], rows: list[list[str]]) -> list[tuple[int, list[str]]]:

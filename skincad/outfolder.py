@@ -1,7 +1,12 @@
-"""The out folder: a result appears whole or not at all, and an earlier one stays until then."""
+"""The out folder: a result appears whole or not at all, and an earlier one stays until then.
+
+It is written beside its place, as .<name>.<digits>.new, and put there by two renames. What a run that was
+killed has left is put right by the next run into the same folder.
+"""
 
 from __future__ import annotations
 
+import glob
 import json
 import os
 import secrets
@@ -12,9 +17,15 @@ from pathlib import Path
 
 from skincad.errors import InputError
 
+try:
+    import fcntl
+except ImportError:  # no POSIX: runs into one folder at once are not kept apart
+    fcntl = None  # type: ignore[assignment]
+
 MANIFEST, SCENE_MANIFEST = "make.json", "simulate.json"
 MANIFESTS = (MANIFEST, SCENE_MANIFEST)  # a folder with one was made here; it lists files that may be replaced
-CIRCUIT_MANIFEST = "circuit.json"  # a circuit may have a design's name: neither job takes the other's files
+# a circuit may have a design's name, and ladders have it: no job takes another's files
+CIRCUIT_MANIFEST, ACCURACY_MANIFEST = "circuit.json", "accuracy.json"
 
 
 def checked_folder(folder: Path) -> Path:
@@ -31,7 +42,7 @@ def checked_folder(folder: Path) -> Path:
         if (
             real.is_dir()
             and any(real.iterdir())
-            and not any((real / m).is_file() for m in (*MANIFESTS, CIRCUIT_MANIFEST))
+            and not any((real / m).is_file() for m in (*MANIFESTS, CIRCUIT_MANIFEST, ACCURACY_MANIFEST))
         ):
             raise InputError(
                 "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
@@ -45,23 +56,65 @@ def checked_folder(folder: Path) -> Path:
 def replaced(folder: Path, manifests: tuple[str, ...] = MANIFESTS) -> Iterator[Path]:
     """Yield an empty folder to write into; when the block ends well it takes the place of `folder`.
 
-    Files that an earlier result lists in one of the `manifests` go, all others in the folder are kept. Raises
-    InputError, with nothing changed, when `folder` cannot be written, runs out of space or holds files
-    and no earlier result.
+    Files that an earlier result lists in one of the `manifests` go, all others in the folder are kept. Of two
+    runs at once the later one's result stays. Raises InputError, with nothing changed, when `folder` cannot
+    be written, runs out of space or holds files and no earlier result.
     """
     real = checked_folder(folder)
     staging = real.parent / f".{real.name}.{secrets.token_hex(4)}.new"
     try:
-        staging.mkdir(parents=True)
-        yield staging
-        if real.is_dir():
-            _keep_others(real, staging, manifests)
-            shutil.copystat(real, staging)
-        _swap(staging, real)
+        real.parent.mkdir(parents=True, exist_ok=True)
+        with _locked(real.parent):
+            _put_right(real)
+            staging.mkdir()
+        with _locked(staging):  # for as long as this run lives
+            yield staging
+            with _locked(real.parent):
+                if real.is_dir():
+                    _keep_others(real, staging, manifests)
+                    shutil.copystat(real, staging)
+                _swap(staging, real)
     except OSError as failure:
         raise _unwritable(folder, failure) from failure
     finally:
         shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def _locked(folder: Path, wait: bool = True) -> Iterator[bool]:
+    """Hold a folder's lock, which ends with the process; yield False where it is not to be had."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:  # a folder that may be written and not read
+        yield False
+        return
+    try:
+        yield _lock(handle, wait)
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int, wait: bool) -> bool:
+    if fcntl is None:
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:  # another holds it, or the file system has no locks
+        return False
+    return True
+
+
+def _put_right(folder: Path) -> None:
+    """Bring back an earlier result from between the two renames, and remove what killed runs have left."""
+    for old in folder.parent.glob(f".{glob.escape(folder.name)}.????????.old"):
+        if not folder.exists():
+            old.rename(folder)
+        elif _others(old) <= {item.name for item in folder.iterdir()}:
+            shutil.rmtree(old, ignore_errors=True)
+    for left in folder.parent.glob(f".{glob.escape(folder.name)}.????????.new"):
+        with _locked(left, wait=False) as dead:
+            if dead:
+                shutil.rmtree(left, ignore_errors=True)
 
 
 def _unwritable(folder: Path, failure: OSError) -> InputError:
@@ -77,6 +130,13 @@ def _listed(folder: Path, manifests: tuple[str, ...]) -> set[str]:
         except (ValueError, KeyError, TypeError, OSError):
             continue  # not ours, or older: what it made stays
     return names
+
+
+def _others(folder: Path) -> set[str]:
+    """Names in this folder that no earlier result lists."""
+    return {item.name for item in folder.iterdir()} - _listed(
+        folder, (*MANIFESTS, CIRCUIT_MANIFEST, ACCURACY_MANIFEST)
+    )
 
 
 def _keep_others(folder: Path, staging: Path, manifests: tuple[str, ...]) -> None:

@@ -36,7 +36,7 @@ def drawn(seed: int) -> Drawn:
     refused: list[str] = []
     for _ in range(MOST_DRAWS):
         try:
-            design = parse(Design, {"name": f"random-{seed}", **_tables(random)})
+            design = parse(Design, {"name": f"random-{seed}", **tables(Dice(random))})
             mold(design)
         except InputError as refusal:
             refused.append(refusal.key)
@@ -45,7 +45,7 @@ def drawn(seed: int) -> Drawn:
     raise AssertionError(f"seed {seed}: none of {MOST_DRAWS} draws is a design: {Counter(refused)}")
 
 
-class _Dice:
+class Dice:
     """A random generator with the few shapes of draw that are needed here."""
 
     def __init__(self, random: np.random.Generator) -> None:
@@ -60,28 +60,31 @@ class _Dice:
     def happens(self, share: float) -> bool:
         return bool(self.random.random() < share)
 
+    def whole(self, low: int, high: int) -> int:
+        return int(self.random.integers(low, high + 1))
+
     def one(self, values: Any) -> Any:
-        return list(values)[self.random.integers(len(values))]
+        return list(values)[self.whole(0, len(values) - 1)]
 
     def maybe(self, share: float, **tables: Any) -> dict[str, Any]:
         return {key: value for key, value in tables.items() if self.happens(share)}
 
 
-def _tables(random: np.random.Generator) -> dict[str, Any]:
-    dice = _Dice(random)
+def tables(dice: Dice) -> dict[str, Any]:
+    """Return a design's tables, drawn so that every second or so is a design."""
     ridge = _ridge(dice)
     skin = _skin(dice, ridge)
-    tables = {"skin": skin, "ridge": ridge, "material": {"name": dice.one(silicones())}, "mold": _mold(dice)}
+    found = {"skin": skin, "ridge": ridge, "material": {"name": dice.one(silicones())}, "mold": _mold(dice)}
     if dice.happens(0.6):
-        tables["slot"] = _slot(dice, ridge)
+        found["slot"] = _slot(dice, ridge)
         if dice.happens(0.7):
-            tables["film"] = _film(dice, tables["slot"])
+            found["film"] = _film(dice, found["slot"])
             if dice.happens(0.4):
-                tables["mold"]["method"] = "cast-in"
-    return tables
+                found["mold"]["method"] = "cast-in"
+    return found
 
 
-def _ridge(dice: _Dice) -> dict[str, Any]:
+def _ridge(dice: Dice) -> dict[str, Any]:
     pitch = dice.scale(0.4, 8.0)
     root = pitch * dice.over(0.4, 0.98)
     tip = root * (1.0 if dice.happens(0.05) else dice.over(0.3, 1.0))
@@ -92,11 +95,11 @@ def _ridge(dice: _Dice) -> dict[str, Any]:
         "tip_fillet": 0.0 if dice.happens(0.15) else most * dice.scale(0.05, 0.8),
         "root_fillet": 0.0 if dice.happens(0.15) else min(pitch - root, height) * dice.scale(0.05, 0.8),
     }
-    count = int(dice.random.integers(1, 16))
+    count = dice.whole(1, 15)
     return {"count": count, "pitch": pitch, "root_width": root, "tip_width": tip, "height": height, **small}
 
 
-def _skin(dice: _Dice, ridge: dict[str, Any]) -> dict[str, Any]:
+def _skin(dice: Dice, ridge: dict[str, Any]) -> dict[str, Any]:
     width = ridge["count"] * ridge["pitch"] * dice.over(1.02, 1.6) + 2 * ridge["root_fillet"]
     width = max(width, dice.scale(3.0, 10.0))
     return {
@@ -107,7 +110,7 @@ def _skin(dice: _Dice, ridge: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _slot(dice: _Dice, ridge: dict[str, Any]) -> dict[str, Any]:
+def _slot(dice: Dice, ridge: dict[str, Any]) -> dict[str, Any]:
     thickness = ridge["tip_width"] * dice.scale(0.02, 0.25)
     return {
         "thickness": max(thickness, 0.006),
@@ -118,7 +121,7 @@ def _slot(dice: _Dice, ridge: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _film(dice: _Dice, slot: dict[str, Any]) -> dict[str, Any]:
+def _film(dice: Dice, slot: dict[str, Any]) -> dict[str, Any]:
     return {
         "thickness": slot["thickness"] * dice.over(0.2, 1.0),
         "electrode_margin": slot["depth"] * dice.over(0.0, 0.4),
@@ -127,7 +130,7 @@ def _film(dice: _Dice, slot: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _mold(dice: _Dice) -> dict[str, Any]:
+def _mold(dice: Dice) -> dict[str, Any]:
     return {
         "process": dice.one(PROCESSES),
         **dice.maybe(0.3, end_plate_process=dice.one(PROCESSES), lid_process=dice.one(PROCESSES)),

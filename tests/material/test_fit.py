@@ -18,6 +18,8 @@ from skincad.measurements import MaterialTest, material_test
 from skincad.stopwatch import Stopwatch
 from tests.mechanics.designs import yamada
 
+pytestmark = pytest.mark.xdist_group("fit")  # one pad for all
+
 CURVES = 200
 
 
@@ -223,7 +225,7 @@ def test_an_offset_of_approach_does_not_bias(curve: PadCurve, offset: float) -> 
     assert found.young_modulus.value == pytest.approx(0.55, rel=1e-6)
     assert found.offset is not None
     assert found.offset.value == pytest.approx(offset, abs=1e-6)
-    assert 0.0 < found.model < 0.06 * 0.55
+    assert 0.0 < found.model < 0.065 * 0.55  # the curve's own parts add up to 6.1 % (pad_curve.py)
 
 
 def test_rows_before_the_touch_do_not_bias(curve: PadCurve) -> None:

@@ -1,0 +1,44 @@
+"""Every row of the catalogue of hard cases: the figure that it watches, and what holds for all of a kind."""
+
+from __future__ import annotations
+
+import pytest
+
+from skincad.errors import InputError, RefusedError
+from tests.campaign.cases import figures
+from tests.campaign.invariants import sane
+from tests.hard_cases import Entry, entries, watched
+
+ALL = tuple(entries())
+MARKED = [pytest.param(entry, id=entry.name, marks=[pytest.mark.slow] if entry.slow else []) for entry in ALL]
+
+
+@pytest.mark.parametrize("entry", MARKED)
+def test_hard_case(entry: Entry) -> None:
+    if entry.refused:
+        with pytest.raises((InputError, RefusedError)) as refusal:
+            figures(entry.case())
+        assert entry.refused in str(refusal.value)
+        return
+    case = entry.case()
+    found = figures(case)
+    assert not list(sane(case, found))
+    assert not found.get("failed"), found["stopped"]
+    if entry.rel or entry.abs:
+        told = watched(found, entry.watch)
+        assert told == pytest.approx(entry.expected(), rel=entry.rel or 1e-300, abs=entry.abs)
+    else:
+        assert watched(found, entry.watch) == entry.value
+
+
+def test_every_row_says_what_is_hard_and_why_its_number_is_right() -> None:
+    for entry in ALL:
+        assert entry.hard
+        assert entry.why
+        assert bool(entry.refused) != bool(entry.watch), entry.name
+        assert entry.refused or entry.like or entry.value is not None, entry.name
+    assert len({entry.name for entry in ALL}) == len(ALL)
+
+
+def test_no_more_than_a_fifth_is_refused() -> None:
+    assert sum(bool(entry.refused) for entry in ALL) <= len(ALL) / 5
