@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.resample import Recording, recorded
 from skincad.errors import InputError
 from skincad.simulation import Simulation
@@ -20,6 +21,7 @@ ONE, OTHER, PAIR = "#1f5fa8", "#c1531f", "#222222"
 PHASES = {"$P_A$": "#e3ecf7", "$P_B$": "#f9e4d8"}
 FEWEST = 50  # samples that are worth a picture
 PAPERS_RIDGE = 3
+UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 @dataclass(frozen=True)
@@ -59,12 +61,14 @@ def recording_picture(found: Simulation, seen: Recorded, path: Path) -> None:
     figure = Figure(figsize=(9.0, 6.4), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
     strips, pair = figure.subplots(2, 1, sharex=True)
+    largest = max(float(np.abs(part.values).max()) for part in (seen.s1, seen.s2, seen.pair))
+    unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
     for part, name, colour in ((seen.s1, "S1", ONE), (seen.s2, "S2", OTHER)):
-        strips.plot(1e6 * part.values, color=colour, linewidth=1.0, label=f"ridge {seen.ridge} {name}")
-    pair.plot(1e6 * seen.pair.values, color=PAIR, linewidth=1.0, label="$v_d$ = S1 - S2")
+        strips.plot(factor * part.values, color=colour, linewidth=1.0, label=f"ridge {seen.ridge} {name}")
+    pair.plot(factor * seen.pair.values, color=PAIR, linewidth=1.0, label="$v_d$ = S1 - S2")
     for axes in (strips, pair):
         _draw_phases(axes, found, seen)
-        axes.set_ylabel("output, uV")
+        axes.set_ylabel(f"output, {unit}")
         axes.grid(color="#ddd", linewidth=0.6)
         axes.legend(loc="lower left", fontsize=8)
     _name_slips(pair, found, seen)
@@ -78,11 +82,11 @@ def recording_picture(found: Simulation, seen: Recorded, path: Path) -> None:
 def caption(found: Simulation, seen: Recorded) -> str:
     """Return what this recording cannot show."""
     rate, step = seen.pair.rate, 1e3 / seen.pair.rate
-    width = found.scene.readout.bandwidth_Hz
+    seen_to = min(seen.pair.passband, found.scene.readout.bandwidth_Hz)
+    unseen = ": nothing of the cut-off at 1.2 kHz, nor of the stress-jerk above it, is seen"
     ratio = found.read["signal_to_noise_dB"][str(seen.ridge)]
     lines = [
-        f"True up to {min(seen.pair.passband, width):.4g} Hz: nothing of the cut-off at 1.2 kHz, nor of the "
-        "stress-jerk above it, is seen.",
+        f"True up to {seen_to:.4g} Hz{unseen if seen_to < PAPER_CUTOFF else ''}.",
         f"A sample is {step:.3g} ms: no lead time is claimed for what is shorter.",
     ]
     if ratio is not None:

@@ -52,14 +52,17 @@ def _forces(axes: Axes, found: Simulation) -> None:
 
 def _signals(axes: Axes, found: Simulation, label: str, of: object) -> None:
     assert callable(of)
-    for ridge, signal in found.signals.items():
+    for row, (ridge, signal) in enumerate(found.signals.items()):
         assert isinstance(signal, Limited)
         axes.plot(of(signal), label=f"ridge {ridge}", linewidth=1.0)
         step = found.slip_steps[ridge - 1]
         if step is not None and len(found.signals) <= 2:
             axes.axvline(step, color="#888", linewidth=0.8, linestyle="--")
             axes.annotate(
-                f"ridge {ridge} slips", (step, 0.02), xycoords=("data", "axes fraction"), fontsize=7
+                f"ridge {ridge} slips",
+                (step, 0.02 + 0.1 * row),
+                xycoords=("data", "axes fraction"),
+                fontsize=7,
             )
     axes.set_ylabel(label, fontsize=9)
     axes.legend(loc="upper left", fontsize=8, ncols=3)

@@ -80,6 +80,11 @@ def test_the_caption_says_what_is_not_seen() -> None:
     assert "A sample is 1.54 ms: no lead time is claimed for what is shorter." in text
     assert "20 dB" in text
     assert "of the signal's power lies above 260 Hz" in text
+    wide = scene(rate=20000.0, sampling=10000.0)
+    wide.scene.readout.bandwidth_Hz = 2000.0
+    beyond = recording(wide)
+    assert beyond is not None
+    assert "1.2 kHz" not in caption(wide, beyond)
 
 
 def test_the_picture_is_drawn(tmp_path: Path) -> None:
