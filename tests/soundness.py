@@ -102,6 +102,8 @@ def _sheet_faults(design: Design, closed: Mold, sheet: str) -> Iterator[str]:
         yield f"casting sheet: {volume} mm3, poured are {formula:.2f}"
     if abs(grams / (formula * silicone(design.material).density * 1e-6) - 1) > 1e-3:
         yield f"casting sheet: {grams} g of {formula:.2f} mm3"
+    if design.skin.curvature_radius_y is not None:  # tests/fabrication/test_doubly_curved.py holds these
+        return
     solids = {part.name: manifold(part, 1e-3) for part in closed.parts}
     spaces = poured_by_solids(solids, Kit(_bounds, _block, Manifold.decompose, Manifold.volume))
     # bores are polygons within 1e-3 mm: the skin's and carrier's surface, once

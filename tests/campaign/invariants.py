@@ -198,8 +198,9 @@ def _scene(case: Case, found: Figures) -> Iterator[Fault]:
     normal, across = np.array(found["normal"]), np.array(found["tangential"])
     asked = np.array(found["asked_normal"])
     whole = slice(None, -1 if found["stopped"] == "gross slip" else None)  # which may come within a step
+    heavy = "inertia" in case.tables["effects"]  # masses bear what the skin does not
     off = float(np.abs(normal - asked)[whole].max())
-    if not off <= 1e-9 * max(asked.max(), 1e-300):
+    if not heavy and not off <= 1e-9 * max(asked.max(), 1e-300):
         yield "plate's balance", f"off by {off:.3g} N"
     if not found["residual"] <= 1e-10:
         yield "residual", str(found["residual"])
@@ -208,7 +209,8 @@ def _scene(case: Case, found: Figures) -> Iterator[Fault]:
     if not ((np.array(found["touching"]) > 0) == (normal > 0)).all():
         yield "touching", "load without contact, or contact without load"
     lost, work = np.array(found["dissipated"]), max(abs(found["work"]), *found["elastic"])
-    if lost.min() < -1e-9 * work:
+    # of a point that turns round within a step the mean force is not the one that it slid under
+    if lost.min() < (-1e-4 if heavy else -1e-9) * work:
         yield "friction gives work", f"{lost.min():.3g} mJ of {work:.3g}"
     if min(found["elastic"]) < -1e-9 * work:
         yield "stored energy", f"{min(found['elastic']):.3g} mJ"
