@@ -15,8 +15,6 @@ from skincad.design import Design
 from skincad.effects import EFFECTS
 from skincad.errors import InputError
 
-pytestmark = pytest.mark.xdist_group("ladders")  # their fixtures take a quarter of a minute
-
 
 @pytest.fixture(scope="module")
 def small() -> Design:

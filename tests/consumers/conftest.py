@@ -10,9 +10,7 @@ from tests.consumers import Job
 
 
 def _marks(name: str) -> list[pytest.MarkDecorator]:
-    # a group keeps a template's tests in one process, so that it is made once
-    group = pytest.mark.xdist_group(f"made {name}")
-    return [group] if name == "yamada-2002" else [group, pytest.mark.slow]
+    return [] if name == "yamada-2002" else [pytest.mark.slow]
 
 
 @pytest.fixture(scope="session", params=[pytest.param(name, marks=_marks(name)) for name in template_names()])

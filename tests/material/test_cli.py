@@ -62,6 +62,7 @@ def test_json_is_one_object_and_nothing_else(bar: Path) -> None:
     assert result["offset_mm"] == {"value": None, "error": None}
 
 
+@pytest.mark.slow
 def test_a_pad_writes_a_design_that_checks_with_its_range(tmp_path: Path) -> None:
     approach = np.linspace(0.2, 0.4346, 30)
     force = np.interp(approach, APPROACH, FORCE)

@@ -18,8 +18,6 @@ from skincad.measurements import MaterialTest, material_test
 from skincad.stopwatch import Stopwatch
 from tests.mechanics.designs import yamada
 
-pytestmark = pytest.mark.xdist_group("fit")  # one pad for all
-
 CURVES = 200
 
 

@@ -252,6 +252,7 @@ def test_neighbours_that_meet_are_found() -> None:
     assert "onto itself" in (fault(far_loops, lambda x: 0 * x + plate + 100.0) or "")
 
 
+@pytest.mark.slow
 def test_the_check_offers_the_tier() -> None:
     found = check(yamada(), tier="finite-strain", tol=COARSE)
     assert (found.tier, found.touching) == ("finite-strain", 9)

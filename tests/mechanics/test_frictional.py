@@ -196,7 +196,7 @@ def test_a_pulling_plate_is_refused() -> None:
 
 def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first try is made to fail: the two halves then are what the step took."""
-    from skincad.mechanics import frictional
+    from skincad.mechanics import halving
 
     tries = []
 
@@ -206,7 +206,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
             raise ContactError("made to fail")
         return grip(*arguments)
 
-    monkeypatch.setattr(frictional, "grip", failing)
+    monkeypatch.setattr(halving, "grip", failing)
     start, end = Drive(2.0, travel=0.0), Drive(2.0, travel=0.5)
     before = grip(block(), at_rest(1), start, Cone(0.5, 0.5))
     found = halved(lambda _: block(), before, start, end, Cone(0.5, 0.5))

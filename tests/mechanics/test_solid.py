@@ -208,6 +208,7 @@ def test_bonded_strips_hold_the_ends() -> None:
     assert ratios == pytest.approx([1.280, 1.139], abs=0.01)
 
 
+@pytest.mark.slow
 def test_answer_holds_the_refined_solution_and_its_residual() -> None:
     found, exact = solid.solve(pad_of(sharp()), Request(4.0)), refined()
     assert not found.warnings

@@ -24,6 +24,7 @@ def test_templates_parts_are_valid_and_of_their_volume(name: str) -> None:
         assert shape.Volume() == pytest.approx(part.volume, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_hard_shapes_are_valid_and_of_their_volume(variants: dict[str, Design]) -> None:
     for name, design in variants.items():
         shape = solid(skin_part(design))
