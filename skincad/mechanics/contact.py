@@ -56,7 +56,8 @@ def press(
     for _ in range(SWEEPS):
         nodal, approach = _equilibrium(flexibility, gap, force, active, {} if solved is None else solved)
         open_gap = gap - approach + flexibility @ nodal
-        small_force, small_gap = ROUNDING * force, ROUNDING * _length(gap, approach)
+        # by the largest nodal force, as it is accepted: by the whole force many nodes would let too much pass
+        small_force, small_gap = ROUNDING * float(nodal.max()), ROUNDING * _length(gap, approach)
         wanted = (active & (nodal >= -small_force)) | (~active & (open_gap < -small_gap))
         if np.array_equal(wanted, active):
             return _accepted(flexibility, gap, force, nodal, approach, active)
