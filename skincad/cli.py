@@ -6,14 +6,13 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import skincad
+from skincad.bars import stage_bar, step_bar
 from skincad.errors import InputError, RefusedError
 
 if TYPE_CHECKING:
@@ -155,7 +154,7 @@ def make(
     from skincad.wording import make_lines
 
     loaded = skincad.load(design, settings, printer=printer)
-    with _progress(len(STAGES)) as progress:
+    with stage_bar(len(STAGES)) as progress:
         result = run(loaded, out, formats=tuple(formats) or FORMATS, strict=strict, progress=progress)
     _print(result.as_json(), as_json, make_lines(result))
     raise typer.Exit(0 if result.passed else 1)
@@ -207,7 +206,7 @@ def check(
     if pull is not None and stress is None:
         raise InputError("--pull", "needs --stress", pull, "name the picture with --stress")
     loaded = skincad.load(design, settings, printer=printer)
-    with _progress(4) as progress:
+    with stage_bar(4) as progress:
         result = run(
             loaded, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
         )
@@ -262,7 +261,7 @@ def circuit(
     from skincad.wording import circuit_lines
 
     loaded = load_circuit(source, settings)
-    with _progress(2) as progress:
+    with stage_bar(2) as progress:
         found, files = circuit_job(loaded, out, measured=measured, progress=progress)
     _print(
         {**found.as_json(), "files": files}, as_json, circuit_lines(found, [str(f["path"]) for f in files])
@@ -306,7 +305,7 @@ def simulate(
     from skincad.scene_files import write_scene
     from skincad.simulation import simulate as run
 
-    with _ticks(loaded.history.steps) as tick:
+    with step_bar(loaded.history.steps) as tick:
         found = run(loaded, tol=tol, budget=budget, tick=tick)
     files = write_scene(found, target)
     _print(found.as_json(), as_json, [*scene_lines(found), f"{len(files)} files in {target}"])
@@ -343,7 +342,7 @@ def accuracy(
     from skincad.accuracy.words import accuracy_lines
 
     loaded = skincad.load(design, settings)
-    with _progress(50) as progress:
+    with stage_bar(50) as progress:
         found, files = accuracy_job(loaded, tuple(ladders), out, repeats=repeats, progress=progress)
     lines = [*accuracy_lines(found), *(f"  {f['path']}" for f in files)]
     _print({**found.as_json(), "files": files}, as_json, lines)
@@ -394,7 +393,7 @@ def fit_material(
     loaded = skincad.load(design, settings) if design else None
     if out is not None:
         checked_fresh(out, ".toml", "-o")
-    with _progress(6) as progress:
+    with stage_bar(6) as progress:
         found = run(file, loaded, up_to=up_to, gauge_length=gauge_length, area=area, progress=progress)
     if out is not None and design is not None:
         write_with_modulus(out, design, settings, found.ranged, f"measured: {found.kind} test {file.name}")
@@ -404,33 +403,3 @@ def fit_material(
 
 def _print(data: dict[str, Any], as_json: bool, lines: list[str]) -> None:
     print(json.dumps(data, allow_nan=False) if as_json else "\n".join(lines))
-
-
-@contextmanager
-def _progress(stages: int) -> Iterator[Progress | None]:
-    """Show a bar on stderr while the block runs, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = TextColumn("{task.description:14}"), BarColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("starting", total=stages + 1)
-        yield lambda name: bar.update(task, description=name, advance=1)
-
-
-@contextmanager
-def _ticks(steps: int) -> Iterator[Callable[[str, int], None] | None]:
-    """Show a march's steps on stderr while the block runs, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("starting", total=steps)
-        yield lambda name, step: bar.update(task, description=name, completed=step)

@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 from skincad.circuit.low_pass import Limited, band_limited, delay
 from skincad.effects.kinds import Body, Readout, Watched
 from skincad.errors import InputError
+from skincad.levels import LEVELS, Level, expected
 from skincad.march import INTERRUPTED, March, march
 from skincad.moments import collisions, kept_steps
 from skincad.omitted import MATTERS, Omitted, omitted
@@ -27,6 +28,7 @@ from skincad.signals import (
     unresolved,
 )
 from skincad.slip import report
+from skincad.stopwatch import Tick
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part
@@ -34,18 +36,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (FACTS.md)
-
-
-@dataclass(frozen=True)
-class Level:
-    """A mesh and an order; `price` in units of the first (measured on yamada-2002-slip)."""
-
-    fineness: float
-    order: int
-    price: float
-
-
-LEVELS = (Level(0.5, 2, 1.0), Level(0.5, 3, 2.0), Level(0.5, 4, 4.0), Level(1.0, 4, 14.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +138,7 @@ def simulate(
     *,
     tol: float | None = None,
     budget: float | None = None,
-    tick: Callable[[str, int], None] | None = None,
+    tick: Tick | None = None,
 ) -> Simulation:
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
@@ -156,7 +146,8 @@ def simulate(
     others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
 
     The error is the change from the mesh before; `budget` s ends the climb before a mesh that would overrun
-    it. `tick` is told stage and step. A march that stops early is a result: its `march.stopped` says why.
+    it; the coarsest is marched whatever it takes. `tick` is told stage, step and the seconds left. A march
+    that stops early is a result: its `march.stopped` says why.
     """
     if tol is not None and not 0 < tol < 1:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
@@ -169,31 +160,37 @@ def simulate(
     error: dict[int, float] | None = None
     reached, met = np.inf, False
     meshes: dict[float, object] = {}
-    for i, level in enumerate(LEVELS):
-        found = _march(scene, part, level, films, meshes, seconds, tick)
+    for level, following in zip(LEVELS, (*LEVELS[1:], None), strict=True):
+        spent: dict[str, float] = {}
+        rest = following if before is None and budget is None else None  # two meshes are the least
+        found = _march(scene, part, level, films, meshes, spent, tick, rest)
+        for stage, more in spent.items():
+            seconds[stage] = seconds.get(stage, 0.0) + more
         if found.interrupted and before is not None:
             found = replace(before, stopped=INTERRUPTED)  # the whole march before says more than a part
             break
         if before is not None:
             error, reached = _errors(part, scene, before, found)
             met = reached <= wanted
-        spent, done = perf_counter() - began, sum(each.price for each in LEVELS[: i + 1])
-        following = LEVELS[i + 1].price if i + 1 < len(LEVELS) else np.inf
-        too_long = budget is not None and spent * (1 + following / done) > budget
+        if met or found.failed or found.interrupted or following is None:
+            break
+        if not films and before is not None:
+            break
+        price = expected(following, level, {**spent, "mesh": seconds["mesh"]})
+        if budget is not None and perf_counter() - began + price > budget:
+            break
         before = found
-        if met or too_long or found.failed or found.interrupted:
-            break
-        if not films and i >= 1:
-            break
     short = []
     if films and not met:
         how = "of unknown error" if error is None else f"within {reached:.1e} of its largest"
         short = [f"the differential stress is {how}: {wanted:.1e} is not met"]
+    if budget is not None and (late := perf_counter() - began) > budget:
+        short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
     told = _told(scene, part, found, error, seconds, short)
     return replace(told, seconds={"total": perf_counter() - began, **seconds})
 
 
-def at_level(scene: Scene, level: Level, tick: Callable[[str, int], None] | None = None) -> Simulation:
+def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
     part, films = _part(scene, seconds), bool(scene.readout.ridges)
@@ -234,8 +231,10 @@ def _march(
     films: bool,
     meshes: dict[float, object],
     seconds: dict[str, float],
-    tick: Callable[[str, int], None] | None,
+    tick: Tick | None,
+    following: Level | None = None,
 ) -> March:
+    """March on one mesh; `seconds` get its stages, `tick` the time left, with that of a level `following`."""
     from skincad.mechanics.film.rungs import RUNGS
     from skincad.mechanics.mesh import default_sizes, triangles
 
@@ -252,12 +251,18 @@ def _march(
     model = scene.law.model(part, mesh, level.order, films, scene.terms)
     marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
-    told = (lambda i: tick(stage, i)) if tick else None
+    spent = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
+
+    def told(step: int) -> None:
+        if tick:
+            whole = (perf_counter() - marks[-1]) * history.steps / step
+            after = expected(following, level, {**spent, "march": whole}) if following else 0.0
+            tick(stage, step, whole * (1 - step / history.steps) + after)
+
     # more BLAS threads only wait for each other; to ask for one at each step takes longer than the step
     with threadpool_limits(limits=1, user_api="blas"):
         found = march(model, history.times, history.drives(), scene.terms, told, kept_steps(scene), mass)
-    for name, spent in zip(("mesh", "condense", "march"), [*np.diff(marks), found.seconds], strict=True):
-        seconds[name] = seconds.get(name, 0.0) + float(spent)
+    seconds |= {**spent, "march": found.seconds}
     return found
 
 

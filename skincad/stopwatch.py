@@ -1,13 +1,32 @@
-"""Wall time by stage."""
+"""Wall time by stage, and what is told of it while a job runs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
+from typing import Protocol
 
-Progress = Callable[[str], None]
+
+class Progress(Protocol):
+    """Told what is being done and, where a cost model knows, how many seconds are left to the job's end."""
+
+    def __call__(self, stage: str, left: float | None = None, /) -> object:
+        """Take note of a stage that begins; `left` None: as told before."""
+
+
+class Tick(Protocol):
+    """Told a march's stage, its step, and the seconds left to its end."""
+
+    def __call__(self, stage: str, step: int, left: float | None = None, /) -> object:
+        """Take note of a step that is done; `left` None: as told before."""
+
+
+def clock(seconds: float) -> str:
+    """Return a time as minutes and seconds: 65 as "1:05"."""
+    minutes, rest = divmod(round(max(seconds, 0.0)), 60)
+    return f"{minutes}:{rest:02d}"
 
 
 @dataclass

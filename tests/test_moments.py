@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from skincad.levels import LEVELS
 from skincad.mechanics.film.whole_state import Shown
 from skincad.moments import frames, kept_steps
 from skincad.section_figures import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
-from skincad.simulation import LEVELS, Simulation, at_level
+from skincad.simulation import Simulation, at_level
 from tests.small_scene import small_scene
 
 SCENE = "yamada-2002-press-and-pull"

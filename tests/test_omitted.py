@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from skincad.catalog import template_text
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, Simulation, at_level
+from skincad.simulation import Simulation, at_level
 from tests.small_scene import small_scene
 
 PULL = "yamada-2002-press-and-pull"

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from skincad import simulation
+from skincad.levels import LEVELS, Level
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, Level, Simulation, simulate
+from skincad.simulation import Simulation, simulate
 from tests.conftest import run_skincad
 
 KEYS = {
@@ -324,7 +325,7 @@ def test_ctrl_c_leaves_what_is_done(whole_first: bool, monkeypatch: pytest.Monke
     monkeypatch.setattr(simulation, "LEVELS", LEVELS[:2])
     stages: list[str] = []
 
-    def tick(stage: str, step: int) -> None:
+    def tick(stage: str, step: int, left: float | None = None) -> None:
         if stage not in stages:
             stages.append(stage)
         if len(stages) == 1 + whole_first and step == 3:

@@ -11,8 +11,9 @@ import pytest
 
 from skincad.circuit.low_pass import band_limited, delay
 from skincad.errors import InputError
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, at_level
+from skincad.simulation import at_level
 from skincad.slip import (
     GROSS,
     INCIPIENT,

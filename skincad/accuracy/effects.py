@@ -17,8 +17,9 @@ from skincad.design import Design
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Readout
 from skincad.errors import InputError, RefusedError
+from skincad.levels import LEVELS
 from skincad.scene import LAW
-from skincad.simulation import LEVELS, Simulation
+from skincad.simulation import Simulation
 from skincad.stopwatch import Progress
 
 STEPS = {550: 8.0, 55: 12.0}  # steps of the march and the s that it may take; the first that fits counts

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from skincad.design import Design
 from skincad.errors import RefusedError
+from skincad.levels import Level
 from skincad.scene import Scene, load_scene
-from skincad.simulation import Level, Simulation, at_level
+from skincad.simulation import Simulation, at_level
 
 Array = NDArray[np.float64]
 SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
@@ -44,7 +45,7 @@ def marched(scene: Scene, level: Level, most: float) -> Simulation:
     """Return the scene marched on one mesh; raises RefusedError for one that takes over `most` s or fails."""
     began, late = perf_counter(), False
 
-    def tick(_stage: str, step: int) -> None:
+    def tick(_stage: str, step: int, _left: float | None = None, /) -> None:
         nonlocal late
         if step and perf_counter() - began > most:
             late = True

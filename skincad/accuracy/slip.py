@@ -10,7 +10,8 @@ from skincad.accuracy.ladder import Ladder, Measure, Rung, timed
 from skincad.accuracy.scenes import apart, marched, scene_on
 from skincad.design import Design
 from skincad.errors import InputError, RefusedError
-from skincad.simulation import LEVELS, Level, Simulation
+from skincad.levels import LEVELS, Level
+from skincad.simulation import Simulation
 from skincad.stopwatch import Progress
 
 MESHES = (*((level.fineness, level.order) for level in LEVELS), (1.0, 5))  # the last is the reference
@@ -59,5 +60,5 @@ def _marched(
     if progress:
         progress(f"slip: {setting}")
     scene = scene_on(design, f"history.steps={steps}")
-    found, runs = timed(lambda: marched(scene, Level(*mesh, 1.0), MOST), repeats)
+    found, runs = timed(lambda: marched(scene, Level(*mesh), MOST), repeats)
     return setting, found, runs

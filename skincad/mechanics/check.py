@@ -9,14 +9,21 @@ from time import perf_counter
 
 from skincad.catalog import processes, silicone
 from skincad.design import Design
-from skincad.errors import InputError
+from skincad.errors import InputError, RefusedError
 from skincad.measurements import crest_drops
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.prices import LAWS, expected
 from skincad.mechanics.problem import Answer, LateError, Manufacture, Request, Spread
 from skincad.mechanics.tiers import AUTO, TIERS, able, load, run, tier_of
 from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
-from skincad.mechanics.verdict import ContactCheck, decided, relative_error, with_model, with_shortfall
+from skincad.mechanics.verdict import (
+    ContactCheck,
+    before_refusal,
+    decided,
+    relative_error,
+    with_model,
+    with_shortfall,
+)
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
@@ -41,10 +48,10 @@ def check(
 
     `tier` names a model; `auto` climbs from the cheapest that may do, until the whole relative error of the
     all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget` in seconds, no
-    further than it may last. With a tier named, `tol` and `budget` are asked of its mesh. `measured` is a
-    CSV of a cast part's crest heights (columns ridge, crest_mm), to judge that part. Passed means: all
-    touch, and the all-touch force with its error still lies at or below the force. Raises InputError for a
-    force, tolerance, budget or tier out of range.
+    further than it may last. A tier that refuses ends the climb at the one before. With a tier named, `tol`
+    and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights (columns ridge,
+    crest_mm), to judge that part. Passed means: all touch, and the all-touch force with its error still lies
+    at or below the force. Raises InputError for a force, tolerance, budget or tier out of range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -113,16 +120,22 @@ class _Climb:
             return with_shortfall(found, tol, 0.0)
 
     def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
+        found: ContactCheck | None = None
         while True:
             left = None if budget is None else max(budget - self._spent(), LEAST)
-            found = self.judged(name, replace(request, budget=left))
+            try:
+                found = self.judged(name, replace(request, budget=left))
+            except (InputError, RefusedError) as refusal:
+                if found is None:
+                    raise
+                found = before_refusal(found, name, refusal)
+                break
             enough = budget is None and decided(found) if tol is None else relative_error(found, 0.0) <= tol
             if found.beyond or enough or found.next_tier is None:
                 break
             if budget is not None and self._spent() + found.next_tier[1] > budget:
                 break
-            name = found.next_tier[0]
-            request = replace(request, must_fit=False)
+            name, request = found.next_tier[0], replace(request, must_fit=False)
         if budget is not None and self._spent() > budget:
             late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, late))
@@ -148,8 +161,8 @@ class _Climb:
     def judged(self, name: str, request: Request) -> ContactCheck:
         """Return the verdict by one tier, solved on what is solved already."""
         started = self._spent()
-        if self.progress and self.done:  # the first tier's time is not known before
-            self.progress(f"{name} tier, about {self._seconds(name):.2g} s")
+        if self.progress and name != "winkler":
+            self.progress(f"{name} tier", self._seconds(name))
         found = run(name, self.design, request, self.done, self.progress)
         self._refuse_crushed(name, found)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)

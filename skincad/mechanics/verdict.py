@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+from skincad.errors import InputError
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import Answer, Manufacture
 from skincad.quantities import Estimate
@@ -111,6 +112,16 @@ def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> Con
         return found
     words = f"the all-touch force's error is {reached:.2g} of its value: the asked {tol:g} is not met"
     return replace(found, warnings=(*found.warnings, words))
+
+
+def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> ContactCheck:
+    """Return the last verdict before tier `name` refused; none where that tier knows why the force is too
+    large."""
+    if isinstance(refusal, InputError) and refusal.key == "--force":
+        beyond = f"the force {refusal.rule} (so the {name} tier)"
+        return replace(found, passed=False, beyond=beyond, next_tier=None)
+    words = f"the {name} tier, which leaves out less, refuses: {refusal}"
+    return replace(found, warnings=(*found.warnings, words), next_tier=None)
 
 
 def decided(found: ContactCheck) -> bool:

@@ -23,6 +23,7 @@ from skincad import simulation
 from skincad.catalog import template_names
 from skincad.circuit.model import constants, load_circuit, noise_sources
 from skincad.effects.piezo import Chain, fitted, strip_charges
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
 from skincad.slip import (
     GROSS,
@@ -39,7 +40,7 @@ from skincad.slip import (
 
 RIDGES = (2, 3)  # paper: strips in the second and third ridge from a side
 CIRCUITS = ("transimpedance", "yamada-2002")
-LEVEL = simulation.LEVELS[1]
+LEVEL = LEVELS[1]
 RUNS = 200
 LOUDER = {"transimpedance": (1.0, 30.0, 100.0, 300.0), "yamada-2002": (0.1, 1.0)}  # times the noise
 PULLS = ("hold", "readout.bandwidth_Hz=5000.0", "history.steps=400")

@@ -15,8 +15,9 @@ from time import perf_counter
 
 import numpy as np
 
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, Simulation, at_level
+from skincad.simulation import Simulation, at_level
 
 SCENE = "yamada-2002-slip"
 MASSES = (0.1, 1.0, 10.0, 400.0)  # g

@@ -18,8 +18,9 @@ from skincad.circuit.low_pass import band_limited
 from skincad.circuit.model import constants, load_circuit, noise_sources
 from skincad.circuit.separate import crossover, separated, separator
 from skincad.effects.piezo import Chain, fitted, strip_charges
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, at_level
+from skincad.simulation import at_level
 
 RIDGE, LATE = 3, 5  # samples
 

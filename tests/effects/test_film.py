@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from skincad.errors import InputError
+from skincad.levels import LEVELS
 from skincad.mechanics.check import check
-from skincad.simulation import LEVELS, at_level
+from skincad.simulation import at_level
 from tests.small_scene import THIRD, small_scene
 
 LOOSE = ("effects.film.bond=loose", "readout.ridges=[]", "effects.friction=none")

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from skincad.errors import InputError
+from skincad.levels import LEVELS
 from skincad.mechanics.check import check
 from skincad.mechanics.ends import added_compliance
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, at_level
+from skincad.simulation import at_level
 from tests.small_scene import THIRD, small_scene
 
 PRESS = ("yamada-2002-press", THIRD, "history.steps=2", "effects.friction=none", "readout.ridges=[]")

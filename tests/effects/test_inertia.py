@@ -10,8 +10,9 @@ import pytest
 
 from skincad.catalog import template_text
 from skincad.errors import InputError
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
-from skincad.simulation import LEVELS, Simulation, at_level
+from skincad.simulation import Simulation, at_level
 
 INERTIA = ("effects.inertia={}", "effects.viscosity={}")
 LONGER = (  # the pull goes on for 1 ms: masses are late

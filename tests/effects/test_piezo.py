@@ -21,10 +21,11 @@ from skincad.effects.kinds import Reading, Watched
 from skincad.effects.piezo import Piezo, electrode, fitted, strip_charges
 from skincad.errors import InputError
 from skincad.fabrication.pattern import strip_patterns
+from skincad.levels import LEVELS
 from skincad.scene import load_scene
 from skincad.scene_files import write_table
 from skincad.section import area
-from skincad.simulation import LEVELS, Simulation, simulate
+from skincad.simulation import Simulation, simulate
 from tests.conftest import run_skincad
 
 DESIGN = skincad.load("yamada-2002")

@@ -6,19 +6,20 @@ import json
 import math
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
 
 from skincad.catalog import load, template_names
-from skincad.errors import InputError
+from skincad.errors import InputError, RefusedError
 from skincad.mechanics import check as check_module
-from skincad.mechanics import prices
+from skincad.mechanics import prices, tiers
 from skincad.mechanics.check import check
 from skincad.mechanics.linear import level
 from skincad.mechanics.mesh import default_sizes, triangles
 from skincad.mechanics.prices import LAWS, expected, own
-from skincad.mechanics.problem import pad_of
+from skincad.mechanics.problem import Answer, pad_of
 from skincad.mechanics.validity import buckling_force
 from tests.mechanics.designs import filleted, linear_check, reference, void_slots, yamada
 
@@ -237,9 +238,11 @@ def test_json_has_the_contracts_keys() -> None:
 
 
 def test_progress_is_told() -> None:
-    told: list[str] = []
-    linear_check(reference(), tol=0.05, progress=told.append)
-    assert len(told) == 2
+    told: list[tuple[str, float | None]] = []
+    linear_check(reference(), tol=0.05, progress=lambda stage, left=None: told.append((stage, left)))
+    assert [stage.partition(":")[0] for stage, _ in told] == ["linear tier"] * 3
+    assert told[0][1] > 0  # the whole tier's, by its law
+    assert [left for _, left in told[1:]] == [None, None]
 
 
 def modules_after(code: str) -> set[str]:
@@ -342,6 +345,32 @@ def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
     found = check(small, budget=1e3)
     assert found.next_tier is None
     assert [tier for tier, _, _ in found.climbed][:2] == ["linear", "corrected"]
+
+
+def test_a_force_out_of_a_better_tiers_range_has_no_verdict() -> None:
+    """The small strains of `corrected` would say that all touch; at finite strain a ridge buckles."""
+    small = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 6.0})
+    found = check(small, tol=0.01)
+    assert found.tier == "corrected"
+    assert not found.passed
+    assert "finite-strain model's range" in found.beyond
+    assert found.next_tier is None
+
+
+def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(name: str) -> Any:
+        def answer(*_: object) -> Answer:
+            raise RefusedError("it does not balance")
+
+        return answer if name == "corrected" else load_tier(name)
+
+    load_tier = tiers.load
+    monkeypatch.setattr(tiers, "load", refuse)
+    found = check(reference())
+    assert found.tier == "linear"
+    assert any("the corrected tier" in w and "does not balance" in w for w in found.warnings)
+    with pytest.raises(RefusedError, match="does not balance"):
+        check(reference(), tol=0.1)  # corrected comes first: there is none before
 
 
 def test_a_tier_is_priced_by_its_unknowns() -> None:

@@ -1,0 +1,58 @@
+"""What the next mesh of a scene is expected to cost."""
+
+from __future__ import annotations
+
+import pytest
+
+from skincad.levels import EXPONENT, LEVELS, Level, expected
+from skincad.scene import load_scene
+from skincad.simulation import at_level, simulate
+
+SPENT = {"mesh": 0.5, "condense": 1.0, "march": 3.0}
+
+
+def test_a_shared_mesh_costs_nothing_more() -> None:
+    last, following = LEVELS[:2]
+    assert last.fineness == following.fineness
+    assert expected(following, last, SPENT) == pytest.approx(4.0 * 1.75**EXPONENT)
+
+
+def test_a_finer_mesh_is_made_anew() -> None:
+    last, following = LEVELS[2:4]
+    growth = following.size / last.size
+    assert expected(following, last, SPENT) == pytest.approx(0.5 * growth + 4.0 * growth**EXPONENT)
+
+
+def test_sizes_are_those_of_the_papers_scene() -> None:
+    """Within a tenth: the sizes were rounded, and a mesh changes with netgen's release."""
+    scene = load_scene("yamada-2002-press", ["history.steps=2"])
+    unknowns = [at_level(scene, level).march.unknowns for level in LEVELS[:2]]
+    assert unknowns[1] / unknowns[0] == pytest.approx(LEVELS[1].size, rel=0.1)
+
+
+def test_the_time_left_is_told_and_falls_to_what_must_follow() -> None:
+    told: list[tuple[str, int, float]] = []
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        if left is not None:
+            told.append((stage, step, left))
+
+    found = simulate(load_scene("yamada-2002-press", ["history.steps=8"]), tol=0.5, tick=tick)
+    stages = list(dict.fromkeys(stage for stage, _, _ in told))
+    assert len(stages) == 2  # no error without a second mesh
+    first, second = ([left for name, _, left in told if name == stage] for stage in stages)
+    assert len(first) == len(second) == 8
+    assert second[-1] == 0.0
+    assert first[-1] > 0.0
+    assert found.error is not None
+
+
+def test_a_budget_is_told_to_be_too_small() -> None:
+    found = simulate(load_scene("yamada-2002-press", ["history.steps=4"]), budget=1e-3)
+    assert found.error is None
+    assert any("more than the budget of 0.001 s" in warning for warning in found.warnings)
+    assert any("of unknown error" in warning for warning in found.warnings)
+
+
+def test_a_level_is_its_own_unit_unless_told() -> None:
+    assert Level(1.0, 5).size == 1.0
