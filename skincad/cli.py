@@ -342,7 +342,7 @@ def accuracy(
     from skincad.accuracy.words import accuracy_lines
 
     loaded = skincad.load(design, settings)
-    with stage_bar(50) as progress:
+    with stage_bar(1) as progress:
         found, files = accuracy_job(loaded, tuple(ladders), out, repeats=repeats, progress=progress)
     lines = [*accuracy_lines(found), *(f"  {f['path']}" for f in files)]
     _print({**found.as_json(), "files": files}, as_json, lines)

@@ -29,6 +29,7 @@ FREQUENCY = 1200.0  # Hz; paper: the cut-off
 PER_PERIOD = (16, 64, 256, 1024, 4096)
 PERIODS, SWELL, SEEN = 60, 30, 10  # in all, in which it swells, and at the end that are compared
 FINER, KINKED = 4, 10  # rate of the kinked load's reference; its periods
+SECONDS = 0.01, 1e-4  # a run of all holds: in any case, and for a sample of each period; measured
 HOLDS = ("first-order hold", "zero-order hold", "bilinear")
 
 
@@ -40,7 +41,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     rungs = []
     for count in PER_PERIOD:
         if progress:
-            progress(f"circuit: {count} samples a period")
+            progress(_stage(count))
         charge = c.d33 * sine(count)  # of a load of 1 N
         for hold in HOLDS:
             found, runs = timed(partial(held, c, hold, FREQUENCY * count, charge), repeats)
@@ -65,6 +66,15 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     )
     title = f"circuit {CIRCUIT} under a sine of {FREQUENCY:g} Hz (for {design.name})"
     return Ladder("circuit", title, tuple(rungs), measures)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
+    """Return the stages and their expected seconds."""
+    return {_stage(count): (repeats + 1) * (SECONDS[0] + SECONDS[1] * count) for count in PER_PERIOD}
+
+
+def _stage(count: int) -> str:
+    return f"circuit: {count} samples a period"
 
 
 def sine(per_period: int) -> Real:

@@ -10,12 +10,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from skincad.accuracy.ladder import Ladder, Measure, Rung, timed
+from skincad.accuracy.ladder import Ladder, Measure, Rung, repeated, timed
 from skincad.design import Design
 from skincad.errors import InputError, RefusedError
 from skincad.mechanics import finite_strain, linear, solid
 from skincad.mechanics.linear import FLOOR, LevelSolver
 from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.mechanics.prices import LAWS, own, plane_unknowns
 from skincad.mechanics.problem import Answer, Request, pad_of
 from skincad.mechanics.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed
 from skincad.mechanics.tiers import able, run
@@ -29,6 +30,7 @@ AIM = {  # the tier whose finest rung another's mesh and method aim at
     "corrected": "solid",
 }
 OWN = "as check takes it"
+ALONE = ("winkler", "corrected")  # short enough to be solved again from nothing
 # fineness and order of each level, the last the reference
 LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
     "linear": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4), (2.0, 3), (2.0, 4), (2.0, 5)),
@@ -38,6 +40,13 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
     "linear": lambda: linear.level,
     "finite-strain": finite_strain.Levels,
 }
+
+
+ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are climbed
+SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
+# time of a level in that of its tier; its unknowns in those of the tier's first rung are (order - 0.65) times
+# this (yamada-2002, 2 % off)
+OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
 
 
 @dataclass(frozen=True)
@@ -64,12 +73,30 @@ class Truth:
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
     climb = _Climb(design, repeats, progress)
-    for name in ("winkler", "linear", "finite-strain", "solid", "corrected", *BEST[1::-1]):
+    for name in ORDER:
         climb.attempt(name)
     best = next((name for name in BEST if name in climb.truth), "")
     rungs = tuple(_rung(found, climb, best) for found in climb.found)
     title = f"contact of {design.name} at {climb.request.force:g} N"
     return Ladder("contact", title, rungs, _measures(climb, best), skipped=climb.skipped)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:
+    """Return the stages and their expected seconds, by the tiers' laws."""
+    found: dict[str, float] = {}
+    for name in (name for name in ORDER if not able(name, design, drops=False)):
+        alone = repeats if name in ALONE else 1
+        for level in LEVELS.get(name, ()):
+            size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
+            last = level == LEVELS[name][-1]
+            found[_level(name, *level)] = repeated(OF_TIER * LAWS[name].at(size), 1 if last else repeats)
+        if name == "solid":
+            found |= {
+                _layers(told): repeated(s * own(name, design), repeats) for told, s in SOLID_LEVELS.items()
+            }
+        if name not in LEVELS:
+            found[_stage(name)] = repeated(own(name, design), alone)
+    return found
 
 
 class _Climb:
@@ -101,7 +128,7 @@ class _Climb:
         found = []
         for fineness, order in LEVELS[name]:
             setting = f"fineness {fineness:g}, order {order}"
-            self._tell(f"{name}, {setting}")
+            self._tell(_level(name, fineness, order))
 
             def solved(fineness: float = fineness, order: int = order) -> linear.Level:
                 mesh = triangles(pad, default_sizes(pad, fineness))
@@ -120,8 +147,8 @@ class _Climb:
     def _tier(self, name: str) -> None:
         if name == "solid":
             self._solid_levels()
-        self._tell(name)
-        alone = name in ("winkler", "corrected")  # short enough to be solved again from nothing
+        self._tell(_stage(name))
+        alone = name in ALONE
 
         def work() -> Answer:
             return run(name, self.design, self.request, {} if alone else self.done, None)
@@ -142,9 +169,9 @@ class _Climb:
     def _solid_levels(self) -> None:
         """The solid's coarsest levels, which its tier adds up."""
         pad, rung = pad_of(self.design), solid.RUNGS[0]
-        for layers, told in ((rung.layers, "coarse"), (rung.finer, "fine")):
+        for layers, told in zip((rung.layers, rung.finer), SOLID_LEVELS, strict=True):
             setting = f"order {rung.order - 1}, {told} layers"
-            self._tell(f"solid, {setting}")
+            self._tell(_layers(told))
 
             def solved(layers: Layers = layers) -> Level:
                 meshed = meshed_part(pad, coarse_sizes(pad, rung.fineness))
@@ -157,7 +184,19 @@ class _Climb:
 
     def _tell(self, what: str) -> None:
         if self.progress:
-            self.progress(f"contact: {what}")
+            self.progress(what)
+
+
+def _stage(name: str) -> str:
+    return f"contact: {name}"
+
+
+def _level(name: str, fineness: float, order: int) -> str:
+    return f"contact: {name}, fineness {fineness:g}, order {order}"
+
+
+def _layers(told: str) -> str:
+    return f"contact: solid, {told} layers"
 
 
 def apart(found: Found, truth: Found, force: float, height: float) -> tuple[float, float]:

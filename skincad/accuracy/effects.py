@@ -7,23 +7,27 @@ here is a step towards anything: no line joins them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 
-from skincad.accuracy.ladder import Ladder, Measure, Rung, timed
+from skincad.accuracy.ladder import Ladder, Measure, Rung, repeated, timed
 from skincad.accuracy.scenes import apart, marched, scene_on
 from skincad.design import Design
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Readout
 from skincad.errors import InputError, RefusedError
 from skincad.levels import LEVELS
+from skincad.mechanics.prices import plane_unknowns
 from skincad.scene import LAW
 from skincad.simulation import Simulation
 from skincad.stopwatch import Progress
 
-STEPS = {550: 8.0, 55: 12.0}  # steps of the march and the s that it may take; the first that fits counts
+STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is dear, fewer
+SLIPPERY = {"finite_strain": 0.5}  # coefficient of friction, both with and without: at 1 the surface folds
+MOST = 120.0  # s a march
 BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assumption: a light plate
+# s of a march of yamada-2002 without any and with those that take longer, and its unknowns by
+# `plane_unknowns`; measured
+PLAIN, SECONDS, UNKNOWNS = 2.0, {"finite_strain": 30.0, "inertia": 15.0, "viscosity": 10.0}, 30_000
 Marched = tuple[Simulation, tuple[float, ...]]
 
 
@@ -31,9 +35,9 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return two rungs an effect: the scene with it, and without it with the error that this makes."""
 
     @cache
-    def run(changes: tuple[str, ...], steps: int) -> Marched:
-        scene = scene_on(design, f"history.steps={steps}", *changes)
-        return timed(lambda: marched(scene, LEVELS[0], STEPS[steps]), repeats)
+    def run(changes: tuple[str, ...], steps: int, friction: float) -> Marched:
+        scene = scene_on(design, f"history.steps={steps}", *changes, friction=friction)
+        return timed(lambda: marched(scene, LEVELS[0], MOST), repeats)
 
     rungs: list[Rung] = []
     skipped = {LAW: "the law of every scene that names none: it can be replaced, not left out"}
@@ -42,19 +46,21 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         if name in skipped:
             continue
         if progress:
-            progress(f"effects: {name}")
+            progress(_stage(name))
         try:
             base = scene_on(design).effects
             table = "none" if name in base else "{}"
             changed = (f"effects.{name}={table}", *(BESIDE.get(name, ()) if table == "{}" else ()))
             pair = ((), changed) if name in base else (changed, ())
-            steps, (named, spent), (without, short) = _both(run, *pair)
+            steps, friction = FEWER.get(name, STEPS), SLIPPERY.get(name, 1.0)
+            (named, spent), (without, short) = (run(changes, steps, friction) for changes in pair)
         except (InputError, RefusedError) as refusal:
             skipped[name] = str(refusal)
             continue
         errors = apart(without, named)
-        rungs.append(Rung(name, f"named, {steps} steps", named.march.unknowns, spent, {}))
-        rungs.append(Rung(name, f"left out, {steps} steps", without.march.unknowns, short, errors))
+        words = f"{steps} steps" + (f", friction {friction:g}" if name in SLIPPERY else "")
+        rungs.append(Rung(name, f"named, {words}", named.march.unknowns, spent, {}))
+        rungs.append(Rung(name, f"left out, {words}", without.march.unknowns, short, errors))
     told = (
         "the same scene, mesh and steps with the effect",
         "both are marched; the mesh's error: ladder slip",
@@ -69,16 +75,16 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     return Ladder("effects", title, tuple(rungs), measures, lines=False, skipped=skipped)
 
 
+def prices(design: Design, repeats: int) -> dict[str, float]:
+    """Return the stages and their expected seconds."""
+    of_size = plane_unknowns(design) / UNKNOWNS
+    marches = {name: PLAIN + SECONDS.get(name, PLAIN) for name in EFFECTS if name != LAW and not _reads(name)}
+    return {_stage(name): repeated(of_size * seconds, repeats) for name, seconds in marches.items()}
+
+
+def _stage(name: str) -> str:
+    return f"effects: {name}"
+
+
 def _reads(name: str) -> bool:
     return issubclass(effect(name), Readout)
-
-
-def _both(
-    run: Callable[[tuple[str, ...], int], Marched], named: tuple[str, ...], without: tuple[str, ...]
-) -> tuple[int, Marched, Marched]:
-    """Both scenes at the most steps that fit into the time; raises what the fewest raise."""
-    *more, fewest = STEPS
-    for steps in more:
-        with suppress(RefusedError):
-            return steps, run(named, steps), run(without, steps)
-    return fewest, run(named, fewest), run(without, fewest)

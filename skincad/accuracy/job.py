@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from skincad.accuracy.countdown import Countdown
 from skincad.accuracy.ladder import LADDERS, Ladder, ladder_of
 from skincad.accuracy.machine import machine
 from skincad.design import Design
@@ -58,7 +59,10 @@ def accuracy(
         raise InputError("--repeats", f"must be from 1 to {MOST_REPEATS}", repeats)
     began = perf_counter()
     climbs = [ladder_of(name) for name in dict.fromkeys(names or LADDERS)]
-    found = tuple(climb(design, repeats, progress) for climb in climbs)
+    if progress:
+        prices = {stage: s for climb in climbs for stage, s in climb.prices(design, repeats).items()}
+        progress = Countdown(prices, progress)
+    found = tuple(climb.ladder(design, repeats, progress) for climb in climbs)
     return Accuracy(design.name, found, machine(), repeats, perf_counter() - began)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
 from time import perf_counter
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 from skincad.accuracy.precision import PowerLaw, front, power_law
 from skincad.design import Design
@@ -20,11 +20,11 @@ SHORT = 0.5  # s; what takes less is run once more before, for its first run fil
 FEWEST = 3  # sizes that a law of time is drawn through
 _ROOM = "skincad.accuracy."
 LADDERS = {
-    "tessellation": f"{_ROOM}tessellation:ladder",
-    "contact": f"{_ROOM}contact:ladder",
-    "circuit": f"{_ROOM}circuit:ladder",
-    "slip": f"{_ROOM}slip:ladder",
-    "effects": f"{_ROOM}effects:ladder",
+    "tessellation": f"{_ROOM}tessellation",
+    "contact": f"{_ROOM}contact",
+    "circuit": f"{_ROOM}circuit",
+    "slip": f"{_ROOM}slip",
+    "effects": f"{_ROOM}effects",
 }
 
 
@@ -139,19 +139,25 @@ class Ladder:
 
 
 class Climb(Protocol):
-    """A ladder's function."""
+    """A ladder's module."""
 
-    def __call__(self, design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    def ladder(self, design: Design, repeats: int, progress: Progress | None) -> Ladder:
         """Return the ladder climbed on a design, each rung timed `repeats` times."""
+
+    def prices(self, design: Design, repeats: int) -> dict[str, float]:
+        """Return what is told as progress and about how many s it takes, in the order in which it comes."""
 
 
 def ladder_of(name: str) -> Climb:
     """Import and return a ladder by name; raises InputError for an unknown one."""
     if name not in LADDERS:
         raise InputError("--ladder", "unknown ladder", name, did_you_mean(name, LADDERS))
-    module, _, function = LADDERS[name].partition(":")
-    found: Climb = getattr(import_module(module), function)
-    return found
+    return cast(Climb, import_module(LADDERS[name]))
+
+
+def repeated(seconds: float, repeats: int) -> float:
+    """Return how long `timed` takes for work of these seconds."""
+    return seconds if seconds > LONG else seconds * (repeats + (seconds < SHORT))
 
 
 def timed(work: Callable[[], Found], repeats: int) -> tuple[Found, tuple[float, ...]]:

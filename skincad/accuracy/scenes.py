@@ -21,17 +21,19 @@ SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
 TOLD = 3  # paper: the third ridge from an end
 
 
-def scene_on(design: Design, *more: str) -> Scene:
+def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
     """Return the scene with this skin, its forces scaled to the design's, `more` as `--set` texts.
 
-    A skin without slots has no films to tell of. Raises InputError for what scene and skin do not allow.
+    With another coefficient of friction the pull is that many times as large. A skin without slots has no
+    films to tell of. Raises InputError for what scene and skin do not allow.
     """
     plain = load_scene(SCENE).history
     scale = design.contact.force / FORCE
     pulls = plain.tangential_force_N or []
     changes = [
         f"history.normal_force_N={[scale * f for f in plain.normal_force_N]}",
-        f"history.tangential_force_N={[scale * f for f in pulls]}",
+        f"history.tangential_force_N={[friction * scale * f for f in pulls]}",
+        *([] if friction == 1.0 else [f"effects.friction.coefficient={friction}"]),
         f"readout.ridges={[min(TOLD, design.ridge.count)] if design.slot else []}",
         *([] if design.film else ["effects.film=none"]),
     ]

@@ -6,17 +6,20 @@ at which a ridge is found to slip.
 
 from __future__ import annotations
 
-from skincad.accuracy.ladder import Ladder, Measure, Rung, timed
+from skincad.accuracy.ladder import Ladder, Measure, Rung, repeated, timed
 from skincad.accuracy.scenes import apart, marched, scene_on
 from skincad.design import Design
 from skincad.errors import InputError, RefusedError
-from skincad.levels import LEVELS, Level
+from skincad.levels import LEVELS, Level, expected
+from skincad.mechanics.prices import plane_unknowns
 from skincad.simulation import Simulation
 from skincad.stopwatch import Progress
 
 MESHES = (*((level.fineness, level.order) for level in LEVELS), (1.0, 5))  # the last is the reference
 STEPS = (55, 110, 275, 550, 2200)  # of one history, 550 the paper's; the last is the reference
 MOST = 120.0  # s a rung
+# s of yamada-2002 on the first mesh and, in all, on the last, and its unknowns by `plane_unknowns`; measured
+FIRST, LAST, UNKNOWNS = {"mesh": 0.52, "condense": 0.95, "march": 0.4}, 15.0, 30_000
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
@@ -24,11 +27,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     rungs: list[Rung] = []
     known: list[str] = []
     skipped: dict[str, str] = {}
-    ways = {
-        "mesh": [(f"fineness {f:g}, order {k}", (f, k), STEPS[3]) for f, k in MESHES],
-        "time step": [(f"{n} steps", MESHES[0], n) for n in STEPS],
-    }
-    for model, settings in ways.items():
+    for model, settings in _ways().items():
         try:
             found = [_marched(design, *each, repeats, progress) for each in settings[:-1]]
             found.append(_marched(design, *settings[-1], 1, progress))  # the reference: its time is not asked
@@ -49,6 +48,36 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     return Ladder("slip", f"slip of {design.name}", tuple(rungs), measures, skipped=skipped)
 
 
+def prices(design: Design, repeats: int) -> dict[str, float]:
+    """Return the stages and their expected seconds."""
+    of_size = plane_unknowns(design) / UNKNOWNS
+    found = {}
+    for settings in _ways().values():
+        for setting, mesh, steps in settings:
+            once = LAST * of_size if mesh == MESHES[-1] else _seconds(mesh, steps) * of_size
+            found[_stage(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
+    return found
+
+
+def _seconds(mesh: tuple[float, int], steps: int) -> float:
+    """Of yamada-2002: the first mesh's, measured, carried on as `simulate` does."""
+    first, level = LEVELS[0], LEVELS[MESHES.index(mesh)]
+    spent = {**FIRST, "march": FIRST["march"] * steps / STEPS[3]}
+    return FIRST["mesh"] + expected(level, first, spent)
+
+
+def _ways() -> dict[str, list[tuple[str, tuple[float, int], int]]]:
+    """Settings by model: in words, the mesh and the steps."""
+    return {
+        "mesh": [(f"fineness {f:g}, order {k}", (f, k), STEPS[3]) for f, k in MESHES],
+        "time step": [(f"{n} steps", MESHES[0], n) for n in STEPS],
+    }
+
+
+def _stage(setting: str) -> str:
+    return f"slip: {setting}"
+
+
 def _marched(
     design: Design,
     setting: str,
@@ -58,7 +87,7 @@ def _marched(
     progress: Progress | None,
 ) -> tuple[str, Simulation, tuple[float, ...]]:
     if progress:
-        progress(f"slip: {setting}")
+        progress(_stage(setting))
     scene = scene_on(design, f"history.steps={steps}")
     found, runs = timed(lambda: marched(scene, Level(*mesh), MOST), repeats)
     return setting, found, runs

@@ -21,7 +21,8 @@ from skincad.solids.plan import Part
 from skincad.solids.skin import skin_part
 from skincad.stopwatch import Progress
 
-CHORDS = (3e-2, 3e-3, 3e-4, 3e-5, 3e-6)  # of the ridge's height
+# chords in heights of a ridge, and the s that they take on a skin of so many RIDGES; measured
+CHORDS, RIDGES = {3e-2: 0.3, 3e-3: 0.3, 3e-4: 0.4, 3e-5: 1.0, 3e-6: 6.0}, 9
 KERNEL, MANIFOLD = "CAD kernel", "manifold3d"
 
 
@@ -31,9 +32,9 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     exact = solid(part)
     formula = abs(exact.Volume() / part.volume - 1)
     rungs = []
-    for chord in (share * design.ridge.height for share in CHORDS):
+    for chord in _chords(design):
         if progress:
-            progress(f"tessellation: chord {chord:.2g} mm")
+            progress(_stage(chord))
         made, runs = timed(partial(mesh, part, chord), repeats)
         rungs.append(_rung(part, MANIFOLD, chord, made, runs))
         _, runs = timed(partial(tessellate, exact, chord), repeats)
@@ -56,6 +57,20 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         ),
     )
     return Ladder("tessellation", f"print mesh of the skin of {design.name}", tuple(rungs), measures)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
+    """Return the stages and their expected seconds, mostly those of measuring the deviation."""
+    of_size = design.ridge.count / RIDGES
+    return {_stage(c): of_size * s for c, s in zip(_chords(design), CHORDS.values(), strict=True)}
+
+
+def _chords(design: Design) -> list[float]:
+    return [share * design.ridge.height for share in CHORDS]
+
+
+def _stage(chord: float) -> str:
+    return f"tessellation: chord {chord:.2g} mm"
 
 
 def _rung(part: Part, model: str, chord: float, made: trimesh.Trimesh, runs: tuple[float, ...]) -> Rung:

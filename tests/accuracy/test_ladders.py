@@ -14,6 +14,7 @@ from skincad.accuracy.ladder import LADDERS, Ladder, Rung, ladder_of
 from skincad.design import Design
 from skincad.effects import EFFECTS
 from skincad.errors import InputError
+from skincad.stopwatch import Progress
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +26,15 @@ def small() -> Design:
 @pytest.fixture(scope="module")
 def plain(small: Design) -> Design:
     return small.with_(slot=None, film=None, contact={"film": None})
+
+
+def teller(told: list[str]) -> Progress:
+    """A Progress that keeps the stages."""
+
+    def tell(stage: str, left: float | None = None, /) -> None:
+        told.append(stage)
+
+    return tell
 
 
 def errors(found: Ladder, model: str, measure: str) -> list[float]:
@@ -43,8 +53,13 @@ def assert_whole(found: Ladder) -> None:
     assert {row["model"] for row in found.rows() if row["error"] is not None}
 
 
-def test_every_ladder_of_the_table_is_there() -> None:
-    assert all(callable(ladder_of(name)) for name in LADDERS)
+@pytest.mark.parametrize("name", LADDERS)
+def test_every_ladder_of_the_table_has_its_prices(name: str, small: Design, plain: Design) -> None:
+    for design in (small, plain):
+        once, thrice = (ladder_of(name).prices(design, repeats) for repeats in (1, 3))
+        assert all(stage.startswith(f"{name}: ") for stage in once)
+        assert all(0 < once[stage] <= thrice[stage] for stage in once)
+    assert callable(ladder_of(name).ladder)
 
 
 def test_an_unknown_ladder_is_refused_with_what_was_meant() -> None:
@@ -75,8 +90,10 @@ def test_the_first_order_hold_is_exact_for_a_kink(small: Design) -> None:
 def test_meshes_keep_their_chord_and_their_volume_follows_it(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(tessellation, "CHORDS", (3e-2, 3e-3, 3e-4))
-    found = tessellation.ladder(small, 1, None)
+    monkeypatch.setattr(tessellation, "CHORDS", dict.fromkeys((3e-2, 3e-3, 3e-4), 0.1))
+    told: list[str] = []
+    found = tessellation.ladder(small, 1, teller(told))
+    assert told == list(tessellation.prices(small, 1))
     assert_whole(found)
     chords = [share * small.ridge.height for share in (3e-2, 3e-3, 3e-4)]
     for model in (tessellation.MANIFOLD, tessellation.KERNEL):
@@ -98,14 +115,18 @@ def small_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact, "MESH", 0.05)
     monkeypatch.setattr(slip, "MESHES", ((0.5, 2), (0.5, 3)))
     monkeypatch.setattr(slip, "STEPS", (22, 55, 110, 220, 440))
-    monkeypatch.setattr(effects, "STEPS", {22: 1e3})
+    monkeypatch.setattr(effects, "STEPS", 22)
+    monkeypatch.setattr(effects, "FEWER", {})
 
 
 @pytest.fixture(scope="module")
 def pressed(plain: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:
         small_ladders(patch)
-        return contact.ladder(plain, 1, None)
+        told: list[str] = []
+        found = contact.ladder(plain, 1, teller(told))
+        assert told == list(contact.prices(plain, 1))
+        return found
 
 
 def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
@@ -155,7 +176,10 @@ def test_what_cannot_judge_a_design_is_skipped_with_its_reason(
 def slipped(small: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:
         small_ladders(patch)
-        return slip.ladder(small, 1, None)
+        told: list[str] = []
+        found = slip.ladder(small, 1, teller(told))
+        assert told == list(slip.prices(small, 1))
+        return found
 
 
 def test_more_steps_find_the_signal(slipped: Ladder) -> None:
