@@ -200,11 +200,14 @@ def check(
 
     Also the approach and the force of each ridge, each with its error.
     """
+    from skincad.freshfile import checked_fresh
     from skincad.mechanics.check import check as run
     from skincad.wording import check_lines, stress_lines
 
     if pull is not None and stress is None:
         raise InputError("--pull", "needs --stress", pull, "name the picture with --stress")
+    if stress is not None:
+        checked_fresh(stress, ".png", "--stress")
     loaded = skincad.load(design, settings, printer=printer)
     with stage_bar(4) as progress:
         result = run(
@@ -221,10 +224,9 @@ def _stress(
 ) -> list[FilmStress]:
     """Draw the films' stress under the normal force and under normal and tangential force (Fig 8)."""
     from skincad.figures import film_stress_picture
-    from skincad.freshfile import checked_fresh, fresh
+    from skincad.freshfile import fresh
     from skincad.mechanics.film.stress import film_stresses
 
-    checked_fresh(file, ".png", "--stress")
     middle = (design.ridge.count + 1) // 2
     show = sorted({min(3, middle), middle})
     pulls = (0.0, force / 4 if pull is None else pull)

@@ -47,6 +47,9 @@ def checked_folder(folder: Path) -> Path:
             raise InputError(
                 "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
             )
+        probe = next(p for p in real.parents if os.path.lexists(p)) / _staging(real.name)
+        probe.mkdir()  # only trying tells: permissions are not all that can stand in the way
+        probe.rmdir()
     except OSError as failure:
         raise _unwritable(folder, failure) from None
     return real
@@ -61,7 +64,7 @@ def replaced(folder: Path, manifests: tuple[str, ...] = MANIFESTS) -> Iterator[P
     be written, runs out of space or holds files and no earlier result.
     """
     real = checked_folder(folder)
-    staging = real.parent / f".{real.name}.{secrets.token_hex(4)}.new"
+    staging = real.parent / _staging(real.name)
     try:
         real.parent.mkdir(parents=True, exist_ok=True)
         with _locked(real.parent):
@@ -78,6 +81,10 @@ def replaced(folder: Path, manifests: tuple[str, ...] = MANIFESTS) -> Iterator[P
         raise _unwritable(folder, failure) from failure
     finally:
         shutil.rmtree(staging, ignore_errors=True)
+
+
+def _staging(name: str) -> str:
+    return f".{name}.{secrets.token_hex(4)}.new"
 
 
 @contextmanager

@@ -77,7 +77,7 @@ def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
 @pytest.mark.parametrize(
     ("job", "times"),
     [
-        ("circuit", 4),
+        ("circuit", 2),
         pytest.param("make", 22, marks=pytest.mark.slow),
         pytest.param("simulate", 14, marks=pytest.mark.slow),
         pytest.param("circuit", 14, marks=pytest.mark.slow),

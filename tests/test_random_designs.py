@@ -28,7 +28,7 @@ def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object]
 
 
 def test_a_few_of_them_without_the_cad_kernel() -> None:
-    found = [outcome(seed, kernel=False) for seed in range(3)]
+    found = [outcome(seed, kernel=False) for seed in range(1)]
     assert not any(each.faults for each in found), summary(found)
 
 

@@ -293,10 +293,12 @@ def test_nothing_of_an_effect_left_out_is_imported() -> None:
     assert set(done.stdout.split()) == {"skincad.effects.kinds", "skincad.effects.small_strain"}
 
 
-def test_the_command_writes_signals_and_picture(tmp_path: Path) -> None:
+@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> None:
     done = run_skincad(
         *("simulate", "yamada-2002-press-and-pull", "--set", "history.steps=20", "--json"),
-        *("--at", "10", "--gif", "--set", "readout.bandwidth_Hz=40.0", "--budget", "0.1"),
+        *("--at", "10", "--set", "readout.bandwidth_Hz=40.0", "--budget", "0.1"),
+        *(("--gif",) if whole else ("--set", "readout.frames=3")),
         cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr

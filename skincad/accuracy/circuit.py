@@ -29,7 +29,7 @@ FREQUENCY = 1200.0  # Hz; paper: the cut-off
 PER_PERIOD = (16, 64, 256, 1024, 4096)
 PERIODS, SWELL, SEEN = 60, 30, 10  # in all, in which it swells, and at the end that are compared
 FINER, KINKED = 4, 10  # rate of the kinked load's reference; its periods
-SECONDS = 0.01, 1e-4  # a run of all holds: in any case, and for a sample of each period; measured
+SECONDS = 0.023, 2.8e-5  # a run of all holds: in any case, and for a sample of each period; measured
 HOLDS = ("first-order hold", "zero-order hold", "bilinear")
 
 

@@ -87,7 +87,7 @@ def test_similarity() -> None:
     change = {table: {key: 2 * data[table][key] for key in keys} for table, keys in lengths.items()}
     change["film"]["young_modulus"] = data["film"]["young_modulus"] / 4
     large = small.with_(**change, material={"young_modulus": 0.2})
-    one, two = linear_check(small), linear_check(large)
+    one, two = linear_check(small, tol=0.05), linear_check(large, tol=0.05)
     assert two.all_touch_force.value == pytest.approx(one.all_touch_force.value, rel=1e-6)
     assert [f.value for f in two.ridge_force] == pytest.approx([f.value for f in one.ridge_force], rel=1e-6)
     assert two.approach.value == pytest.approx(2 * (one.approach.value or 0.0), rel=1e-6)
@@ -111,7 +111,8 @@ def test_no_locking_towards_incompressible() -> None:
     """F9 tends to its limit linearly in 1 - 2 nu, so each tenth of that leaves a tenth of the distance."""
     ratios = (0.499, 0.4999, 0.49999, 0.499999, 0.4999999)
     forces = [
-        linear_check(filleted().with_(material={"poisson_ratio": nu})).all_touch_force.value for nu in ratios
+        linear_check(filleted().with_(material={"poisson_ratio": nu}), tol=0.05).all_touch_force.value
+        for nu in ratios
     ]
     distance = np.abs(np.array(forces[:-1], dtype=float) - (forces[-1] or 0.0))
     assert (distance[1:] / distance[:-1] < 0.15).all()  # 0.1 in exact arithmetic
@@ -179,7 +180,7 @@ def test_too_many_ridges_are_refused() -> None:
 
 @pytest.mark.parametrize(("force", "touching"), [(1e-9, 1), (0.5, 5), (12.0, 9)])
 def test_light_and_heavy_loads(force: float, touching: int) -> None:
-    found = linear_check(filleted(), force=force)
+    found = linear_check(filleted(), force=force, tol=0.05)
     assert found.touching == touching
     assert any("small-strain" in w for w in found.warnings) == (force > 10)
 
@@ -259,7 +260,7 @@ def test_imports_stay_light() -> None:
     assert not modules_after("import skincad.mechanics.check") & {"ngsolve", "netgen", "OCP", "cadquery"}
     code = (
         "from skincad.catalog import load; from skincad.mechanics.check import check\n"
-        "check(load('yamada-2002'), tol=0.05)"
+        "check(load('yamada-2002'), tier='linear', tol=0.05)"
     )
     loaded = modules_after(code)
     assert "ngsolve" in loaded
@@ -267,7 +268,8 @@ def test_imports_stay_light() -> None:
 
 
 def test_a_budget_buys_the_rungs_that_fit_and_a_larger_one_a_smaller_error() -> None:
-    quick, patient = linear_check(filleted(), budget=1e-3), linear_check(filleted(), budget=60.0)
+    three = filleted().with_(ridge={"count": 3}, skin={"width": 4.0})
+    quick, patient = linear_check(three, budget=1e-3), linear_check(three, budget=60.0)
     assert patient.unknowns > quick.unknowns
     assert patient.all_touch_force.error < quick.all_touch_force.error
     assert any("more than the budget" in w for w in quick.warnings)  # one mesh is the least

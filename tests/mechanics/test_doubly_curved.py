@@ -64,7 +64,7 @@ def solid_under_bent_gaps(design: Design, radius: float, force: float) -> tuple[
     return threshold * scale, state.approach * meshed.unit, shares + shares[::-1]
 
 
-@pytest.mark.parametrize("radius", [20.0, 60.0, 1e3])
+@pytest.mark.parametrize("radius", [20.0, *(pytest.param(r, marks=pytest.mark.slow) for r in (60.0, 1e3))])
 @pytest.mark.parametrize("name", VARIANTS)
 def test_solid_lies_inside_the_model_error(name: str, radius: float) -> None:
     design = reference().with_(**VARIANTS[name])

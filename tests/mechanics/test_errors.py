@@ -38,7 +38,7 @@ def assert_inside(found: Answer, exact: Level) -> None:
 
 
 @pytest.mark.parametrize("name", DESIGNS)
-@pytest.mark.parametrize("tol", [1e-2, 5e-3])
+@pytest.mark.parametrize("tol", [1e-2, pytest.param(5e-3, marks=pytest.mark.slow)])
 def test_truth_lies_inside(name: str, tol: float) -> None:
     assert_inside(linear.answer(DESIGNS[name](), Request(4.0, tol)), truth(name))
 

@@ -315,9 +315,12 @@ ORDERS: dict[str, Order] = {
     "bonded layer: approach": Order(lambda: layer_order(1), 2.0, 0.25, "the closed form's next terms"),
     "bonded layer: half-width": Order(lambda: layer_order(2), 1.0, 0.1, "the edge, a layer of width h"),
 }
+DEAR = [n for n in ORDERS if n.startswith("clamped") and not n.endswith("order 2")]
 
 
-@pytest.mark.parametrize("name", ORDERS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in DEAR else n for n in ORDERS]
+)
 def test_order(name: str) -> None:
     row = ORDERS[name]
     assert row.observed() == pytest.approx(row.theory, abs=row.within), row.limit

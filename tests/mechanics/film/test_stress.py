@@ -55,7 +55,7 @@ def values(estimates: tuple[Estimate, ...]) -> np.ndarray:
     return np.array([e.value for e in estimates])
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted"])
+@pytest.mark.parametrize("name", ["yamada-2002", pytest.param("yamada-2002-tilted", marks=pytest.mark.slow)])
 class TestTheTemplates:
     def test_normal_force_is_mirrored(self, name: str) -> None:
         """The middle ridge's difference is zero, ridge i's is minus ridge (n+1-i)'s."""
@@ -300,7 +300,7 @@ def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
     assert any("vertical" in w for w in normal.warnings)
 
 
-@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_few_ridges(count: int) -> None:
     normal = film_stress(three().with_(ridge={"count": count}), 0.3 * count)
     between = values(normal.differential)
