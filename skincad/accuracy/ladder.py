@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from skincad.stopwatch import Progress
 Found = TypeVar("Found")
 LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break
 SHORT = 0.5  # s; what takes less is run once more before, for its first run fills caches
+MOST_DIGITS = 13  # beyond are rounding's
 FEWEST = 3  # sizes that a law of time is drawn through
 _ROOM = "skincad.accuracy."
 LADDERS = {
@@ -94,6 +96,25 @@ class Ladder:
             found += [group[i] for i in front([rung.seconds for rung in group], errors)]
         return found
 
+    def matched(self, measure: Measure) -> dict[float, list[Rung]]:
+        """Return the cheapest rung of each model that reaches an error, by error, cheapest first.
+
+        Errors are powers of ten above the reference's own; those that fewer than two models reach, or that
+        all reach by the same rungs as ten times the error, tell nothing and are left out.
+        """
+        told: dict[float, list[Rung]] = {}
+        if not (self.lines and measure.compares):
+            return told
+        for error in (10.0**-n for n in range(1, MOST_DIGITS)):
+            cheapest: dict[str, Rung] = {}
+            for rung in sorted(self.rungs, key=lambda rung: rung.seconds):
+                if rung.errors.get(measure.name, math.inf) <= error and error > measure.floor:
+                    cheapest.setdefault(rung.model, rung)
+            found = list(cheapest.values())
+            if len(found) > 1 and found not in told.values():
+                told[error] = found
+        return told
+
     def laws(self) -> dict[str, PowerLaw]:
         """Return time against unknowns by model, where it has three rungs of different size."""
         found = {}
@@ -135,7 +156,14 @@ class Ladder:
             }
             for m in self.measures
         }
-        return {**told, "skipped": self.skipped}
+        matched = {
+            m.name: [
+                {"error": error, "seconds": {rung.model: rung.seconds for rung in rungs}}
+                for error, rungs in self.matched(m).items()
+            ]
+            for m in self.measures
+        }
+        return {**told, "skipped": self.skipped, "at_matched_error": matched}
 
 
 class Climb(Protocol):

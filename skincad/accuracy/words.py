@@ -45,6 +45,7 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
     for m in measures:
         unit = "" if m.unit == "1" else f", {m.unit}"
         yield f"  {m.name}: {m.what}{unit}; against {m.reference} ({m.checked})"
+    yield from _matched_lines(ladder)
     for model, law in ladder.laws().items():
         off = f"within a factor of {law.scatter:.2f}"
         yield f"  time of {model}: {law.factor:.2g} s x unknowns^{law.exponent:.2f}, {off}"
@@ -52,3 +53,12 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
     if ladder.lines:
         yield "  * no other rung is both faster and better (of its model, where each aims at its own truth)"
     yield ""
+
+
+def _matched_lines(ladder: Ladder) -> Iterator[str]:
+    """Times of the models at equal errors, by the first measure that compares them; others are in the JSON."""
+    measures = [measure for measure in ladder.measures if measure.compares]
+    for measure, error, rungs in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
+        first, *others = rungs
+        more = (f"{r.model} {r.seconds:.2g} s ({r.seconds / first.seconds:.2g} times)" for r in others)
+        yield f"  {measure.name} {error:.0e} takes {first.model} {first.seconds:.2g} s, {', '.join(more)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -67,6 +68,18 @@ def test_times_of_different_models_compare_at_one_truth_alone() -> None:
     assert found.best(MINE) == [quick, slow]
     assert found.best(ALL) == [quick, slower]
     assert Ladder("x", "x", (quick, slow), (MINE, ALL), lines=False).best(ALL) == []
+
+
+def test_times_compare_at_matched_error() -> None:
+    """By the cheapest rung that is good enough; not below the reference's own error, nor by one model alone."""
+    rough, fine = (Rung("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4)))
+    other = Rung("b", "", 1, (2.0,), {"all": 0.009})
+    found = Ladder("x", "x", (rough, fine, other), (MINE, ALL))
+    assert found.matched(ALL) == {0.1: [rough, other], 0.01: [other, fine]}
+    assert found.matched(replace(ALL, floor=0.01)) == {0.1: [rough, other]}
+    assert found.matched(MINE) == {}
+    assert replace(found, lines=False).matched(ALL) == {}
+    assert found.reference()["at_matched_error"]["all"][1] == {"error": 0.01, "seconds": {"b": 2.0, "a": 3.0}}
 
 
 def test_rows_carry_median_spread_and_the_first_measure() -> None:
