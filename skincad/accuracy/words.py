@@ -56,7 +56,7 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
 
 
 def _matched_lines(ladder: Ladder) -> Iterator[str]:
-    """Times of the models at equal errors, by the first measure that compares them; others are in the JSON."""
+    """Times of the models at equal errors, by the first measure that compares them; more is in the JSON."""
     measures = [measure for measure in ladder.measures if measure.compares]
     for measure, error, rungs in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
         first, *others = rungs

@@ -71,7 +71,7 @@ def test_times_of_different_models_compare_at_one_truth_alone() -> None:
 
 
 def test_times_compare_at_matched_error() -> None:
-    """By the cheapest rung that is good enough; not below the reference's own error, nor by one model alone."""
+    """By the cheapest rung that is good enough; not below the reference's own error, not of one model."""
     rough, fine = (Rung("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4)))
     other = Rung("b", "", 1, (2.0,), {"all": 0.009})
     found = Ladder("x", "x", (rough, fine, other), (MINE, ALL))
