@@ -27,7 +27,8 @@ def stage_bar(stages: int) -> Iterator[Progress | None]:
 
         def told(stage: str, left: float | None = None, /) -> None:
             ends = {} if left is None else {"ends": perf_counter() + left}
-            bar.update(task, description=stage, advance=1, **ends)
+            done = bar.tasks[task].completed + 1
+            bar.update(task, description=stage, completed=done, total=max(stages, done) + 1, **ends)
 
         yield told
 

@@ -14,7 +14,7 @@ from skincad.measurements import crest_drops
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.prices import LAWS, expected
 from skincad.mechanics.problem import Answer, LateError, Manufacture, Request, Spread
-from skincad.mechanics.tiers import AUTO, TIERS, able, load, run, tier_of
+from skincad.mechanics.tiers import AUTO, TIERS, able, below, load, run, tier_of
 from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
 from skincad.mechanics.verdict import (
     ContactCheck,
@@ -161,9 +161,10 @@ class _Climb:
     def judged(self, name: str, request: Request) -> ContactCheck:
         """Return the verdict by one tier, solved on what is solved already."""
         started = self._spent()
-        if self.progress and name != "winkler":
-            self.progress(f"{name} tier", self._seconds(name))
-        found = run(name, self.design, request, self.done, self.progress)
+        for each in (*below(name), name):
+            if self.progress and each not in (*self.done, "winkler"):
+                self.progress(f"{each} tier", self._seconds(name))
+            found = run(each, self.design, request, self.done, self.progress)
         self._refuse_crushed(name, found)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
         made = None if self.drops or name == "winkler" else self._manufacture(found)

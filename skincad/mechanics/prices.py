@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 
 from skincad.design import Design
-from skincad.mechanics.tiers import TIERS
+from skincad.mechanics.tiers import below
 
 # After the first mesh is made, and after its lower order is solved: what is still to come, as a multiple of
 # their own time: both orders and the yield, the higher order and the yield; 5 to 8 and 2.5 to 4.5 on the
@@ -46,12 +46,7 @@ LAWS = {
 
 def expected(name: str, design: Design, done: set[str]) -> float:
     """Return the seconds that a tier takes on top of those in `done`, on the machine of the laws."""
-    return math.fsum(own(each, design) for each in _needed(name) - done)
-
-
-def _needed(name: str) -> set[str]:
-    """The tier and all that it builds on."""
-    return {name}.union(*map(_needed, TIERS[name].on))
+    return math.fsum(own(each, design) for each in {*below(name), name} - done)
 
 
 def own(name: str, design: Design) -> float:

@@ -70,14 +70,19 @@ def able(name: str, design: Design, drops: bool) -> str:
     return ""
 
 
+def below(name: str) -> list[str]:
+    """Return the tiers that a tier builds on, each after those that it builds on itself."""
+    return list(dict.fromkeys(each for other in TIERS[name].on for each in (*below(other), other)))
+
+
 def run(
     name: str, design: Design, request: Request, done: dict[str, Answer], progress: Progress | None
 ) -> Answer:
     """Return a tier's answer; it and what it builds on go into `done`, from where nothing is solved twice."""
     if name not in done:
         tier = TIERS[name]
-        below = [run(other, design, request, done, progress) for other in tier.on]
-        done[name] = load(name)(design, request, progress, *below)
+        on = [run(other, design, request, done, progress) for other in tier.on]
+        done[name] = load(name)(design, request, progress, *on)
     return done[name]
 
 
