@@ -21,6 +21,7 @@ from skincad.mechanics.verdict import (
     before_refusal,
     decided,
     relative_error,
+    unasked_left_out,
     with_model,
     with_shortfall,
 )
@@ -30,7 +31,8 @@ from skincad.stopwatch import Progress
 LARGEST_FORCE = 1e6  # N, as contact.force
 HOPELESS = 1.5  # budgets that the linear tier's law may ask for and the tier still be tried
 LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
-MESH_SHARE = 0.3  # of an asked tolerance, what `auto` leaves to the mesh
+# of an asked tolerance, what `auto` leaves to the mesh, and where the model leaves nothing out
+MESH_SHARE, LAST_SHARE = 0.3, 0.5
 FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
 
 
@@ -96,8 +98,7 @@ class _Climb:
 
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
         """Climb until the error is met, the verdict clear or the budget used."""
-        mesh = FINEST if tol is None else min(FINEST, MESH_SHARE * tol)
-        request = Request(self.force, mesh, None, self.drops, parts=not self.drops)
+        request = Request(self.force, None, None, self.drops, parts=not self.drops)
         name = self.ladder[self._start(tol)]
         if budget is not None and name != "winkler":
             return self._within(request, tol, budget)
@@ -114,7 +115,7 @@ class _Climb:
                 raise LateError(expected(name, self.design, set()))
             return self._climbed(name, replace(request, must_fit=least), tol, budget)
         except LateError as late:
-            found = self.judged("winkler", request)
+            found = self.judged("winkler", replace(request, tol=FINEST))
             words = f"the linear tier would take about {late.seconds:.2g} s of the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
             return with_shortfall(found, tol, 0.0)
@@ -124,7 +125,7 @@ class _Climb:
         while True:
             left = None if budget is None else max(budget - self._spent(), LEAST)
             try:
-                found = self.judged(name, replace(request, budget=left))
+                found = self.judged(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
             except (InputError, RefusedError) as refusal:
                 if found is None:
                     raise
@@ -139,7 +140,7 @@ class _Climb:
         if budget is not None and self._spent() > budget:
             late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, late))
-        return with_shortfall(found, tol, 0.0)
+        return with_shortfall(unasked_left_out(found), tol, 0.0)
 
     def _start(self, tol: float | None) -> int:
         """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
@@ -269,6 +270,12 @@ class _Climb:
             return 1.0
         spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
         return spent / LAWS["linear"].at(plane.unknowns)
+
+
+def mesh_tolerance(name: str, tol: float | None) -> float:
+    """Return the relative error that `auto` asks of a tier's mesh for one of the whole."""
+    share = MESH_SHARE if TIERS[name].leaves_out else LAST_SHARE
+    return FINEST if tol is None else min(FINEST, share * tol)
 
 
 def spread_of(design: Design) -> Spread:

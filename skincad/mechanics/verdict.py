@@ -124,6 +124,11 @@ def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> Contac
     return replace(found, warnings=(*found.warnings, words), next_tier=None)
 
 
+def unasked_left_out(found: ContactCheck) -> ContactCheck:
+    """Leave out that a share of the tolerance was not met: `auto` asked a tier for it, and nobody else."""
+    return replace(found, warnings=tuple(w for w in found.warnings if "not met" not in w))
+
+
 def decided(found: ContactCheck) -> bool:
     """Whether the whole interval of the all-touch force lies on one side of the asked force."""
     force = found.all_touch_force

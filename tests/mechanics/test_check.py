@@ -293,7 +293,10 @@ def test_auto_climbs_until_the_verdict_is_clear() -> None:
     assert check(yamada(), force=20.0).tier == "linear"  # clear at once
 
 
-@pytest.mark.parametrize(("tol", "tier"), [(0.95, "winkler"), (0.45, "linear"), (0.15, "corrected")])
+SOLID = pytest.param(0.01, "solid-finite-strain", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("tol", "tier"), [(0.95, "winkler"), (0.45, "linear"), (0.15, "corrected"), SOLID])
 def test_auto_takes_the_cheapest_tier_that_meets_the_tolerance(tol: float, tier: str) -> None:
     found = check(yamada(), tol=tol)
     assert found.tier == tier
