@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from io import BytesIO
 from pathlib import Path
+from statistics import median
 from textwrap import fill
 from typing import Any
 
@@ -32,10 +33,11 @@ STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, af
 FRONT, FLOOR = "#c9c9c9", "#ededed"
 PANELS = 2  # measures that are drawn: the first with two errors to show
 SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
-LEAST_FOR_SLOPE = 3  # rungs above the reference's own error
+# rungs above the reference's own error, and the ratio of the longest of their times to the shortest
+LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
 TIGHT = 12.0  # an axis has at least this ratio between its ends
 HEADROOM = 0.3  # of the errors' decades
-WIDEST = 56  # letters of a title's line
+WIDEST, HIGHEST = 56, 52  # letters of a line: a title's, an error axis's
 
 
 def diagram(ladder: Ladder, machine: dict[str, Any], path: Path) -> None:
@@ -84,23 +86,27 @@ def _panel(axes: Axes, ladder: Ladder, measure: Measure, style: dict[str, tuple[
             axes.plot(*zip(*path, strict=True), color=colour, linestyle=dashes, linewidth=1.3)
         for rung in mine:
             error = rung.errors[measure.name]
-            axes.hlines(error, min(rung.runs), max(rung.runs), color=colour, linewidth=0.8)
+            runs = rung.instead or rung.runs
+            axes.hlines(error, min(runs), max(runs), color=colour, linewidth=0.8)
             look: dict[str, Any] = {"marker": marker, "color": colour, "markersize": 6, "linestyle": ""}
             filled = rung in best or not ladder.lines
-            axes.plot(rung.seconds, error, markerfacecolor=colour if filled else "white", **look)
+            axes.plot(median(runs), error, markerfacecolor=colour if filled else "white", **look)
         label = model + (_slope(mine, measure) if ladder.lines else "")
         axes.plot([], [], color=colour, marker=marker, linestyle=dashes if ladder.lines else "", label=label)
-    _words(axes, measure)
+    _words(axes, measure, "time, s" if ladder.lines else "time of the scene with the effect, s")
 
 
 def _slope(rungs: list[Rung], measure: Measure) -> str:
     """The exponent of error against time in words, of the rungs above the reference's own error."""
     told = [rung for rung in rungs if rung.errors[measure.name] > measure.floor]
     found = slope([r.seconds for r in told], [r.errors[measure.name] for r in told])
-    return "" if found is None or len(told) < LEAST_FOR_SLOPE else f", slope {round(found, 1) + 0.0:g}"
+    times = [r.seconds for r in told]
+    if found is None or len(told) < LEAST_FOR_SLOPE or max(times) < SPREAD_FOR_SLOPE * min(times):
+        return ""
+    return f", slope {round(found, 1) + 0.0:g}"
 
 
-def _words(axes: Axes, measure: Measure) -> None:
+def _words(axes: Axes, measure: Measure, time: str) -> None:
     if measure.floor:
         low, high = axes.get_ylim()
         low = min(low, measure.floor / 3)
@@ -114,9 +120,9 @@ def _words(axes: Axes, measure: Measure) -> None:
     axes.set_ylim(low, high * (high / low) ** HEADROOM)  # for the legend
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel("time, s", fontsize=9)
+    axes.set_xlabel(time, fontsize=9)
     unit = "" if measure.unit == "1" else f", {measure.unit}"
-    axes.set_ylabel(measure.what.replace(", relative", "") + unit, fontsize=9)
+    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, HIGHEST), fontsize=9)
     against = measure.reference.partition(":")[0].partition(",")[0]
     axes.set_title(fill(f"against {against}", WIDEST), fontsize=9)
     axes.grid(which="major", color="#e0e0e0", linewidth=0.6)

@@ -51,13 +51,17 @@ class Measure:
 
 @dataclass(frozen=True)
 class Rung:
-    """One model at one setting: unknowns, the wall time of each repeat in s, and its errors by measure."""
+    """One model at one setting: unknowns, the wall time of each repeat in s, and its errors by measure.
+
+    `instead` are the repeats of what does not make these errors, where that is what a diagram should show.
+    """
 
     model: str
     setting: str
     unknowns: int
     runs: tuple[float, ...]
     errors: dict[str, float]
+    instead: tuple[float, ...] = ()
 
     @property
     def seconds(self) -> float:

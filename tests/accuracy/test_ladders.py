@@ -213,3 +213,5 @@ def test_every_effect_is_tried_or_skipped_with_a_reason(
     assert left_out["friction"]["signal"] > left_out["film"]["signal"] > 0
     named: list[Rung] = [r for r in found.rungs if r.setting.startswith("named")]
     assert all(not rung.errors for rung in named)
+    price = {rung.model: rung.runs for rung in named}  # a diagram shows what an error costs to be without
+    assert all(rung.instead == price[rung.model] for rung in found.rungs if rung.errors)

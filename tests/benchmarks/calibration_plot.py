@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from tests.benchmarks.error_bars import Row
 
@@ -27,7 +29,10 @@ def calibration_plot(rows: list[Row], path: Path) -> None:
     FigureCanvasAgg(figure)
     for axes, (title, belongs) in zip(figure.subplots(1, len(PANELS)), PANELS.items(), strict=True):
         _panel(axes, title, [row for row in rows if belongs(row) and row.value])
-    figure.savefig(path, metadata={"Software": "skincad"})
+    drawn = BytesIO()
+    figure.savefig(drawn, metadata={"Software": "skincad"})
+    colours = Image.open(drawn).convert("RGB").quantize(64, dither=Image.Dither.NONE)
+    colours.save(path, format="PNG", optimize=True)
 
 
 def _panel(axes: Axes, title: str, rows: list[Row]) -> None:
