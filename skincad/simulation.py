@@ -146,8 +146,8 @@ def simulate(
     others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
 
     The error is the change from the mesh before; `budget` s ends the climb before a mesh that would overrun
-    it; the coarsest is marched whatever it takes. `tick` is told stage, step and the seconds left. A march
-    that stops early is a result: its `march.stopped` says why.
+    it, but the coarsest is marched whatever it takes; alone it asks for the best that it buys. `tick` is told
+    stage, step and the seconds left. A march that stops early is a result: its `march.stopped` says why.
     """
     if tol is not None and not 0 < tol < 1:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
@@ -172,7 +172,8 @@ def simulate(
         if before is not None:
             error, reached = _errors(part, scene, before, found)
             met = reached <= wanted
-        if met or found.failed or found.interrupted or following is None:
+        enough = met and (tol is not None or budget is None)  # a budget alone asks for the best it buys
+        if enough or found.failed or found.interrupted or following is None:
             break
         if not films and before is not None:
             break

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from skincad import simulation
 from skincad.levels import EXPONENT, LEVELS, Level, expected
 from skincad.scene import load_scene
 from skincad.simulation import at_level, simulate
+from tests.small_scene import THIRD, small_scene
 
 SPENT = {"mesh": 0.5, "condense": 1.0, "march": 3.0}
 
@@ -52,6 +56,24 @@ def test_a_budget_is_told_to_be_too_small() -> None:
     assert found.error is None
     assert any("more than the budget of 0.001 s" in warning for warning in found.warnings)
     assert any("of unknown error" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("asked", "meshes"), [({"budget": 1e6}, 3), ({"budget": 1e6, "tol": 0.9}, 2), ({}, 2)]
+)
+def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
+    asked: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:3])
+    stages: set[str] = set()
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        stages.add(stage)
+
+    press = ("history.steps=2", THIRD)
+    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **asked)
+    assert len(stages) == meshes
+    assert not found.warnings
 
 
 def test_a_level_is_its_own_unit_unless_told() -> None:
