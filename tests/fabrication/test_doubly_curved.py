@@ -26,16 +26,12 @@ from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Part, Prism, Revolved, Turned, bores
-
-
-def bent(name: str, radius: float, *settings: str) -> Design:
-    return skincad.load(name, [f"skin.curvature_radius_y={radius}", *settings])
+from tests.bent_skin import bent, three_ridges
 
 
 @pytest.fixture(scope="module")
 def design() -> Design:
-    """Three ridges with six shims; its ends lean by 14 degrees."""
-    return bent("yamada-2002", 25.0, "ridge.count=3")
+    return three_ridges()
 
 
 @pytest.fixture(scope="module")

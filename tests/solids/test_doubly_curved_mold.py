@@ -11,7 +11,6 @@ import pytest
 from manifold3d import Manifold
 from scipy.integrate import quad
 
-import skincad
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.fabrication.findings import undercuts
@@ -24,19 +23,15 @@ from skincad.solids.occ import solid, volume
 from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, own
 from skincad.solids.shrinkage import poured
 from skincad.solids.split import notch_rise
+from tests.bent_skin import bent, three_ridges
 
 RADII = (60.0, 25.0)
 FINE = 5e-4  # mm: a tenth of the template's slit clearance
 
 
-def bent(name: str, radius: float, *settings: str) -> Design:
-    return skincad.load(name, [f"skin.curvature_radius_y={radius}", *settings])
-
-
 @pytest.fixture(scope="module")
 def design() -> Design:
-    """Three ridges with their six shims, 12 mm long, that lean by 14 degrees at their ends."""
-    return bent("yamada-2002", 25.0, "ridge.count=3")
+    return three_ridges()
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,16 @@
+"""Skins that are curved along y too, for the tests of their molds."""
+
+from __future__ import annotations
+
+import skincad
+from skincad.design import Design
+
+
+def bent(name: str, radius: float, *settings: str) -> Design:
+    """A template's skin, bent along y to a radius in mm."""
+    return skincad.load(name, [f"skin.curvature_radius_y={radius}", *settings])
+
+
+def three_ridges() -> Design:
+    """Three ridges with their six shims, 12 mm long; its ends lean by 14 degrees."""
+    return bent("yamada-2002", 25.0, "ridge.count=3")
