@@ -74,15 +74,8 @@ def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
         return tuple(sorted(contents(Path(folder) / "here").items())), seconds
 
 
-@pytest.mark.parametrize(
-    ("job", "times"),
-    [
-        ("circuit", 2),
-        pytest.param("make", 22, marks=pytest.mark.slow),
-        pytest.param("simulate", 14, marks=pytest.mark.slow),
-        pytest.param("circuit", 14, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("job", "times"), [("make", 22), ("simulate", 14), ("circuit", 14)])
 def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
     results = [dict(whole(job, other)[0]) for other in (False, True)]
     seconds = whole(job, True)[1]

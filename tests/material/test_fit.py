@@ -235,6 +235,7 @@ def test_rows_before_the_touch_do_not_bias(curve: PadCurve) -> None:
     assert fitted_to(curve, longer).young_modulus.value == pytest.approx(0.9, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_noisy_pads_lie_within_their_scatter(curve: PadCurve) -> None:
     """At least 90 % of 200 seeded curves, without what the model's own error adds."""
     random = np.random.default_rng(4)

@@ -233,6 +233,7 @@ def test_an_overload_is_refused_with_its_range() -> None:
     assert caught.value.value == pytest.approx(40.0)
 
 
+@pytest.mark.slow
 def test_a_threshold_out_of_reach_is_said() -> None:
     """Strongly curved: the ridges in the middle buckle before the outer ones touch."""
     found = solved(reference().with_(skin={"curvature_radius": 12.0}, ridge={"count": 7}), 1.0)

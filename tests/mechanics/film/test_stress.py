@@ -55,7 +55,8 @@ def values(estimates: tuple[Estimate, ...]) -> np.ndarray:
     return np.array([e.value for e in estimates])
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", pytest.param("yamada-2002-tilted", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted"])
+@pytest.mark.slow
 class TestTheTemplates:
     def test_normal_force_is_mirrored(self, name: str) -> None:
         """The middle ridge's difference is zero, ridge i's is minus ridge (n+1-i)'s."""
