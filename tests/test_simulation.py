@@ -271,6 +271,7 @@ def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
     assert found.march.column("residual").max() <= 1e-10
 
 
+@pytest.mark.slow
 def test_an_error_comes_with_two_meshes() -> None:
     found = simulate(load_scene("yamada-2002-press", ["history.steps=10"]), budget=1e-3)
     assert found.error is None

@@ -62,6 +62,7 @@ def test_yamada_passes_with_all_nine(judged: ContactCheck) -> None:
     assert found.residual < 1e-6
 
 
+@pytest.mark.slow
 def test_ridges_start_to_touch_at_the_stated_force() -> None:
     """Just below the force the outer ridges are free, just above all touch; nodes differ by 1e-4 from it."""
     force = linear_check(yamada()).all_touch_force.value
@@ -113,6 +114,7 @@ def test_force_is_smooth_in_the_design() -> None:
     assert np.abs(np.diff(steps)).max() <= 2e-4 * (forces[0] or 0.0)
 
 
+@pytest.mark.slow
 def test_no_locking_towards_incompressible() -> None:
     """F9 tends to its limit linearly in 1 - 2 nu, so each tenth of that leaves a tenth of the distance."""
     ratios = (0.499, 0.4999, 0.49999, 0.499999, 0.4999999)

@@ -91,6 +91,7 @@ def test_hertz(ratio: float) -> None:
     assert np.abs(found.x[found.pressure > 0]).max() == pytest.approx(wanted, abs=0.01)
 
 
+@pytest.mark.slow
 def test_trailing_block_is_a_solve_per_unknown() -> None:
     pad = pad_of(yamada())
     materials = {"skin": (1.0, 0.499), "film": (3750.0, 0.35)}
@@ -115,6 +116,7 @@ def test_error_falls_with_the_order() -> None:
     assert errors[2] < errors[1] / 5
 
 
+@pytest.mark.slow
 def test_error_falls_with_the_mesh() -> None:
     """Sharp re-entrant corners leave less than the order's rate; halving still divides by at least 1.5."""
     pad = pad_of(sharp())

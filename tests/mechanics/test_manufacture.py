@@ -110,6 +110,7 @@ def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
     assert made.largest.startswith("crest errors of the sla mold")
 
 
+@pytest.mark.slow
 def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> None:
     from skincad.section import frame
 
@@ -123,6 +124,7 @@ def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> Non
     assert part.manufacture is None
 
 
+@pytest.mark.slow
 def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
     from skincad.section import frame
 

@@ -22,6 +22,7 @@ def shares(found) -> np.ndarray:
     return np.array([f.value for f in found.ridge_force])
 
 
+@pytest.mark.slow
 def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
     flat = linear_check(PLAIN, tol=0.01)
     for plate in (

@@ -200,6 +200,7 @@ def scaled(pad: Pad, by: float) -> Pad:
     )
 
 
+@pytest.mark.slow
 def test_bonded_strips_hold_the_ends() -> None:
     """Strips at 3750 times E resist the stretch along y, so free ends soften the pad less; measured 1.139
     against 1.280."""

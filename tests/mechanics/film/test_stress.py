@@ -119,6 +119,7 @@ def test_what_full_stick_takes_for_granted_is_said() -> None:
     assert any("off ridge 9" in w for w in twice.warnings)
 
 
+@pytest.mark.slow
 def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """Independent of the cut's conditions; another mesh, so it agrees to the errors."""
     halves = found_of_three()
