@@ -160,6 +160,7 @@ def simulate(
     error: dict[int, float] | None = None
     reached, met = np.inf, False
     meshes: dict[float, object] = {}
+    short: list[str] = []
     for level, following in zip(LEVELS, (*LEVELS[1:], None), strict=True):
         spent: dict[str, float] = {}
         rest = following if before is None and budget is None else None  # two meshes are the least
@@ -168,6 +169,10 @@ def simulate(
             seconds[stage] = seconds.get(stage, 0.0) + more
         if found.interrupted and before is not None:
             found = replace(before, stopped=INTERRUPTED)  # the whole march before says more than a part
+            break
+        if found.failed and met and before is not None:  # only a budget climbs on from what is good enough
+            short.append(f"a finer mesh stopped at {found.stopped}; the one before counts")
+            found = before
             break
         if before is not None:
             error, reached = _errors(part, scene, before, found)
@@ -181,10 +186,9 @@ def simulate(
         if budget is not None and perf_counter() - began + price > budget:
             break
         before = found
-    short = []
     if films and not met:
         how = "of unknown error" if error is None else f"within {reached:.1e} of its largest"
-        short = [f"the differential stress is {how}: {wanted:.1e} is not met"]
+        short.append(f"the differential stress is {how}: {wanted:.1e} is not met")
     if budget is not None and (late := perf_counter() - began) > budget:
         short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
     told = _told(scene, part, found, error, seconds, short)

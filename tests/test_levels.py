@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from skincad import simulation
 from skincad.levels import EXPONENT, LEVELS, Level, expected
+from skincad.march import March
 from skincad.scene import load_scene
 from skincad.simulation import at_level, simulate
 from tests.small_scene import THIRD, small_scene
@@ -74,6 +77,25 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
     found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **asked)
     assert len(stages) == meshes
     assert not any("met" in warning or "budget" in warning for warning in found.warnings)
+
+
+def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:3])
+    marched: list[March] = []
+    march = simulation._march
+
+    def fail_third(*asked: Any) -> March:
+        marched.append(march(*asked))
+        return replace(marched[-1], failed=True, stopped="step 2") if len(marched) == 3 else marched[-1]
+
+    monkeypatch.setattr(simulation, "_march", fail_third)
+    press = ("history.steps=2", "readout.ridges=[1]", THIRD)
+    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
+    assert len(marched) == 3
+    assert found.march is marched[1]
+    assert any("a finer mesh stopped at step 2" in warning for warning in found.warnings)
 
 
 def test_a_level_is_its_own_unit_unless_told() -> None:

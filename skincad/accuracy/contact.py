@@ -90,13 +90,21 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
             size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
             last = level == LEVELS[name][-1]
             found[_level(name, *level)] = repeated(OF_TIER * LAWS[name].at(size), 1 if last else repeats)
+        if name in LEVELS:
+            continue
+        price = _own(name, design)
         if name == "solid":
-            found |= {
-                _layers(told): repeated(s * own(name, design), repeats) for told, s in SOLID_LEVELS.items()
-            }
-        if name not in LEVELS:
-            found[_stage(name)] = repeated(own(name, design), alone)
+            found |= {_layers(told): repeated(s * price, repeats) for told, s in SOLID_LEVELS.items()}
+        found[_stage(name)] = repeated(price, alone)
     return found
+
+
+def _own(name: str, design: Design) -> float:
+    """A tier's own seconds; nothing for one that refuses the design, as it will when it is climbed."""
+    try:
+        return own(name, design)
+    except (InputError, RefusedError):
+        return 0.0
 
 
 class _Climb:

@@ -61,4 +61,5 @@ def _matched_lines(ladder: Ladder) -> Iterator[str]:
     for measure, error, rungs in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
         first, *others = rungs
         more = (f"{r.model} {r.seconds:.2g} s ({r.seconds / first.seconds:.2g} times)" for r in others)
-        yield f"  {measure.name} {error:.0e} takes {first.model} {first.seconds:.2g} s, {', '.join(more)}"
+        aim = f"{measure.name} {error:.0e}" + ("" if measure.unit == "1" else f" {measure.unit}")
+        yield f"  {aim} takes {first.model} {first.seconds:.2g} s, {', '.join(more)}"

@@ -62,6 +62,17 @@ def test_every_ladder_of_the_table_has_its_prices(name: str, small: Design, plai
     assert callable(ladder_of(name).ladder)
 
 
+def test_a_tier_that_refuses_a_design_has_no_price(small: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bar must not end what the ladder would skip with its reason."""
+
+    def refuse(name: str, design: Design) -> float:
+        raise InputError("slot", "must lie inside the outline")
+
+    monkeypatch.setattr(contact, "own", refuse)
+    prices = contact.prices(small, 1)
+    assert prices["contact: solid"] == prices["contact: corrected"] == 0.0
+
+
 def test_an_unknown_ladder_is_refused_with_what_was_meant() -> None:
     with pytest.raises(InputError, match="--ladder: unknown ladder, got 'contcat'; did you mean 'contact'"):
         ladder_of("contcat")

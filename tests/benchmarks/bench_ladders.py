@@ -38,12 +38,15 @@ def climb(name: str, design: Design) -> float:
     prices = module.prices(design, REPEATS)
     found = module.ladder(design, REPEATS, stages)
     stages("")
-    for stage, taken in stages.seconds.items():
+    judged = {
+        stage: taken for stage, taken in stages.seconds.items() if prices[stage]
+    }  # a refused tier has none
+    for stage, taken in judged.items():
         print(f"  {stage:48}{prices[stage]:10.2f}{taken:10.2f}{taken / prices[stage]:8.2f}")
     for model, why in found.skipped.items():
         print(f"  not {model}: {why}")
     whole, expected = sum(stages.seconds.values()), sum(prices.values())
-    ratios = np.log([taken / prices[stage] for stage, taken in stages.seconds.items()])
+    ratios = np.log([taken / prices[stage] for stage, taken in judged.items()])
     off = np.exp(np.sqrt(np.mean((ratios - ratios.mean()) ** 2)))
     print(f"  {name:48}{expected:10.2f}{whole:10.2f}{whole / expected:8.2f}  stages off by {off:.2f}\n")
     return whole
