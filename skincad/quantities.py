@@ -5,6 +5,7 @@ Lengths are mm, forces N, stresses MPa, times s, masses tonne; `circuit/` alone 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -13,12 +14,19 @@ class Estimate:
     """A value with the half-width of the interval that it is claimed to lie in.
 
     `value` is None where there is no such number (ridges that cannot all touch have no smallest
-    force), `error` is None where nobody has estimated it yet.
+    force), `error` is None where nobody has estimated it yet. Raises ValueError for an error below 0 and for
+    numbers that are not finite: whoever computes one has made a mistake, and must not hand it on.
     """
 
     value: float | None
     error: float | None
     unit: str
+
+    def __post_init__(self) -> None:
+        if self.error is not None and not 0 <= self.error < math.inf:
+            raise ValueError(f"an error must be finite and not below 0, got {self.error}")
+        if self.value is not None and not math.isfinite(self.value):
+            raise ValueError(f"a value must be finite, or None, got {self.value}")
 
     @property
     def upper(self) -> float | None:

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from skincad.circuit.low_pass import Limited, band_limited, delay
 from skincad.effects.kinds import Body, Readout, Watched
-from skincad.errors import InputError
+from skincad.errors import InputError, RefusedError
 from skincad.levels import LEVELS, Level, expected
 from skincad.march import INTERRUPTED, March, march
 from skincad.moments import collisions, kept_steps
@@ -149,10 +149,7 @@ def simulate(
     it, but the coarsest is marched whatever it takes; alone it asks for the best that it buys. `tick` is told
     stage, step and the seconds left. A march that stops early is a result: its `march.stopped` says why.
     """
-    if tol is not None and not 0 < tol < 1:
-        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
-    if budget is not None and not budget > 0:
-        raise InputError("--budget", "must be above 0 s", budget)
+    _check_asked(tol, budget)
     wanted, began = tol or DEFAULT_TOLERANCE, perf_counter()
     seconds: dict[str, float] = {}
     part, films = _part(scene, seconds), bool(scene.readout.ridges)
@@ -164,7 +161,14 @@ def simulate(
     for level, following in zip(LEVELS, (*LEVELS[1:], None), strict=True):
         spent: dict[str, float] = {}
         rest = following if before is None and budget is None else None  # two meshes are the least
-        found = _march(scene, part, level, films, meshes, spent, tick, rest)
+        try:
+            found = _march(scene, part, level, films, meshes, spent, tick, rest)
+        except (InputError, RefusedError) as refusal:
+            if before is None:
+                raise
+            short.append(f"a finer mesh is refused ({refusal}); the one before counts")
+            found = before
+            break
         for stage, more in spent.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
         if found.interrupted and before is not None:
@@ -193,6 +197,13 @@ def simulate(
         short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
     told = _told(scene, part, found, error, seconds, short)
     return replace(told, seconds={"total": perf_counter() - began, **seconds})
+
+
+def _check_asked(tol: float | None, budget: float | None) -> None:
+    if tol is not None and not 0 < tol < 1:
+        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
+    if budget is not None and not budget > 0:
+        raise InputError("--budget", "must be above 0 s", budget)
 
 
 def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:

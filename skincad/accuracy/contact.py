@@ -14,10 +14,10 @@ from skincad.accuracy.ladder import Ladder, Measure, Rung, repeated, timed
 from skincad.design import Design
 from skincad.errors import InputError, RefusedError
 from skincad.mechanics import finite_strain, linear, solid
-from skincad.mechanics.linear import FLOOR, LevelSolver
+from skincad.mechanics.linear import LevelSolver
 from skincad.mechanics.mesh import default_sizes, triangles
 from skincad.mechanics.prices import LAWS, own, plane_unknowns
-from skincad.mechanics.problem import Answer, Request, pad_of
+from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed
 from skincad.mechanics.tiers import able, run
 from skincad.quantities import Estimate

@@ -10,10 +10,19 @@ from time import perf_counter
 from skincad.catalog import processes, silicone
 from skincad.design import Design
 from skincad.errors import InputError, RefusedError
-from skincad.measurements import crest_drops
+from skincad.measurements import crest_drops, shift_warnings
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.prices import LAWS, expected
-from skincad.mechanics.problem import Answer, LateError, Manufacture, Request, Spread
+from skincad.mechanics.problem import (
+    Answer,
+    ContactError,
+    LateError,
+    Manufacture,
+    Request,
+    SizeError,
+    Spread,
+    no_yield,
+)
 from skincad.mechanics.tiers import AUTO, TIERS, able, below, load, run, tier_of
 from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
 from skincad.mechanics.verdict import (
@@ -67,7 +76,7 @@ def check(
     if measured is not None and design.skin.curvature_radius_y is not None:
         raise InputError("--measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)
-    notes = slope_warnings(design)
+    notes = (*slope_warnings(design), *shift_warnings(drops, design))
     climb = _Climb(design, asked, drops, notes, progress)
     if tier == "auto":
         return climb.auto(tol, budget)
@@ -127,6 +136,7 @@ class _Climb:
             try:
                 found = self.judged(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
             except (InputError, RefusedError) as refusal:
+                found = found or self._solved_before(request, refusal)
                 if found is None:
                     raise
                 found = before_refusal(found, name, refusal)
@@ -141,6 +151,14 @@ class _Climb:
             late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, late))
         return with_shortfall(unasked_left_out(found), tol, 0.0)
+
+    def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
+        """The verdict of the best tier that a refused one was built on; of a pad that is too large for any
+        mesh the closed form's."""
+        solved = [name for name in self.ladder if name in self.done]
+        if not solved and isinstance(refusal, SizeError) and self.ladder[0] == "winkler":
+            solved = ["winkler"]
+        return self.judged(solved[-1], replace(request, must_fit=False)) if solved else None
 
     def _start(self, tol: float | None) -> int:
         """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
@@ -168,7 +186,12 @@ class _Climb:
             found = run(each, self.design, request, self.done, self.progress)
         self._refuse_crushed(name, found)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
-        made = None if self.drops or name == "winkler" else self._manufacture(found)
+        made = None
+        if not self.drops and name != "winkler":
+            try:
+                made = self._manufacture(found)
+            except ContactError as failure:  # the yield's model has no say in the verdict
+                found = replace(found, warnings=(*found.warnings, no_yield(failure)))
         verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made)
         self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
         return verdict

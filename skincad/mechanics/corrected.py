@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.mechanics import linear
-from skincad.mechanics.problem import Answer, Pad, Request, pad_of
+from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, pad_of
 from skincad.mechanics.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed, timed
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
 Array = NDArray[np.float64]
 
-FLOOR = 0.01  # of the force; an F9 below it is as good as nothing
 ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)
 MOST_FILLET = 0.25  # of the tip's width; smaller fillets change the ratio less than its error

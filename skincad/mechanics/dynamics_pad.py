@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from threadpoolctl import threadpool_limits
 
-from skincad.errors import InputError
 from skincad.mechanics.dynamics_state import Half, Linear
 from skincad.mechanics.film.stick import Part, on_whole, resolved
 from skincad.mechanics.moving_body import Moving, moving
+from skincad.mechanics.problem import SizeError
 from skincad.mechanics.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ Index = NDArray[np.int64]
 def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
     """Return the equations of netgen's mesh of the part; `films` asks for the strips' stresses.
 
-    Raises InputError for more contact unknowns than a dense block can hold.
+    Raises SizeError for more contact unknowns than a dense block can hold.
     """
     with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
         found = moving(part, mesh, order, films)
@@ -36,7 +36,7 @@ def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
     lay = layout(x, part.mirrored, ON_AXIS * unit)
     if 2 * lay.of.size > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
-        raise InputError("ridge.count", limit, 2 * lay.of.size, "take fewer ridges")
+        raise SizeError("ridge.count", limit, 2 * lay.of.size, "take fewer ridges")
     contact = np.concatenate([body.along_x, body.system.contact])
     rows = sparse.csr_matrix(sparse.block_diag([nodes.rows, nodes.rows]))
     at_unknowns = sparse.csr_matrix(

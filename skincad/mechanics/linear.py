@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from skincad.design import Design
-from skincad.errors import InputError
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed, condense
 from skincad.mechanics.contact import Contact, press
@@ -24,13 +23,17 @@ from skincad.mechanics.folding import fault
 from skincad.mechanics.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.prices import AFTER_MESH, AFTER_ORDER
 from skincad.mechanics.problem import (
+    FLOOR,
     Answer,
     ContactError,
     LateError,
     Pad,
     Request,
     RidgeModel,
+    SizeError,
     check_pad,
+    no_yield,
+    one_ridge,
     pad_of,
 )
 from skincad.mechanics.ridge_model import ridge_model
@@ -42,8 +45,10 @@ from skincad.stopwatch import Progress
 Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (FACTS.md)
 MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
-FEWEST_A_RIDGE = 12  # contact unknowns on the coarsest rung, to refuse before the mesh is made
-FLOOR = 0.01  # of the force and of a crown; F9 and approach below are as good as nothing, judged against this
+MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so many were never seen
+# Contact unknowns of the whole pad against those of one ridge meshed alone, times the ridges: at least 0.92
+# on the templates' coarsest mesh. What is too large by this is refused before the whole is meshed
+ALONE = 0.9
 TAIL = 1.25  # of differences
 BY_APPROACH, BY_FORCE = 0.75, 0.4  # of the approach's relative error for F9, of F9's for the approach
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
@@ -113,7 +118,10 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     if found.all_touch_force.value is None:
         found = replace(found, warnings=(*found.warnings, NEVER))
     if request.parts and best.all_touch_force:
-        found = replace(found, parts=_parts(pad, best, request.force, found.seconds))
+        try:
+            found = replace(found, parts=_parts(pad, best, request.force, found.seconds))
+        except ContactError as failure:  # the yield's model has no say in the verdict
+            found = replace(found, warnings=(*found.warnings, no_yield(failure)))
     return found
 
 
@@ -122,21 +130,33 @@ def climb(
 ) -> tuple[Answer, Level]:
     """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
     check_pad(pad)
-    _check_size(FEWEST_A_RIDGE * len(pad.ridges))
+    _check_coarsest(pad)
     began = perf_counter()
     force, budget = request.force, request.budget
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
-    ladder = RUNGS[_first_rung(wanted) :] if budget is None else RUNGS
+    index = 0 if budget is not None else _first_rung(wanted)
     seconds: dict[str, float] = {}
     meshes: dict[float, object] = {}
     levels: dict[tuple[float, int], Level] = {}
     before: Level | None = None
-    for rung in ladder:
+    climbed: list[Rung] = []
+    full = ""
+    while True:
+        rung = RUNGS[index]
         if rung.fineness not in meshes:
             started = perf_counter()
             meshes[rung.fineness] = triangles(pad, default_sizes(pad, rung.fineness))
             _add(seconds, {"mesh": perf_counter() - started})
             _check_fits(request, levels, began, AFTER_MESH * (perf_counter() - started))
+        contact = elements.contact_unknowns(elements.curved(meshes[rung.fineness], 1), rung.order)
+        if contact > MOST_CONTACT_UNKNOWNS:  # judged before any of the rung's orders is solved
+            if before is not None:
+                full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
+                break
+            if index == 0:
+                raise _too_large(contact)
+            index -= 1
+            continue
         for order in (rung.order - 1, rung.order):
             if (rung.fineness, order) not in levels:
                 if progress:
@@ -149,11 +169,13 @@ def climb(
         best = levels[rung.fineness, rung.order]
         result = _estimated(best, levels[rung.fineness, rung.order - 1], before, rung.order, seconds)
         before = best
+        climbed.append(rung)
+        index += 1
         reached = _relative_error(result, force, unit_of(pad))
-        if reached <= wanted or not _affordable(rung, ladder, perf_counter() - began, budget):
+        if reached <= wanted or not _affordable(climbed, index, perf_counter() - began, budget):
             break
     spent = perf_counter() - began
-    warnings = tuple(_shortfalls(reached, wanted, spent, budget))
+    warnings = tuple(_shortfalls(reached, wanted, full, spent, budget))
     return replace(result, warnings=warnings, seconds=seconds), best
 
 
@@ -173,17 +195,20 @@ def _check_fits(request: Request, solved: object, began: float, rest: float) -> 
         raise LateError(spent + rest)
 
 
-def _affordable(done: Rung, ladder: tuple[Rung, ...], spent: float, budget: float | None) -> bool:
-    """Whether the rung after `done` fits into the budget, judged by what the rungs so far took."""
-    climbed = ladder.index(done) + 1
-    if budget is None or climbed == len(ladder):
-        return True
-    return spent * (1 + ladder[climbed].price / sum(rung.price for rung in ladder[:climbed])) <= budget
+def _affordable(climbed: list[Rung], following: int, spent: float, budget: float | None) -> bool:
+    """Whether there is a rung of the number `following` that fits into the budget, judged by what those
+    climbed so far took."""
+    if following == len(RUNGS):
+        return False
+    price = RUNGS[following].price / sum(rung.price for rung in climbed)
+    return budget is None or spent * (1 + price) <= budget
 
 
-def _shortfalls(reached: float, wanted: float, spent: float, budget: float | None) -> Iterator[str]:
+def _shortfalls(
+    reached: float, wanted: float, full: str, spent: float, budget: float | None
+) -> Iterator[str]:
     if reached > wanted > 0:
-        yield f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met"
+        yield f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met{full}"
     if budget is not None and spent > budget:
         yield f"the cheapest mesh took {spent:.2g} s, more than the budget of {budget:g} s"
 
@@ -213,7 +238,9 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     if pad.strips:
         materials["film"] = (pad.film_modulus / modulus, pad.film_ratio)
     curved = elements.curved(mesh, order)
-    _check_size(elements.contact_unknowns(curved, order))
+    contact = elements.contact_unknowns(curved, order)
+    if contact > MOST_CONTACT_UNKNOWNS:
+        raise _too_large(contact)
     system = elements.assemble(curved, order, materials)
     clock.append(perf_counter())
     small = condense(system.matrix, system.interior, system.contact)
@@ -244,14 +271,24 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     )
 
 
-def _check_size(contact: int) -> None:
-    if contact > MOST_CONTACT_UNKNOWNS:
-        raise InputError(
-            "ridge.count",
-            f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
-            contact,
-            "take fewer ridges or --tier winkler",
-        )
+def _check_coarsest(pad: Pad) -> None:
+    """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
+    if MOST_A_RIDGE * len(pad.ridges) <= MOST_CONTACT_UNKNOWNS:
+        return
+    coarsest = RUNGS[0]
+    mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
+    expected = ALONE * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
+    if expected > MOST_CONTACT_UNKNOWNS:
+        raise _too_large(round(expected))
+
+
+def _too_large(contact: int) -> SizeError:
+    return SizeError(
+        "ridge.count",
+        f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
+        contact,
+        "take fewer ridges or --tier winkler",
+    )
 
 
 def _moved(system: elements.Assembled, small: Condensed, state: Contact) -> Array:

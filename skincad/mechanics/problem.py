@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skincad.catalog import silicone
-from skincad.curves import Loop
+from skincad.curves import Loop, Point, Segment
 from skincad.design import Design, Plate
 from skincad.errors import InputError, RefusedError
 from skincad.quantities import Estimate
@@ -17,11 +17,16 @@ from skincad.section import CONTACT_KINDS, Section, section
 
 Array = NDArray[np.float64]
 FLAT = Plate()
+FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
 PVDF_DENSITY = 1780.0  # kg/m3; source: data sheets
 
 
 class ContactError(RefusedError):
     """A contact or finite element solution that does not hold; words say what and the remedy."""
+
+
+class SizeError(InputError):
+    """More unknowns than a model can hold: raised before anything of that size is solved."""
 
 
 class LateError(RefusedError):
@@ -105,6 +110,11 @@ class Manufacture:
     largest: str
 
 
+def no_yield(failure: Exception) -> str:
+    """Return the warning for a verdict whose yield could not be computed."""
+    return f"no yield: {failure}"
+
+
 @dataclass(frozen=True)
 class Request:
     """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s.
@@ -162,6 +172,18 @@ def pad_of(design: Design) -> Pad:
     modulus, ratio, length = stuff.young_modulus.value, stuff.poisson_ratio, design.skin.length
     densities = stuff.density, PVDF_DENSITY if strips else 0.0
     return Pad(shape, length, modulus, ratio, strips, voids, *moduli, design.contact.plate, *densities)
+
+
+def one_ridge(pad: Pad) -> Pad:
+    """Return the pad's middle ridge on a straight-sided piece of its base, without slots: to see its mesh."""
+    outline = pad.section.outline
+    ridge = pad.ridges[len(pad.ridges) // 2]
+    crest = [s for s in outline if s.ridge == ridge]
+    first, last, low = crest[0].start, crest[-1].end, min(s.start.z for s in outline)
+    below_last, below_first = Point(last.x, low), Point(first.x, low)
+    back = Segment(below_last, below_first, kind="back")
+    base = (Segment(last, below_last), back, Segment(below_first, first))
+    return replace(pad, section=Section((*crest, *base)), strips=(), voids=())
 
 
 def check_pad(pad: Pad) -> None:

@@ -61,6 +61,7 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
     stiffness = model.force[-1] / model.indentation[:, -1]
     whole: Array = np.asarray(np.linalg.inv(np.diag(1 / stiffness) + model.coupling), dtype=np.float64)
     low = model.gap + drop
+    low -= low.min(axis=1, keepdims=True)  # the first touch is 0: a light force loses no digits to the datum
     rounding = ROUNDING * float(whole.sum()) * float(np.ptp(low))
     found = np.empty_like(low)
     for first in range(0, len(low), BATCH):

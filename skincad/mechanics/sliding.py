@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 from scipy import sparse
 from threadpoolctl import threadpool_limits
 
-from skincad.errors import InputError
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed
 from skincad.mechanics.film import strip_field
 from skincad.mechanics.film.stick import Part, condensed, contact_rows, on_whole, resolved
 from skincad.mechanics.film.strip_field import Body
 from skincad.mechanics.film.whole_state import Parity, WholeState
-from skincad.mechanics.problem import Pad
+from skincad.mechanics.problem import Pad, SizeError
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -56,7 +55,7 @@ class Sliding:
 def sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
     """Return the condensed pad of a netgen mesh of the part; `films` asks for the strips' stresses.
 
-    Raises InputError for more contact unknowns than a dense block can hold.
+    Raises SizeError for more contact unknowns than a dense block can hold.
     """
     with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
         return _sliding(part, mesh, order, films)
@@ -68,7 +67,7 @@ def _sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
     asked = 2 * elements.contact_unknowns(curved, order) * (2 if part.mirrored else 1)
     if asked > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
-        raise InputError("ridge.count", limit, asked, "take fewer ridges")
+        raise SizeError("ridge.count", limit, asked, "take fewer ridges")
     materials = {"skin": (1.0, pad.poisson_ratio)}
     if pad.strips:
         materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)

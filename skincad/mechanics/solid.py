@@ -16,17 +16,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.design import Design
-from skincad.errors import InputError
 from skincad.mechanics.mesh import unit_of
-from skincad.mechanics.problem import Answer, Pad, Request, check_pad, pad_of
-from skincad.mechanics.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed, timed
+from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, SizeError, check_pad, pad_of
+from skincad.mechanics.solid_level import (
+    Layers,
+    Level,
+    check_size,
+    coarse_sizes,
+    forms_of,
+    layers_of,
+    meshed_part,
+    pressed,
+    timed,
+)
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
 Array = NDArray[np.float64]
 
 DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (FACTS.md)
-FLOOR = 0.01  # of the force and of the unit; F9 and approach below are judged against this
 # What is left after order 3, of the difference to order 2; measured 0.15 to 0.45 on five pads (test_solid.py)
 SECTION_TAIL = 0.6
 LAYERS_TAIL = 1.0  # what is left after the finer layers, against their difference to the coarser
@@ -76,7 +84,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
             break
         try:
             result = _climb(pad, rung, force, seconds, progress)
-        except InputError:  # too large; the rung before is the best there is, and its error is said
+        except SizeError:  # the rung before is the best there is, and its error is said
             break
         reached = relative_error(result, force, unit_of(pad))
     spent = perf_counter() - began
@@ -100,9 +108,11 @@ def _climb(
         progress(f"solid tier: fineness {rung.fineness:g}, order {rung.order}")
     meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, rung.fineness)))
     lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order - 1))
+    forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order))
+    for each, along in ((lower_forms, rung.finer), (forms, rung.layers)):
+        check_size(each, layers_of(meshed, along))  # of all that the rung solves, before the first
     lower = pressed(meshed, lower_forms, rung.layers, force, seconds)
     finer = pressed(meshed, lower_forms, rung.finer, force, seconds)
-    forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order))
     best = pressed(meshed, forms, rung.layers, force, seconds)
     return _estimated(best, lower, finer)
 

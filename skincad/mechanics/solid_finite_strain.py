@@ -22,7 +22,7 @@ from skincad.mechanics.contact import press
 from skincad.mechanics.corrected import ORDER, Errors, changed, plain_pad
 from skincad.mechanics.finite_strain import all_touch, at_force
 from skincad.mechanics.newton import Pressed
-from skincad.mechanics.problem import Answer, Pad, Request, check_pad
+from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_pad
 from skincad.mechanics.solid_body import SolidBody, solid_body
 from skincad.mechanics.solid_level import (
     Layers,
@@ -112,7 +112,7 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
     )
     unknowns = 3 * forms.held.size * ((borders.size - 1) * along.order + 1)
     if unknowns > MOST_UNKNOWNS:
-        raise InputError(
+        raise SizeError(
             "ridge.count",
             f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
             unknowns,

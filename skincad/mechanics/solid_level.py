@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from skincad.errors import InputError
 from skincad.mechanics import elements, layers, prisms
 from skincad.mechanics.contact import Contact, press
 from skincad.mechanics.mesh import Sizes, triangles, unit_of
-from skincad.mechanics.problem import ContactError, Pad
+from skincad.mechanics.problem import ContactError, Pad, SizeError
 from skincad.mechanics.symmetry import half_of
 from skincad.mechanics.threshold import all_touch_force
 from skincad.mechanics.under_plate import seen_by_plate
@@ -141,12 +140,8 @@ def condensed_pad(
 ) -> tuple[prisms.Solid, float]:
     """Return the condensed part, for many forces, and what N on the whole pad is a force of 1 on it."""
     half = meshed.whole.length / 2 / meshed.unit
-    if along is None:
-        line = layers.constant()
-    else:
-        borders = layers.graded(half, along.last * meshed.height / meshed.unit, along.growth)
-        line = layers.line(borders, along.order)
-    _check_size(forms, line)
+    line = layers.constant() if along is None else layers_of(meshed, along)
+    check_size(forms, line)
     # more BLAS threads only wait for each other on blocks this small
     with threadpool_limits(limits=1, user_api="blas"):
         small: prisms.Solid = timed(
@@ -223,10 +218,19 @@ def _on_whole(meshed: Meshed, shares: Array) -> Array:
     return found + found[::-1]
 
 
-def _check_size(forms: prisms.SectionForms, line: layers.Line) -> None:
+def layers_of(meshed: Meshed, along: Layers) -> layers.Line:
+    """Return the functions along y of these layers, on half of the pad's length."""
+    half = meshed.whole.length / 2 / meshed.unit
+    return layers.line(
+        layers.graded(half, along.last * meshed.height / meshed.unit, along.growth), along.order
+    )
+
+
+def check_size(forms: prisms.SectionForms, line: layers.Line) -> None:
+    """Raise SizeError for more unknowns than fit, before any is solved."""
     unknowns, contact = 3 * forms.held.size * line.at.size, forms.plane.contact.size * line.at.size
     if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
-        raise InputError(
+        raise SizeError(
             "ridge.count",
             f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
             max(unknowns, contact),

@@ -67,11 +67,15 @@ class Ridges:
         )
 
     def lowered(self, drops: Array) -> Ridges:
-        """Return the same pad with each ridge's crest lower by `(ridges,)`."""
+        """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`, higher where negative.
+
+        The gaps count from the first touch as before, so the same drop of all crests changes nothing.
+        """
         by_ridge = dict(zip(self.numbers.tolist(), drops.tolist(), strict=True))
         at_points = np.array([by_ridge[r] for r in self.of_point.tolist()])
         fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
-        return replace(self, gap=self.gap + at_points, fine_gap=self.fine_gap + fine)
+        later = float((self.fine_gap + fine).min() - self.fine_gap.min())
+        return replace(self, gap=self.gap + at_points - later, fine_gap=self.fine_gap + fine - later)
 
     @property
     def numbers(self) -> Index:

@@ -25,7 +25,10 @@ def seen_by_plate(pad: Pad, system: Assembled, flexibility: Array, unit: float) 
 def height_above(
     pad: Pad, ridges: Ridges, system: Assembled, approach: float, unit: float
 ) -> Callable[[Array], Array]:
-    """Return the plate's height over x, in units, at an approach; gaps count from the first touch."""
-    x, z = system.nodes.position[0]
-    first = z + ridges.gap[0] - rise(pad.plate, np.array([x * unit]))[0] / unit
+    """Return the plate's height over x, in units, at an approach; gaps count from the first touch.
+
+    Of a measured part, whose crests are moved and whose mesh is not, as over the ridge that it is closest to.
+    """
+    x, z = system.nodes.position.T
+    first = float((z + ridges.gap - rise(pad.plate, x * unit) / unit).min())
     return lambda at: np.asarray(first - approach + rise(pad.plate, at * unit) / unit)

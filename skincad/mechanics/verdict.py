@@ -8,10 +8,8 @@ from typing import Any
 
 from skincad.errors import InputError
 from skincad.mechanics.left_out import LeftOut
-from skincad.mechanics.problem import Answer, Manufacture
+from skincad.mechanics.problem import FLOOR, Answer, Manufacture
 from skincad.quantities import Estimate
-
-FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
 
 
 @dataclass(frozen=True)
@@ -148,6 +146,6 @@ def with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answ
     return replace(
         found,
         all_touch_force=wider(threshold, (threshold.value or 0.0) * math.fsum(b.threshold for b in bounds)),
-        approach=wider(approach, (approach.value or 0.0) * math.fsum(b.approach for b in bounds)),
+        approach=wider(approach, abs(approach.value or 0.0) * math.fsum(b.approach for b in bounds)),
         ridge_force=tuple(wider(f, mean * math.fsum(b.share for b in bounds)) for f in shares),
     )

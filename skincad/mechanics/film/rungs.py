@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.errors import InputError
 from skincad.mechanics import elements
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.contact_edges import with_fine_edges
@@ -17,7 +16,7 @@ from skincad.mechanics.film.stick import Level, Part, level, part_of
 from skincad.mechanics.film.view import view
 from skincad.mechanics.linear import MOST_CONTACT_UNKNOWNS
 from skincad.mechanics.mesh import Sizes, default_sizes, triangles
-from skincad.mechanics.problem import Pad, check_pad
+from skincad.mechanics.problem import Pad, SizeError, check_pad
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress, Stopwatch
 
@@ -67,7 +66,6 @@ def solve(
     spent: dict[str, float] = {}
 
     def solved(part: Part, mesh: object, order: int, pulled: bool) -> Level:
-        _check_size(mesh, order)
         found = level(part, mesh, order, force, pulled)
         for stage, seconds in found.seconds.items():
             spent[stage] = spent.get(stage, 0.0) + seconds
@@ -75,11 +73,22 @@ def solve(
 
     with watch.stage("mesh"):
         mesh = triangles(plain.pad, default_sizes(plain.pad, FIRST[0]))
+    # the rungs' meshes are finer still: what is too large here is told before anything is solved
+    if (contact := _contact_unknowns(mesh, RUNGS[0].order)) > MOST_CONTACT_UNKNOWNS:
+        raise _too_large(contact)
     best = solved(plain, mesh, FIRST[1], False)
+    results: list[FilmStress] = []
+    full = ""
     for rung in RUNGS:
-        part = with_fine_edges(plain, best)
+        finer = with_fine_edges(plain, best)
         with watch.stage("mesh"):
-            mesh = triangles(part.pad, rung.sizes(part))
+            mesh = triangles(finer.pad, rung.sizes(finer))
+        if (contact := _contact_unknowns(mesh, rung.order)) > MOST_CONTACT_UNKNOWNS:
+            if not results:
+                raise _too_large(contact)
+            full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
+            break
+        part = finer
         if progress:
             progress(f"film stress: fineness {rung.fineness:g}, order {rung.order}")
         lower, best = (solved(part, mesh, order, pull) for order in (rung.order - 1, rung.order))
@@ -88,7 +97,9 @@ def solve(
         if reached <= tol:
             break
     short = (
-        () if reached <= tol else (f"the error is {reached:.1e} of the largest stress: {tol:.1e} is not met",)
+        ()
+        if reached <= tol
+        else (f"the error is {reached:.1e} of the largest stress: {tol:.1e} is not met{full}",)
     )
     shown = [tuple(view(part, best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
@@ -98,11 +109,13 @@ def solve(
     ]
 
 
-def _check_size(mesh: Any, order: int) -> None:
-    contact = 2 * elements.contact_unknowns(elements.curved(mesh, 1), order)
-    if contact > MOST_CONTACT_UNKNOWNS:
-        limit = f"films' stresses take at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
-        raise InputError("ridge.count", limit, contact, "take fewer ridges")
+def _contact_unknowns(mesh: Any, order: int) -> int:
+    return 2 * elements.contact_unknowns(elements.curved(mesh, 1), order)
+
+
+def _too_large(contact: int) -> SizeError:
+    limit = f"films' stresses take at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
+    return SizeError("ridge.count", limit, contact, "take fewer ridges")
 
 
 def _values(part: Part, found: Level, tangential: float) -> dict[str, Array]:

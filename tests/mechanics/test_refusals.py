@@ -1,0 +1,228 @@
+"""Nothing that was solved is lost by what refuses after it; what is too large is told before it is solved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from skincad import load
+from skincad.design import Design
+from skincad.mechanics import check as checking
+from skincad.mechanics import elements, linear, sliding, solid, solid_level
+from skincad.mechanics.check import check
+from skincad.mechanics.film import rungs
+from skincad.mechanics.film.stress import film_stresses
+from skincad.mechanics.manufacture import manufacture
+from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.mechanics.problem import ContactError, RidgeModel, SizeError, Spread, one_ridge, pad_of
+from skincad.simulation import simulate
+from tests.mechanics.designs import linear_check
+from tests.small_scene import THIRD, small_scene
+
+# two columns with a base of their own height: both touch at once, the all-touch force is rounding
+COLUMNS = [
+    *("ridge.count=2", "ridge.pitch=10.343", "ridge.height=8.2", "ridge.root_width=8.2745"),
+    *("ridge.tip_width=5.792", "ridge.crown=0.29", "ridge.tip_fillet=0.029", "ridge.root_fillet=1.03"),
+    *("skin.curvature_radius=24.8", "skin.width=24.8", "skin.thickness=41.6", "skin.length=7.45"),
+]
+
+
+@pytest.fixture(scope="module")
+def small() -> Design:
+    return load("plain-ridges", ["ridge.count=3", "skin.width=5.0", "contact.force=1.3"])
+
+
+def contact(design: Design, fineness: float, order: int) -> int:
+    """Contact unknowns of the plane at this mesh and order."""
+    pad = pad_of(design)
+    mesh = triangles(pad, default_sizes(pad, fineness))
+    return elements.contact_unknowns(elements.curved(mesh, 1), order)
+
+
+def unsolved(*arguments: Any, **options: Any) -> Any:
+    raise AssertionError("solved, and then refused")
+
+
+def wide(ridges: int) -> Design:
+    """Ridges at the pitch of plain-ridges on a nearly flat pad."""
+    sizes = [f"ridge.count={ridges}", f"skin.width={ridges + 5}", "skin.curvature_radius=1e5"]
+    return load("plain-ridges", [*sizes, f"contact.force={0.45 * ridges}"])
+
+
+def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pad = pad_of(small)
+    best = linear.level(pad, triangles(pad, default_sizes(pad, 1.0)), 3, small.contact.force)
+    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 1.0, 3))
+    found = linear_check(small, tol=1e-4)
+    assert found.unknowns == best.unknowns
+    assert found.all_touch_force.value == best.all_touch_force
+    assert any("a finer mesh takes more than" in w for w in found.warnings)
+
+
+def test_a_first_mesh_that_is_too_large_gives_way_to_a_coarser(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fine, coarse = contact(small, 1.0, 3), contact(small, 0.5, 3)
+    assert coarse < fine
+    before = linear_check(small, tol=2e-3)
+    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", coarse)
+    found = linear_check(small, tol=2e-3)
+    assert found.unknowns < before.unknowns
+    assert any("a finer mesh takes more than" in w for w in found.warnings)
+    apart = abs(found.all_touch_force.value - before.all_touch_force.value)
+    assert apart <= found.all_touch_force.error  # what it says of itself holds
+
+
+def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 0.5, 3) - 1)
+    monkeypatch.setattr(linear, "_level", unsolved)
+    with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
+        linear_check(small)
+    for asked in ({}, {"tol": 0.01}, {"budget": 500.0}):
+        found = check(small, **asked)
+        assert found.tier == "winkler"
+        assert found.all_touch_force == check(small, tier="winkler").all_touch_force
+        assert any("tier, which leaves out less, refuses: ridge.count" in w for w in found.warnings)
+
+
+def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    meshed: list[int] = []
+
+    def counted(pad: Any, sizes: Any) -> Any:
+        meshed.append(len(pad.ridges))
+        return triangles(pad, sizes)
+
+    monkeypatch.setattr(linear, "triangles", counted)
+    found = check(wide(250))
+    assert (found.tier, found.ridges, meshed) == ("winkler", 250, [1])
+
+
+@pytest.mark.parametrize("name", ["plain-ridges", "fingertip-soft", "milled-pad", "nozzle-04"])
+def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) -> None:
+    pad = pad_of(load(name))
+    sizes = default_sizes(pad, linear.RUNGS[0].fineness)
+    alone, whole = (
+        elements.contact_unknowns(elements.curved(triangles(p, sizes), 1), 1) for p in (one_ridge(pad), pad)
+    )
+    assert whole >= linear.ALONE * alone * len(pad.ridges)
+
+
+def test_a_better_tier_that_is_too_large_leaves_the_one_before(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solid_level, "MOST_CONTACT", 10)
+    found = check(small, tol=0.02)
+    assert found.tier == "linear"
+    assert found.all_touch_force == linear_check(small, tol=checking.FINEST).all_touch_force
+    assert any("the corrected tier, which leaves out less, refuses: ridge.count" in w for w in found.warnings)
+
+
+def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes: list[int] = []
+    check_size = solid_level.check_size
+
+    def seen(forms: Any, line: Any) -> None:
+        sizes.append(3 * forms.held.size * line.at.size)
+        check_size(forms, line)
+
+    monkeypatch.setattr(solid, "check_size", seen)
+    monkeypatch.setattr(solid, "pressed", unsolved)
+    with pytest.raises(AssertionError, match="solved, and then refused"):
+        check(small, tier="solid")
+    assert len(sizes) == 2
+    monkeypatch.setattr(
+        solid_level, "MOST_UNKNOWNS", min(sizes)
+    )  # what the first level takes, and not all do
+    with pytest.raises(SizeError, match="three dimensions take at most"):
+        check(small, tier="solid")
+
+
+@pytest.mark.slow
+def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = load("yamada-2002", ["ridge.count=3", "skin.width=5.0"])
+    whole = film_stresses(design, 1.3, (0.0,), tol=0.5)[0]
+    asked: list[int] = []
+    counted = rungs._contact_unknowns
+
+    def seen(mesh: Any, order: int) -> int:
+        asked.append(counted(mesh, order))
+        return asked[-1]
+
+    monkeypatch.setattr(rungs, "_contact_unknowns", seen)
+    film_stresses(design, 1.3, (0.0,), tol=0.5)
+    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", max(asked))
+    found = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
+    assert found.differential == whole.differential
+    assert any("a finer mesh takes more than" in w for w in found.warnings)
+    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", asked[0] - 1)
+    monkeypatch.setattr(rungs, "level", unsolved)
+    with pytest.raises(SizeError, match="films' stresses take at most"):
+        film_stresses(design, 1.3, (0.0,))
+
+
+def test_a_scene_keeps_the_mesh_that_it_marched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=4", "readout.ridges=[1, 3]")
+    asked: list[int] = []
+    counted = elements.contact_unknowns
+
+    def seen(mesh: Any, order: int) -> int:
+        asked.append(counted(mesh, order))
+        return asked[-1]
+
+    monkeypatch.setattr(elements, "contact_unknowns", seen)
+    simulate(scene, budget=1e-3)
+    monkeypatch.setattr(sliding, "MOST_CONTACT_UNKNOWNS", 2 * 2 * asked[0])  # both components, both halves
+    found = simulate(scene)
+    assert any("a finer mesh is refused (ridge.count: a scene takes at most" in w for w in found.warnings)
+    assert len(found.march.readings) == 5
+    assert found.error is None
+
+
+def test_two_columns_that_touch_at_once_have_a_verdict_and_a_yield() -> None:
+    found = check(load("plain-ridges", [*COLUMNS, "contact.force=4.0"]))
+    assert found.touching == 2
+    assert found.manufacture is not None
+    # both touch from next to nothing on, and crests of 0.015 mm against an approach of 1.3 mm change little
+    assert found.manufacture.passing.value == pytest.approx(1.0, abs=0.01)
+    assert max(found.manufacture.crest_sensitivity) < 10.0  # N/mm; 4 N press them by 1.3 mm
+
+
+@pytest.mark.parametrize("place", ["manufacture", "ridge model"])
+def test_a_yield_that_does_not_settle_is_no_veto(
+    place: str, small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = linear_check(small)
+
+    def unsettled(*_: Any) -> Any:
+        raise ContactError("does not settle")
+
+    if place == "manufacture":
+        monkeypatch.setattr("skincad.mechanics.manufacture.manufacture", unsettled)
+    else:
+        monkeypatch.setattr(linear, "ridge_model", unsettled)
+    found = linear_check(small)
+    assert (found.passed, found.all_touch_force) == (whole.passed, whole.all_touch_force)
+    assert (found.manufacture, whole.manufacture is None) == (None, False)
+    assert "no yield: does not settle" in found.warnings
+    assert found.as_json()["yield"] is None
+
+
+@pytest.mark.parametrize(("ridges", "parts"), [(9, 10_000), (32, 10_000), (64, 2_500), (160, 400)])
+def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int, parts: int) -> None:
+    """Springs that do not feel each other, as high as each other: all touch in every part."""
+    force = np.linspace(0.0, 1.0, 5)
+    springs = RidgeModel(
+        np.zeros(ridges), np.zeros((ridges, ridges)), force, np.tile(force, (ridges, 1)), 1.0, 1.0
+    )
+    made = manufacture(springs, 0.5 * ridges, 1e-9, Spread("sla", 1e-3, (0.8, 0.8, 0.8)))
+    assert made.passing.value == 1.0
+    assert made.passing.error == pytest.approx(2 / parts, rel=1e-9)  # as one that fails would count
