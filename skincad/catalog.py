@@ -17,6 +17,7 @@ from typing import Any, Literal
 from skincad.design import Design, Material, drop_dependents, renamed_material
 from skincad.errors import InputError, did_you_mean
 from skincad.process import Process, merged
+from skincad.reading import MOST_PARTS, tables_of, text_of
 from skincad.tables import Ranged, parse
 
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
@@ -120,7 +121,7 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
     """Return the parsed TOML of a template's name or of a file's path."""
     name = str(source)
     if name in template_names(kind):
-        return _parsed(template_text(name, kind), name)
+        return tables_of(template_text(name, kind), name)
     path = Path(source)
     try:
         missing = not path.is_file() and path.suffix != ".toml"
@@ -134,46 +135,22 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
 
 def _read_file(path: Path, name: str) -> dict[str, Any]:
     """Return the parsed TOML of a regular file; InputError calls it `name`."""
-    try:
-        if path.exists() and not path.is_file():
-            raise InputError(name, "is not a regular file", remedy="name a TOML file")
-        with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-        if len(data) > LARGEST_FILE:
-            raise InputError(name, f"must be at most {LARGEST_FILE} bytes", path.stat().st_size)
-        return _parsed(data.decode("utf-8"), name)
-    except OSError as failure:
-        raise InputError(name[:80], f"cannot be read ({failure.strerror})", remedy="check the path") from None
-    except UnicodeDecodeError:
-        raise InputError(name, "is not UTF-8 text", remedy="save it as TOML in UTF-8") from None
-    except ValueError as failure:
-        if isinstance(failure, InputError):
-            raise
-        raise InputError(repr(name), f"is no path ({failure})") from None
-
-
-def _parsed(text: str, name: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as failure:  # beside TOML's own: integers of thousands of digits
-        raise InputError(name, f"is not TOML: {failure}", remedy="see `skincad new`") from None
+    return tables_of(text_of(path, name, LARGEST_FILE, "TOML"), name)
 
 
 def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> dict[str, Any]:
     """Return the tables with `key=value` texts applied in order; the input stays as it is."""
-    result = {k: dict(v) if isinstance(v, dict) else v for k, v in data.items()}
+    result = _copied(data)
     for text in overrides:
         path, equals, value = text.partition("=")
         keys = [k.strip() for k in path.split(".")]
-        if not equals or not all(keys):
+        if not equals or not all(keys) or len(keys) > MOST_PARTS:
             raise InputError("--set", "must be table.key=value", text, "as in --set ridge.height=0.6")
         table = result
         for key in keys[:-1]:
-            inner = table.get(key, {})
-            if not isinstance(inner, dict):
+            table = table.setdefault(key, {})
+            if not isinstance(table, dict):
                 raise InputError(f"--set {path}", f"{key} is a value, not a table", text)
-            table[key] = dict(inner)
-            table = table[key]
         if value.strip() == "none":
             table.pop(keys[-1], None)
             drop_dependents(result, path.strip())
@@ -184,12 +161,17 @@ def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> 
     return result
 
 
+def _copied(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: _copied(value) if isinstance(value, dict) else value for key, value in table.items()}
+
+
 def _toml_value(text: str) -> Any:
+    """The value that a TOML would have here; a text that is none stands for itself."""
     if "\n" in text or "\r" in text:
         raise InputError("--set", "must be one line", text)
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except (ValueError, RecursionError):
+        return tables_of(f"value = {text}", "--set")["value"]
+    except InputError:
         return text
 
 

@@ -5,8 +5,11 @@ Hypothesis writes them: as bytes, as templates with bytes changed, and as tables
 
 from __future__ import annotations
 
+import signal
 import tempfile
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +21,7 @@ from hypothesis import strategies as st
 from skincad.catalog import LARGEST_FILE, load, read_table, template_text
 from skincad.circuit.model import load_circuit
 from skincad.errors import InputError
+from skincad.reading import DEEPEST, MOST_PARTS, tables_of
 from skincad.scene import load_scene
 
 LOADERS: dict[str, tuple[Callable[[Path], object], str, str]] = {
@@ -141,6 +145,176 @@ def test_bad_files(kind: str, name: str) -> None:
             read(file)
     assert "\n" not in str(refusal.value)
     assert len(str(refusal.value)) < 2000
+
+
+CPU_S = 20  # of one bomb, which takes about 1 s at most; unbounded, the dotted key alone takes twice that
+SCENE = template_text("hold", "scenes")
+
+
+def full(unit: str, head: str = "", tail: str = "") -> str:
+    """As large as a file may be."""
+    return head + unit * ((LARGEST_FILE - len(head) - len(tail)) // len(unit)) + tail
+
+
+BOMBS = {
+    "a key of 40,000 parts": "a" + ".a" * 40_000 + " = 1",
+    "a key as long as the file": full(".a", "a", " = 1"),
+    "a key of empty parts": full(".''", "a", " = 1"),
+    "a key with spaces": full(" . a", "a", " = 1"),
+    "a table's name as long as the file": full(".a", "[a", "]"),
+    "a list of tables' name": full(".a", "[[a", "]]"),
+    "3000 tables deep": f"{SCENE}\n[effects.friction{'.a' * 3000}]",
+    "3000 inline tables deep": "a = " + "{a=" * 3000 + "1" + "}" * 3000,
+    "300 inline tables deep": f"{SCENE}\n[effects.x]\na = {'{a=' * 300}1{'}' * 300}",
+    "3000 lists deep": "a = " + "[" * 3000 + "]" * 3000,
+    "lists as deep as the file": "a = " + "[" * 499_000 + "]" * 499_000,
+    "lists that never end": full("[", "a = "),
+    "tables and lists in turn": "a = " + "[{a.a.a=" * 3000 + "1" + "}]" * 3000,
+    "80,000 tables": "\n".join(f"[t{i}]" for i in range(80_000)),
+    "80,000 tables in one": "\n".join(f"[a.b{i}]" for i in range(80_000)),
+    "a list of 160,000 tables": "[[a]]\n" * 160_000,
+    "half a million numbers": full("1,", "a = [", "1]"),
+    "texts for numbers": SCENE.replace("[history]", f"[history]\nrotation_deg = [''{', 0' * 90_000}]"),
+    "empty tables": full("{},", "a = [", "]"),
+    "a key of a million letters": full("a", "", "=1"),
+    "a quoted key of a million letters": full("a", '"', '"=1'),
+    "long keys alike": "\n".join(f"{'a' * 29}{i} = 1" for i in range(25_000)),
+    "dotted keys alike": "\n".join(f"a.a.a.a.a.a.a.k{i} = 1" for i in range(40_000)),
+    "90,000 unknown keys": "[ridge]\n" + "\n".join(f"k{i}=1" for i in range(90_000)),
+    "50,000 machines": "\n".join(f"[printer.a{i}]" for i in range(50_000)),
+    "escapes": full("\\u0041", 'a = "', '"'),
+    "lines that go on": full("\\\n", 'a = """', '"""'),
+    "quotes": full('"', "a = "),
+    "apostrophes": full("'", "a = "),
+    "backslashes": full("\\", 'a = "'),
+    "dots": full("."),
+    "digits": full("9", "a = ", ".0"),
+    "blanks": full(" ", "", "a=1"),
+    "comments": full("#\n"),
+}  # fmt: skip
+
+
+@contextmanager
+def bounded() -> Iterator[None]:
+    """End the block, by an error that nothing catches, when this process has used CPU_S in it."""
+
+    class TooMuchWorkError(BaseException):
+        pass
+
+    def ended(*_: object) -> None:
+        raise TooMuchWorkError
+
+    before = signal.signal(signal.SIGPROF, ended)
+    signal.setitimer(signal.ITIMER_PROF, CPU_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+
+
+@pytest.mark.parametrize("name", BOMBS)
+def test_no_table_takes_work_out_of_proportion(name: str, tmp_path: Path) -> None:
+    file, read = tmp_path / "bomb.toml", load_scene if BOMBS[name].startswith(SCENE[:40]) else load
+    file.write_text(BOMBS[name])
+    assert file.stat().st_size <= LARGEST_FILE
+    with bounded(), pytest.raises(InputError) as refusal:
+        read(file)
+    assert "\n" not in str(refusal.value)
+    assert len(str(refusal.value)) < 2000
+
+
+@pytest.mark.parametrize("key", ["ridge", "ridge.height", "printer", "contact.plate"])
+@pytest.mark.parametrize("name", [name for name, text in BOMBS.items() if text.startswith("a = ")])
+def test_no_override_does_either(name: str, key: str) -> None:
+    with bounded(), pytest.raises(InputError) as refusal:
+        load("yamada-2002", [f"{key}={BOMBS[name].removeprefix('a = ')}"])
+    assert len(str(refusal.value)) < 2000
+
+
+@kinds
+@pytest.mark.parametrize(
+    "overrides",
+    [["a" + ".a" * 100_000 + "=1"], [f"a.k{i}=1" for i in range(20_000)], ["a.a={" + "a." * 40_000 + "a=1}"]],
+    ids=["a key of 100,000 parts", "20,000 keys of one table", "a key within a value"],
+)
+def test_no_overrides_keys_do(kind: str, overrides: list[str]) -> None:
+    read, name, _ = LOADERS[kind]
+    if kind == "printer":
+        return  # takes none
+    with bounded(), pytest.raises(InputError):
+        read(name, overrides)  # type: ignore[call-arg]
+
+
+def depth(value: object) -> int:
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else None
+    return 0 if inner is None else 1 + max(map(depth, inner), default=0)
+
+
+@given(text=st.text(alphabet="\"'[]{}=.,#\n\\ a1", max_size=60))
+@settings(max_examples=500, deadline=None, derandomize=True)
+def test_the_bounds_change_no_answer(text: str) -> None:
+    """Texts so short nest less than the bounds allow, but for keys of many parts."""
+    try:
+        wanted = tomllib.loads(text)
+    except ValueError:
+        with pytest.raises(InputError, match="is not TOML"):
+            tables_of(text, "file")
+        return
+    if depth(wanted) <= min(DEEPEST, MOST_PARTS):
+        assert tables_of(text, "file") == wanted
+
+
+@given(
+    text=st.lists(st.sampled_from(["[", "]", "{", "}", "a.a=", "a=", "a.a.a", "'", '"', "\n", "1", ",", "#"]),
+                  max_size=300).map("".join)
+)  # fmt: skip
+@settings(max_examples=300, deadline=None, derandomize=True)
+def test_whatever_is_read_is_shallow(text: str) -> None:
+    try:
+        found = tables_of(f"{text}\nx = {'{a=' * (len(text) % 12)}1{'}' * (len(text) % 12)}", "file")
+    except InputError:
+        return
+    assert depth(found) <= 2 * MOST_PARTS + DEEPEST * (MOST_PARTS + 1)
+
+
+@given(
+    table=st.dictionaries(
+        st.text(max_size=8),
+        st.text(alphabet=st.sampled_from("\"'[]{}=.,#\n\\ ab"), max_size=40)
+        | st.lists(st.floats(), max_size=20),
+        max_size=8,
+    )
+)
+@settings(max_examples=200, deadline=None, derandomize=True)
+def test_signs_within_texts_are_not_counted(table: dict[str, Any]) -> None:
+    try:
+        text = tomlkit.dumps(table)
+        wanted = tomllib.loads(text)
+    except (ValueError, tomlkit.exceptions.TOMLKitError):
+        return  # not to be written as TOML
+    assert repr(tables_of(text, "file")) == repr(wanted)  # nan differs from itself
+
+
+@pytest.mark.parametrize("quotes", ['"""', "'''"])
+def test_long_texts_may_hold_anything(quotes: str) -> None:
+    inner = "[" * 50 + "{" * 50 + "a.b.c.d.e.f.g.h.i.j.k = 1 # ' it\n" + "=," * 100_000
+    text = f"a = {quotes}{inner}{quotes}\nb = [1.5, 2.5] # {'.' * 50}{'[' * 50}\n'{'.' * 50}' = 1"
+    assert tables_of(text, "file") == tomllib.loads(text)
+
+
+def test_the_longest_history_is_read(tmp_path: Path) -> None:
+    points = 10_000
+    ramp = ", ".join(f"{i / 7 / points:.12f}" for i in range(points))
+    lists = "".join(
+        f"{key} = [{ramp}]\n" for key in ("time_s", "normal_force_N", "tangential_force_N", "rotation_deg")
+    )
+    file = tmp_path / "long.toml"
+    file.write_text(
+        f'name = "long"\nskin = "yamada-2002"\n[history]\n{lists}steps = 3\n[effects.friction]\n'
+        "coefficient = 1\n"
+    )
+    assert len(load_scene(file).history.time_s) == points
 
 
 @pytest.mark.parametrize("text", ["9" * 6000, "0x" + "f" * 6000, "[" * 5000, "{a=" * 5000, "\x00", "1e400"])
