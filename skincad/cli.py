@@ -13,7 +13,7 @@ import typer
 
 import skincad
 from skincad.bars import stage_bar, step_bar
-from skincad.errors import InputError, RefusedError
+from skincad.errors import InputError, RefusedError, shown
 
 if TYPE_CHECKING:
     from skincad.design import Design
@@ -75,7 +75,7 @@ def main() -> None:
 
 
 def _leave(message: str, status: int) -> None:
-    print(f"skincad: {' '.join(message.split())}", file=sys.stderr)
+    print(f"skincad: {shown(' '.join(message.split()))}", file=sys.stderr)
     sys.exit(status)
 
 
@@ -99,14 +99,12 @@ def templates(as_json: JsonOption = False) -> None:
     """List the designs and scenes that ship with skincad."""
     from skincad.catalog import KINDS, template_names, template_text
 
-    kinds = {kind: template_names(kind) for kind in KINDS}
-    if as_json:
-        print(json.dumps(kinds))
-        return
-    for kind, names in kinds.items():
-        for name in names:
-            first = template_text(name, kind).splitlines()[0].lstrip("# ")
-            print(f"{kind[:-1]:8} {name:22} {first}")
+    rows = [
+        f"{kind[:-1]:8} {name:22} {template_text(name, kind).splitlines()[0].lstrip('# ')}"
+        for kind in KINDS
+        for name in template_names(kind)
+    ]
+    _print({kind: template_names(kind) for kind in KINDS}, as_json, rows)
 
 
 @app.command()
@@ -122,8 +120,7 @@ def new(
     """
     from skincad.newfile import write_new
 
-    for path in write_new(file, template):
-        print(path)
+    _print({}, False, [str(path) for path in write_new(file, template)])
 
 
 @app.command()
@@ -209,6 +206,10 @@ def check(
     if stress is not None:
         checked_fresh(stress, ".png", "--stress")
     loaded = skincad.load(design, settings, printer=printer)
+    if stress is not None:
+        from skincad.mechanics.film.stress import check_request
+
+        check_request(loaded, loaded.contact.force if force is None else force, (pull or 0.0,))
     with stage_bar(4) as progress:
         result = run(
             loaded, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
@@ -301,7 +302,12 @@ def simulate(
     from skincad.wording import scene_lines
 
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
-    loaded = load_scene(scene, [*settings, *drawn])
+    try:
+        loaded = load_scene(scene, [*settings, *drawn])
+    except InputError as failure:
+        if not (at and failure.key.startswith("readout.steps")):
+            raise
+        raise InputError("--at", failure.rule, failure.value, failure.remedy) from None
     target = Path("out") / loaded.name if out is None else out
     checked_folder(target)
     from skincad.scene_files import write_scene
@@ -404,4 +410,4 @@ def fit_material(
 
 
 def _print(data: dict[str, Any], as_json: bool, lines: list[str]) -> None:
-    print(json.dumps(data, allow_nan=False) if as_json else "\n".join(lines))
+    print(json.dumps(data, allow_nan=False) if as_json else "\n".join(map(shown, lines)))

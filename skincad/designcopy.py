@@ -8,10 +8,11 @@ from typing import Any
 
 import tomlkit
 
-from skincad.catalog import overridden, read_table, template_names, template_text
+from skincad.catalog import LARGEST_FILE, overridden, read_table, template_names, template_text
 from skincad.design import Design
-from skincad.errors import RefusedError
+from skincad.errors import RefusedError, shown
 from skincad.freshfile import fresh
+from skincad.reading import text_of
 from skincad.tables import Ranged, parse
 from skincad.wording import ranged_toml
 
@@ -29,7 +30,7 @@ def write_with_modulus(
     document = tomlkit.parse(_text(source))
     _follow(document, data)
     value = tomlkit.value(ranged_toml(modulus))
-    value.comment("".join(letter for letter in provenance if letter.isprintable()))
+    value.comment(shown(provenance))
     table: Any = document["material"]
     table["young_modulus"] = value
     text = tomlkit.dumps(document)
@@ -42,7 +43,7 @@ def write_with_modulus(
 def _text(source: str) -> str:
     if source in template_names():
         return template_text(source)
-    return Path(source).read_text("utf-8")
+    return text_of(Path(source), source, LARGEST_FILE, "TOML")
 
 
 def _follow(table: Any, data: dict[str, Any]) -> None:

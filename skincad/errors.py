@@ -11,17 +11,18 @@ LONGEST_KEY, LONGEST_LINE = 200, 1500  # letters that are shown, of a key and of
 class InputError(ValueError):
     """What a person wrote cannot be used: key, rule, value and remedy, in one line.
 
-    The command line prints it on stderr and exits with status 2; nothing has been written then.
+    The command line prints it on stderr and exits with status 2; nothing has been written then. Its text is
+    `shown`, so that a file's own words cannot move a terminal's cursor or turn the direction of what is read.
     """
 
     def __init__(self, key: str, rule: str, value: object = None, remedy: str = "") -> None:
         self.key, self.rule, self.value, self.remedy = key, rule, value, remedy
-        text = f"{_clipped(key, LONGEST_KEY)}: {rule}"
+        text = f"{_clipped(shown(key), LONGEST_KEY)}: {rule}"
         if value is not None:
             text += f", got {_short(value)}"
         if remedy:
             text += f"; {remedy}"
-        super().__init__(_clipped(" ".join(text.split()), LONGEST_LINE))
+        super().__init__(_clipped(shown(text), LONGEST_LINE))
 
 
 class RefusedError(RuntimeError):
@@ -31,8 +32,19 @@ class RefusedError(RuntimeError):
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return the remedy for an unknown word: the nearest known one, or the list of all."""
     names = sorted(known)
-    near = get_close_matches(word, names, n=1)
+    near = get_close_matches(word[:LONGEST_KEY], names, n=1)
     return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"
+
+
+def shown(text: str) -> str:
+    r"""Return a text as one line: what does not print, or steers how other letters do, as its escape.
+
+    That is line ends, control and format characters (escape sequences, marks of writing direction), lone
+    surrogates and spaces other than the common one: `\x1b`, `\u202e`. Letters of all languages stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def _short(value: object, limit: int = 80) -> str:

@@ -85,7 +85,7 @@ def merged(shipped: Mapping[str, Process], own: Mapping[str, Process]) -> dict[s
 def check_own(own: Mapping[str, Process]) -> None:
     """Raise InputError for a bad name, an own process without a base, or a shipped one with another's."""
     for name, process in own.items():
-        if not re.match(NAME, name):
+        if not re.fullmatch(NAME, name):
             rule = "the name must be 3 to 32 lower-case letters, digits and -"
             raise InputError("printer", rule, name, "as in [printer.my-mill]")
         key = f"printer.{name}.based_on"

@@ -202,7 +202,7 @@ def simulate(
 def _check_asked(tol: float | None, budget: float | None) -> None:
     if tol is not None and not 0 < tol < 1:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
-    if budget is not None and not budget > 0:
+    if budget is not None and not 0 < budget < np.inf:
         raise InputError("--budget", "must be above 0 s", budget)
 
 

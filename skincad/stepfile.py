@@ -64,7 +64,7 @@ def _styles_in_order(text: str) -> str:
     end = text.index("ENDSEC;", start)
     entities = {}
     for statement in text[start:end].split(";\n"):
-        if found := _ENTITY.match(statement):
+        if found := _ENTITY.fullmatch(statement):
             entities[int(found[1])] = _WRAP.sub("", found[2])
     base = min(entities)
     roots = [number for number, body in entities.items() if body.startswith(_STYLE)]

@@ -71,6 +71,7 @@ def test_the_command_lines_keys_come_last(printer: Path) -> None:
         ("[mine]\nbased_on = 'x'", "printer.mine.based_on: must be 'fdm', 'sla', 'cnc' or 'edm', got 'x'"),
         ("[sla]\nbased_on = 'cnc'", "printer.sla.based_on: must not be given for sla, got 'cnc'"),
         ("['a b c']\nbased_on = 'cnc'", "printer: the name must be 3 to 32 lower-case letters"),
+        ('["abc\\n"]\nbased_on = "cnc"', "printer: the name must be 3 to 32 lower-case letters"),
         ("pixel = 1.0", "printer.pixel: must be a table, [printer.pixel], got 1"),
         ("[sla", "printer.toml: is not TOML"),
     ],

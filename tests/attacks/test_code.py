@@ -1,5 +1,7 @@
 """What the package's code never does: run text as code, unpickle, read archives or meshes, start programs.
 
+Nor does it take a name by `match`, whose `$` lets a line end pass.
+
 skincad reads TOML and CSV alone. It writes 3MF, STL, STEP and DXF and reads none, so no archive that bursts
 when it is opened can be given to it.
 """
@@ -10,8 +12,13 @@ import ast
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 import skincad
+from skincad.circuit.model import Circuit
+from skincad.design import Design
+from skincad.scene import Scene
+from skincad.tables import Table
 
 FILES = sorted(Path(skincad.__file__).parent.rglob("*.py"))
 CALLS = {"eval", "exec", "compile", "__import__", "system", "popen", "execv", "execve", "spawnv"}
@@ -35,6 +42,7 @@ def test_no_text_becomes_code_and_no_archive_is_read(file: Path) -> None:
             assert node.func.id not in CALLS, f"{file}:{node.lineno}"
         if isinstance(node, ast.Attribute):
             assert node.attr not in READERS, f"{file}:{node.lineno}"
+            assert node.attr != "match", f"{file}:{node.lineno}"
             of_os = isinstance(node.value, ast.Name) and node.value.id == "os"
             assert not (of_os and node.attr in CALLS), f"{file}:{node.lineno}"
         if isinstance(node, ast.keyword):
@@ -46,3 +54,16 @@ def test_the_search_would_see_them() -> None:
     names = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Import)]
     assert any(alias.name in MODULES for node in names for alias in node.names)
     assert len(FILES) > 100
+
+
+@pytest.mark.parametrize("end", ["\n", "\r", "\x00", "\u2028", " "])
+@pytest.mark.parametrize("model", [Design, Scene, Circuit])
+def test_no_name_of_a_pattern_may_end_in_more(model: type[Table], end: str) -> None:
+    """Every field with a pattern takes "abc" and not "abc" with a line end behind it."""
+    patterned = {key for key, rule in model.model_json_schema()["properties"].items() if "pattern" in rule}
+    assert patterned == {"name"}
+    for key in patterned:
+        for name in ("abc", f"abc{end}"):
+            with pytest.raises(ValidationError) as failure:
+                model.model_validate({key: name})
+            assert any(error["loc"] == (key,) for error in failure.value.errors()) == (name != "abc")

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from skincad.catalog import silicone
-from skincad.design import Design
+from skincad.design import Design, Slot
 from skincad.errors import InputError, RefusedError
 from skincad.mechanics.check import LARGEST_FORCE
 from skincad.mechanics.film.answer import FilmStress
@@ -49,7 +49,7 @@ def film_stresses(
     """
     normal = design.contact.force if force is None else force
     wanted = DEFAULT_TOLERANCE if tol is None else tol
-    _check_request(design, normal, tangential, wanted, show)
+    check_request(design, normal, tangential, wanted, show)
     pad, thickness = filled_pad(design)
     found = solve(pad, thickness, normal, tangential, wanted, show, progress)
     notes = [LONG, *slope_warnings(design)]
@@ -67,19 +67,8 @@ def filled_pad(design: Design) -> tuple[Pad, float]:
 
     An ignored film is a strip of the skin's own moduli.
     """
-    pad = pad_of(design)
-    if design.slot is None:
-        raise InputError(
-            "slot", "is missing: a film's stress needs its place", remedy="add [slot] and [film]"
-        )
-    if design.film_state == "loose":
-        raise InputError(
-            "contact.film",
-            "leaves the slots empty, and no stress crosses an empty slot",
-            design.film_state,
-            "add a [film] and say 'bonded', or say 'ignored'",
-        )
-    thickness = design.film.thickness if design.film else design.slot.thickness
+    slot, pad = _filled_slot(design), pad_of(design)
+    thickness = design.film.thickness if design.film else slot.thickness
     if pad.strips:
         return pad, thickness
     strips = tuple(slot.loop(thickness) for slot in pad.section.slots)
@@ -92,19 +81,41 @@ def filled_pad(design: Design) -> tuple[Pad, float]:
     ), thickness
 
 
-def _check_request(
-    design: Design, force: float, tangential: Sequence[float], tol: float, show: Sequence[int]
+def check_request(
+    design: Design,
+    force: float,
+    tangential: Sequence[float] = (0.0,),
+    tol: float = DEFAULT_TOLERANCE,
+    show: Sequence[int] = (),
 ) -> None:
+    """Raise InputError for what `film_stresses` would refuse before any work."""
+    _filled_slot(design)
     if not 0 < force <= LARGEST_FORCE:
         raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", force)
     for pull in tangential:
         if not abs(pull) <= LARGEST_FORCE:
-            raise InputError("--tangential", f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N", pull)
+            raise InputError("--pull", f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N", pull)
     if not 0 < tol < 1:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
     for ridge in show:
         if not 1 <= ridge <= design.ridge.count:
             raise InputError("show", f"must be a ridge from 1 to {design.ridge.count}", ridge)
+
+
+def _filled_slot(design: Design) -> Slot:
+    """The slot of each film, if stress crosses it."""
+    if design.slot is None:
+        raise InputError(
+            "slot", "is missing: a film's stress needs its place", remedy="add [slot] and [film]"
+        )
+    if design.film_state == "loose":
+        raise InputError(
+            "contact.film",
+            "leaves the slots empty, and no stress crosses an empty slot",
+            design.film_state,
+            "add a [film] and say 'bonded', or say 'ignored'",
+        )
+    return design.slot
 
 
 def _in_range(design: Design, found: FilmStress) -> FilmStress:

@@ -333,7 +333,7 @@ REFUSED = {
     "slot": ({"slot": None, "contact": {"film": "ignored"}}, {}),
     "contact.film": ({"film": None, "contact": {"film": "loose"}}, {}),
     "--force": ({}, {"force": 0.0}),
-    "--tangential": ({}, {"tangential": math.nan}),
+    "--pull": ({}, {"tangential": math.nan}),
     "--tol": ({}, {"tol": 0.0}),
     "show": ({}, {"show": (4,)}),
 }
