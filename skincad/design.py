@@ -315,5 +315,6 @@ def drop_dependents(data: dict[str, Any], dropped: str) -> None:
     """Drop, in place, what cannot be without a dropped table: the film with its slot, `bonded` with it."""
     if dropped == "slot":
         data.pop("film", None)
-    if dropped in ("slot", "film") and (data.get("contact") or {}).get("film") == "bonded":
-        data["contact"] = {key: value for key, value in data["contact"].items() if key != "film"}
+    contact = data.get("contact")
+    if dropped in ("slot", "film") and isinstance(contact, dict) and contact.get("film") == "bonded":
+        data["contact"] = {key: value for key, value in contact.items() if key != "film"}

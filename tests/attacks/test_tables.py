@@ -332,6 +332,15 @@ def test_any_override(text: str) -> None:
         assert "\n" not in told(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]
 
 
+@pytest.mark.parametrize("override", ["slot=none", "film=none", "contact.film=none", "material.name=x"])
+@pytest.mark.parametrize("value", ["'x'", "1", "[]", "[[]]", "true", "{}"])
+def test_an_override_of_a_table_that_is_none(override: str, value: str, tmp_path: Path) -> None:
+    file = tmp_path / "evil.toml"
+    for key in ("slot", "film", "contact", "material"):
+        file.write_text(f"{key} = {value}")
+        assert told(lambda: load(file, [override]))
+
+
 @pytest.mark.parametrize(
     "override",
     ["ridge.count=1000000000", "ridge.count=1000", "skin.width=1e9", "mold.cavities=1000000000"],
