@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from skincad.catalog import silicones
+from skincad.catalog import silicone, silicones
 from skincad.design import Design
 from skincad.errors import InputError
+from skincad.mechanics.problem import pad_of
+from skincad.mechanics.winkler import crest_gaps, ridge_stiffness
 from skincad.process import PROCESSES
 from skincad.solids.mold import mold
 from skincad.tables import parse
@@ -151,3 +153,60 @@ def _mold(dice: Dice) -> dict[str, Any]:
         "vent": dice.scale(0.3, 3.0),
         **dice.maybe(0.2, reservoir=dice.scale(3.0, 20.0)),
     }
+
+
+def wide(seed: int) -> tuple[Design, float]:
+    """Return a pad far from the templates and a force, N: 1 to 40 ridges on a base 0.02 to 3 widths thick,
+    nu 0.3 to 0.4999, crowns none to large, every seventh plate shaped; no mold is asked for.
+
+    The force is 1e-4 to 10 times what closes all gaps of independent springs (what strains them by a tenth
+    where that is less, or where nothing is to be closed).
+    """
+    dice = Dice(np.random.default_rng([seed, 11]))
+    for _ in range(MOST_DRAWS):
+        try:
+            design = parse(Design, {"name": f"wide-{seed}", **_wide(dice)})
+            pad_of(design)
+        except InputError:
+            continue
+        return design, _any_force(design, dice)
+    raise AssertionError(f"seed {seed}: none of {MOST_DRAWS} draws is a design")
+
+
+def _wide(dice: Dice) -> dict[str, Any]:
+    count, pitch = round(dice.scale(0.5, 40.5)) or 1, dice.scale(0.4, 8.0)
+    root = pitch * dice.over(0.3, 0.98)
+    tip, height = root * dice.over(0.3, 1.0), pitch * dice.scale(0.1, 1.2)
+    crown = 0.0 if dice.happens(0.25) else min(height, tip / 2) * dice.scale(0.01, 0.9)
+    fillet = 0.0 if dice.happens(0.4) else min(height, tip / 2) * dice.scale(0.05, 0.8)
+    ridge = {"count": count, "pitch": pitch, "root_width": root, "tip_width": tip, "height": height}
+    width = max(count * pitch * dice.over(1.02, 1.6), 1.0)
+    thickness = width * dice.scale(0.02, 3.0)
+    skin = {
+        "curvature_radius": width * dice.scale(max(0.75, 0.15 * width / thickness), 300.0),
+        "thickness": thickness,
+        "width": width,
+        "length": dice.scale(3.0, 100.0),
+    }
+    found = {"skin": skin, "ridge": {**ridge, "crown": crown, "tip_fillet": fillet}}
+    found["material"] = {"young_modulus": 1.0, "poisson_ratio": 0.5 - dice.scale(1e-4, 0.2)}
+    if dice.happens(0.25):
+        found["slot"] = _slot(dice, found["ridge"])
+    if dice.happens(0.15):
+        found["contact"] = {"plate": _plate(dice, skin)}
+    return found
+
+
+def _plate(dice: Dice, skin: dict[str, Any]) -> dict[str, Any]:
+    height = 0.1 * skin["width"] ** 2 / skin["curvature_radius"]
+    tilt = {"shape": "tilted", "tilt": dice.over(-1.0, 1.0) * min(2.0, 20 * height / skin["width"])}
+    cylinder = {"shape": "cylinder", "radius": skin["width"] * dice.scale(2.0, 300.0)}
+    return dict(dice.one((tilt, cylinder, {"shape": "step", "height": height * dice.over(0.0, 1.0)})))
+
+
+def _any_force(design: Design, dice: Dice) -> float:
+    stiffness, gaps = ridge_stiffness(design), crest_gaps(design)
+    area = design.ridge.count * (design.ridge.root_width + design.ridge.tip_width) / 2 * design.skin.length
+    most = 0.1 * silicone(design.material).young_modulus.value * area
+    touching = stiffness * float((gaps.max() - gaps).sum())
+    return dice.scale(1e-4, 10.0) * (min(touching, most) if touching > 1e-9 * most else most)

@@ -16,7 +16,8 @@ SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which small strain is mean
 STUB = 2.0  # heights in widths up to which a ridge is no column
 
 
-def _plane_modulus(design: Design) -> float:
+def plane_modulus(design: Design) -> float:
+    """Return E / (1 - nu^2) of a design's silicone, MPa."""
     stuff = silicone(design.material)
     return stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
 
@@ -25,7 +26,7 @@ def ridge_strain(design: Design, found: Answer) -> float:
     """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
     width = (design.ridge.root_width + design.ridge.tip_width) / 2
     largest = max(f.value or 0.0 for f in found.ridge_force)
-    return largest / (_plane_modulus(design) * width * design.skin.length)
+    return largest / (plane_modulus(design) * width * design.skin.length)
 
 
 def buckling_force(design: Design) -> float:
@@ -39,7 +40,7 @@ def buckling_force(design: Design) -> float:
     if ridge.height <= STUB * width:
         return math.inf
     inertia = design.skin.length * width**3 / 12
-    return math.pi**2 * _plane_modulus(design) * inertia / (4 * ridge.height**2)
+    return math.pi**2 * plane_modulus(design) * inertia / (4 * ridge.height**2)
 
 
 def beyond_small_strain(design: Design, force: float, found: Answer) -> str:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from skincad.design import Design
+from skincad.mechanics import linear, winkler, winkler_error
 from skincad.mechanics.check import check
-from tests.mechanics.designs import linear_check, reference, yamada
+from skincad.mechanics.problem import Request
+from tests.mechanics.designs import BARE, linear_check, reference, yamada
+from tests.random_designs import wide
 
 VARIANTS = {
     "reference": {},
@@ -55,3 +59,69 @@ def test_says_when_the_tolerance_is_beyond_it() -> None:
         "0.8 of its value: the asked 0.01 is not met" in w
         for w in check(yamada(), tier="winkler", tol=0.01).warnings
     )
+
+
+# pads of `wide` that bars of 0.45 + 1.1 / ridges (approach), 0.8 (F9) and 0.5 (shares) miss: hardly touched
+# on an edge (9, 51, 64), thin (36), thick (47), few ridges that carry (11, 26) or share by their crowns (31)
+BEYOND_USUAL = (9, 11, 26, 31, 36, 47, 51, 64)
+
+
+def missed(design: Design, force: float) -> tuple[float, float, float]:
+    """What the linear tier's coarsest mesh differs by, in bars: F9, the approach, the worst share."""
+    spring = winkler.answer(design, Request(force))
+    solid = linear.answer(design, Request(force, tol=0.5))  # within some 2 %, where bars are 45 % and more
+    pairs = (
+        (spring.all_touch_force, solid.all_touch_force),
+        (spring.approach, solid.approach),
+        *zip(spring.ridge_force, solid.ridge_force, strict=True),
+    )
+    floor = 1e-9 * force  # F9 of ridges that touch at once is rounding
+    apart = [
+        max(0.0, abs((one.value or 0.0) - (other.value or 0.0)) - floor) / ((one.error or 0.0) + floor)
+        for one, other in pairs
+    ]
+    return apart[0], apart[1], max(apart[2:])
+
+
+@pytest.mark.parametrize("seed", BEYOND_USUAL)
+def test_bars_are_wider_where_springs_do_not_hold(seed: int) -> None:
+    assert max(missed(*wide(seed))) <= 1
+
+
+@pytest.mark.slow
+def test_bars_hold_far_from_the_templates() -> None:
+    """On pads that no constant was fitted to: 95 % inside, none beyond two bars."""
+    found = np.array([missed(*wide(seed)) for seed in range(2000, 2030)])
+    assert (np.mean(found <= 1, axis=0) >= 0.95).all(), found
+    assert found.max() <= 2, found
+
+
+@pytest.mark.parametrize(("slender", "nu", "stiffer"), [
+    (1e-4, 0.49, 0.51**2 / 0.02),  # as thin as that: no strain sideways
+    (0.1, 0.4999999, 1 + 6.25),  # incompressible: Gent's 1 + S^2
+    (0.1, 0.0, 1.0),  # what does not widen is not held
+    (1e3, 0.49, 1.0),
+])  # fmt: skip
+def test_confinement_at_its_limits(slender: float, nu: float, stiffer: float) -> None:
+    assert winkler_error.confinement(slender, nu) == pytest.approx(
+        stiffer, rel=1e-4
+    )  # nu, slender near limits
+
+
+def test_a_tip_adds_no_more_than_its_rise_and_nothing_when_flat() -> None:
+    """Of a level flat tip nothing is missing; of a crown its height at most, however hard it is pressed."""
+    flat = reference().with_(ridge={"crown": 0.0})
+    assert winkler_error.tip_approach(flat, 4, 0.01) == 0.0
+    assert winkler_error.tip_approach(reference(), 4, 100.0) == reference().ridge.crown
+    assert winkler_error.tip_approach(flat, 0, 1e-6) > 20 * 1e-6  # an edge, 3.8 degrees off: bent and dented
+
+
+@pytest.mark.parametrize("ridges", [100, 998])
+def test_many_ridges_have_a_verdict_with_a_bar(ridges: int) -> None:
+    width = ridges + 2.0
+    skin = {"width": width, "curvature_radius": 50 * width}
+    many = yamada().with_(**BARE, ridge={"count": ridges}, skin=skin)
+    found = check(many, tier="winkler", force=float(ridges))
+    assert found.all_touch_force.error is not None
+    assert found.all_touch_force.error > (found.all_touch_force.value or 0.0)  # a thin layer, confined
+    assert (found.approach.error or 0.0) < (found.approach.value or 0.0)
