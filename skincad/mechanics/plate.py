@@ -27,17 +27,11 @@ def rise(plate: Plate, x: Array) -> Array:
     return np.zeros_like(x)
 
 
-def slopes(plate: Plate, x: Array) -> Array:
-    """Return the surface's slope at x `(n,)` mm, positive where it rises towards +x; a step's face is left
-    out, a cylinder is taken as a parabola."""
-    if plate.shape == "tilted":
-        return np.full_like(x, math.tan(math.radians(plate.tilt or 0.0)))
-    if plate.shape == "cylinder" and plate.radius:
-        return np.asarray((x - plate.position) / plate.radius)
-    return np.zeros_like(x)
-
-
 def steepest(plate: Plate, half_width: float) -> float:
     """Return the largest slope within half_width mm of x = 0; the model takes contact as vertical, which
     is wrong by about half its square."""
-    return float(np.abs(slopes(plate, np.array([-half_width, half_width]))).max())
+    if plate.shape == "tilted":
+        return abs(math.tan(math.radians(plate.tilt or 0.0)))
+    if plate.shape == "cylinder" and plate.radius:
+        return (half_width + abs(plate.position)) / plate.radius
+    return 0.0

@@ -113,7 +113,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     depth = np.maximum(approach - gaps, 0.0)
     touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
     line = depth / math.fsum(compliances(design))
-    found = half_widths(design, line, approach, float(touched.mean()), last)
+    found = half_widths(design, line, approach, float(touched.sum()), last)
     others = (line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer))
     error = share_error(found, shares, tuple(others))
     return Answer(

@@ -6,8 +6,9 @@ too stiff where a tip is touched on a part of its crown or on one edge. In the u
 calibrated there are the larger, beyond it these indicators.
 
 The indicators' constants were set against the linear tier on 81 pads of tests/random_designs.py (`wide`,
-seeds 0 to 80), F9 from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times, and on 11 of
-plain-ridges with 12 to 60 ridges, base 0.03 to 1.2 widths thick, nu 0.3 to 0.4999: none lies outside. JUDGED
+seeds 0 to 80), F9 from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times, on 11 of
+plain-ridges with 12 to 60 ridges, base 0.03 to 1.2 widths thick, nu 0.3 to 0.4999, and, what idle ridges do
+to the shares (DISH), on seeds 1000 to 1099. JUDGED
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from skincad.catalog import silicone
 from skincad.design import Design
-from skincad.mechanics.plate import slopes
+from skincad.mechanics.plate import rise
 
 Array = NDArray[np.float64]
 
@@ -35,8 +36,10 @@ SHARE_ERROR = 0.5  # of the mean share
 DOUBLY_THRESHOLD_ERROR, DOUBLY_APPROACH_ERROR, DOUBLY_SHARE_ERROR = 1.2, 0.6, 0.3
 
 COUPLED, PER_THICKNESS = 1.0, 3.0  # by which a shared base is stiffer, more per thickness in widths
+DISH = 0.44  # 2 ln 2 / pi
 SLACK = 1.2  # of the stiffening
 BESIDE_TIPS = 0.3  # of the approach, beside what the tips add: its error where they are the larger
+EDGE = 2.5  # of a crown's give: an edge is a quarter of space
 ROUND = 0.15  # of a fillet's radius, by which it rounds a tip off
 MARGIN = 0.05  # of the mean share, beside what other springs would share
 
@@ -77,16 +80,18 @@ def confinement(slender: float, nu: float) -> float:
     return 1 + more * most / (more + most)
 
 
-def stiffening(design: Design, tip: float) -> float:
-    """Return by what factor springs are stiffer at most, where a tip gives way by `tip` over the line force.
+def stiffening(design: Design, tip: float, carrying: float) -> float:
+    """Return by what factor springs are stiffer at most where `carrying` ridges carry (a ridge counts by the
+    share of its length) and a tip gives way by `tip` over the line force.
 
     A base that many ridges press gives way as a whole, far less than under each alone: for a roller on a half
-    space by 2.4 thicknesses in widths (Johnson, sec. 4.2), more where it is bonded. Of the tip no more counts
-    than of the ridge: it hardens.
+    space by 2.4 thicknesses in widths (Johnson, sec. 4.2), more where it is bonded. Ridges that carry nothing
+    hold it up: against its edges a strip of m pitches sinks by 0.44 m forces over E' (sec. 2.5). Of
+    the tip no more counts than of the ridge: it hardens.
     """
     nu, thick = silicone(design.material).poisson_ratio, design.skin.thickness / design.skin.width
     base, ridge = compliances(design)
-    shared = base / (confinement(thick, nu) + COUPLED + PER_THICKNESS * thick)
+    shared = min(base / (confinement(thick, nu) + COUPLED + PER_THICKNESS * thick), DISH * carrying)
     return (base + ridge) / (shared + ridge / confinement(ridge, nu) + min(tip, ridge))
 
 
@@ -95,43 +100,44 @@ def tip_approach(design: Design, ridge: int, line: float) -> float:
 
     Contact grows with the root of the force on a crown, with the force on an edge that leans by the angle
     between tip and plate, and gives way by the logarithm of the tip over it (Johnson, sec. 5.6 and 4.2); on
-    an edge, a quarter of space, twice that, and the ridge bends: 3 (tip / width)^2 of a column's own give.
+    an edge EDGE times that, and the ridge bends: 3 (tip / width)^2 of a column's own give.
     At most what the plate must sink for the whole tip to touch. `ridge` counts from 0.
     """
     shape, tip = design.ridge, design.ridge.tip_width
     lean = design.lean(ridge + 1)
-    crest = (design.skin.curvature_radius + shape.height) * math.sin(lean)
-    tilt = abs(math.sin(lean + math.atan(float(slopes(design.contact.plate, np.array([crest]))[0]))))
-    rise = shape.crown + tilt * tip / 2 + ROUND * min(shape.tip_fillet, tip / 2)
-    if rise == 0.0 or line == 0.0:
+    middle = (design.skin.curvature_radius + shape.height) * math.sin(lean)
+    low, high = rise(design.contact.plate, np.array([middle - tip / 2, middle + tip / 2]))
+    tilt = abs(math.sin(lean) + float(high - low) / tip)
+    most = shape.crown + tilt * tip / 2 + ROUND * min(shape.tip_fillet, tip / 2)
+    if most == 0.0 or line == 0.0:
         return 0.0
     edge = max(0.0, 1 - 4 * shape.crown / tip / tilt) if tilt > 0 else 0.0  # beyond the crown's own slope
-    on_crown = math.log1p(math.sqrt(math.pi * rise / 2) / math.sqrt(line))
-    on_edge = 2 * max(on_crown, math.log(line + tilt * tip / 2) - math.log(line))
-    column = compliances(design)[1]
-    bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * column
-    return min(rise, line * ((1 - edge) * on_crown + edge * (on_edge + bent)))
+    on_crown = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
+    on_edge = EDGE * max(on_crown, math.log(line + tilt * tip / 2) - math.log(line))
+    bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * compliances(design)[1]
+    return min(most, line * ((1 - edge) * on_crown + edge * (on_edge + bent)))
 
 
 def half_widths(design: Design, line: Array, approach: float, carrying: float, last: float) -> Widths:
     """Return the half-widths of a verdict.
 
-    `line` `(ridges,)` mm is each ridge's largest force per length over E', `approach` mm, `carrying` the
-    share of the crests' length that touches, `last` mm the depth of the first ridge when the last touches.
+    `line` `(ridges,)` mm is each ridge's largest force per length over E', `approach` mm, `carrying` how many
+    ridges carry, each by the share of its length, `last` mm the depth of the first when the last one touches.
     """
     doubly = design.skin.curvature_radius_y is not None
     base, column = compliances(design)
     most, give = int(np.argmax(line)), base + column
     tips = tip_approach(design, most, float(line[most])) / approach
     at_last = tip_approach(design, most, last / give) / last if last > 0 else 0.0
-    stiffer = stiffening(design, at_last * give)
+    stiffer = stiffening(design, at_last * give, design.ridge.count)
     usual = DOUBLY_THRESHOLD_ERROR if doubly else THRESHOLD_ERROR
     threshold = max(usual, SLACK * (stiffer - 1), at_last / (1 + at_last))
     usual = DOUBLY_APPROACH_ERROR if doubly else APPROACH_ERROR + PER_RIDGE / design.ridge.count
-    idle = base / give * (1 - carrying)  # what ridges that carry nothing would hold up
-    reached = max(usual, BESIDE_TIPS + tips, idle, 1 - 1 / stiffer)
+    held = stiffening(design, tips * give, carrying)
+    reached = max(usual, BESIDE_TIPS + tips, 1 - 1 / held)
     share = DOUBLY_SHARE_ERROR if doubly else SHARE_ERROR
-    return Widths(threshold, reached, share, 1 + threshold, 1 / (1 + max(reached, at_last)))
+    stiffest = max(1 + threshold, SLACK * held)
+    return Widths(threshold, reached, share, stiffest, 1 / (1 + max(reached, at_last)))
 
 
 def share_error(found: Widths, shares: Array, others: tuple[Array, ...]) -> float:

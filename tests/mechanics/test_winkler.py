@@ -67,9 +67,10 @@ BEYOND_USUAL = (9, 11, 26, 31, 36, 47, 51, 64)
 
 
 def missed(design: Design, force: float) -> tuple[float, float, float]:
-    """What the linear tier's coarsest mesh differs by, in bars: F9, the approach, the worst share."""
+    """By how many bars, its own and the springs', the linear tier's coarsest mesh differs: F9, the approach,
+    the worst share."""
     spring = winkler.answer(design, Request(force))
-    solid = linear.answer(design, Request(force, tol=0.5))  # within some 2 %, where bars are 45 % and more
+    solid = linear.answer(design, Request(force, tol=0.5))  # mostly within 2 %; bars are 45 % and more
     pairs = (
         (spring.all_touch_force, solid.all_touch_force),
         (spring.approach, solid.approach),
@@ -77,7 +78,7 @@ def missed(design: Design, force: float) -> tuple[float, float, float]:
     )
     floor = 1e-9 * force  # F9 of ridges that touch at once is rounding
     apart = [
-        max(0.0, abs((one.value or 0.0) - (other.value or 0.0)) - floor) / ((one.error or 0.0) + floor)
+        abs((one.value or 0.0) - (other.value or 0.0)) / ((one.error or 0.0) + (other.error or 0.0) + floor)
         for one, other in pairs
     ]
     return apart[0], apart[1], max(apart[2:])
@@ -103,9 +104,8 @@ def test_bars_hold_far_from_the_templates() -> None:
     (1e3, 0.49, 1.0),
 ])  # fmt: skip
 def test_confinement_at_its_limits(slender: float, nu: float, stiffer: float) -> None:
-    assert winkler_error.confinement(slender, nu) == pytest.approx(
-        stiffer, rel=1e-4
-    )  # nu, slender near limits
+    found = winkler_error.confinement(slender, nu)
+    assert found == pytest.approx(stiffer, rel=1e-4)  # near its limits
 
 
 def test_a_tip_adds_no_more_than_its_rise_and_nothing_when_flat() -> None:
