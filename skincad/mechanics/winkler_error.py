@@ -132,7 +132,8 @@ def half_widths(design: Design, line: Array, approach: float, carrying: float, l
     stiffer = stiffening(design, at_last * give, design.ridge.count)
     usual = DOUBLY_THRESHOLD_ERROR if doubly else THRESHOLD_ERROR
     threshold = max(usual, SLACK * (stiffer - 1), at_last / (1 + at_last))
-    usual = DOUBLY_APPROACH_ERROR if doubly else APPROACH_ERROR + PER_RIDGE / design.ridge.count
+    few = APPROACH_ERROR + PER_RIDGE / design.ridge.count
+    usual = max(DOUBLY_APPROACH_ERROR, few) if doubly else few
     held = stiffening(design, tips * give, carrying)
     reached = max(usual, BESIDE_TIPS + tips, 1 - 1 / held)
     share = DOUBLY_SHARE_ERROR if doubly else SHARE_ERROR
