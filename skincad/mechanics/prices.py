@@ -34,7 +34,7 @@ class Law:
 
 # each tier's own part, without what it builds on
 LAWS = {
-    "winkler": Law(1.0, 1e-4, 0.0),
+    "winkler": Law(1.0, 4e-4, 0.0),
     "linear": Law(19_400, 0.66, 1.1),
     "corrected": Law(8_700, 0.29, 1.3),
     "finite-strain": Law(19_400, 3.4, 1.38),

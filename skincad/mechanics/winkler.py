@@ -1,6 +1,6 @@
 """The Winkler tier: each ridge a spring of its own, in closed form.
 
-It ranks designs in microseconds. It leaves out that ridges push each other down through the common
+It ranks designs in less than a millisecond. It leaves out that ridges push each other down through the common
 base, so against plane strain F9 comes out 25 to 35 % low (FACTS.md), more on thick skins; winkler_error.py
 says how far off it may be.
 
