@@ -20,6 +20,7 @@ from skincad.mechanics.prices import LAWS, own, plane_unknowns
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed
 from skincad.mechanics.tiers import able, run
+from skincad.mechanics.validity import refuse_crushed
 from skincad.quantities import Estimate
 from skincad.stopwatch import Progress
 
@@ -144,6 +145,7 @@ class _Climb:
 
             last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
             level, runs = timed(solved, 1 if last else self.repeats)
+            refuse_crushed(self.design, force, name, level.approach)
             numbers = level.all_touch_force, level.approach
             found.append(Found(name, setting, level.unknowns, runs, *numbers))
         finest, before = found[-1], found[-2]
@@ -162,6 +164,7 @@ class _Climb:
             return run(name, self.design, self.request, {} if alone else self.done, None)
 
         answer, runs = timed(work, self.repeats if alone else 1)
+        refuse_crushed(self.design, self.request.force, name, answer.approach.value or 0.0)
         self.done[name] = answer
         if not alone:
             runs = (math.fsum(answer.seconds.values()),)

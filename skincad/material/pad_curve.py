@@ -23,7 +23,7 @@ from skincad.mechanics.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.problem import Pad, check_pad, pad_of
 from skincad.mechanics.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
 from skincad.mechanics.threshold import Ridges
-from skincad.mechanics.validity import LARGEST_STRAIN, buckling_force
+from skincad.mechanics.validity import limits
 from skincad.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
@@ -80,10 +80,7 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
     """
     pad = replace(pad_of(design), young_modulus=young_modulus)
     check_pad(pad)
-    width = (design.ridge.root_width + design.ridge.tip_width) / 2
-    strained = LARGEST_STRAIN * young_modulus / (1 - pad.poisson_ratio**2) * width * pad.length
-    own = design.with_(material={"young_modulus": young_modulus})
-    a_ridge = min(strained, buckling_force(own))
+    a_ridge = limits(design.with_(material={"young_modulus": young_modulus})).largest
     force = a_ridge * len(pad.ridges) * (np.arange(1, POINTS + 1) / POINTS) ** 2
     with clock.stage("linear"):
         found = linear.level(

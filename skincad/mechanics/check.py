@@ -24,7 +24,12 @@ from skincad.mechanics.problem import (
     no_yield,
 )
 from skincad.mechanics.tiers import AUTO, TIERS, able, below, load, run, tier_of
-from skincad.mechanics.validity import beyond_small_strain, slope_warnings, strain_warnings
+from skincad.mechanics.validity import (
+    beyond_small_strain,
+    refuse_crushed,
+    slope_warnings,
+    strain_warnings,
+)
 from skincad.mechanics.verdict import (
     ContactCheck,
     before_refusal,
@@ -184,7 +189,7 @@ class _Climb:
             if self.progress and each not in (*self.done, "winkler"):
                 self.progress(f"{each} tier", self._seconds(name))
             found = run(each, self.design, request, self.done, self.progress)
-        self._refuse_crushed(name, found)
+        refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
         made = None
         if not self.drops and name != "winkler":
@@ -195,13 +200,6 @@ class _Climb:
         verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made)
         self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
         return verdict
-
-    def _refuse_crushed(self, name: str, found: Answer) -> None:
-        skin, approach = self.design.skin.thickness + self.design.ridge.height, found.approach.value or 0.0
-        if approach >= skin:
-            most = self.force * skin / approach
-            words = f"must stay below about {most:.3g} N, which press the skin flat in the {name} tier"
-            raise InputError("--force", words, self.force, "take a smaller force")
 
     def _manufacture(self, found: Answer) -> Manufacture | None:
         """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""

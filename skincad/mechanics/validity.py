@@ -1,8 +1,12 @@
-"""Where the models of small strain end: ridges crushed or buckled, a plate too steep."""
+"""Where the models end: a skin pressed flat, ridges strained too much or buckled, a plate too steep."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from skincad.catalog import silicone
 from skincad.design import Design
@@ -10,10 +14,76 @@ from skincad.errors import InputError
 from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
 
+Array = NDArray[np.float64]
 STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
 LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which small strain is meant
 STUB = 2.0  # heights in widths up to which a ridge is no column
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where a model's range ends: `height` mm of the skin with its ridges, by which it would be pressed flat.
+
+    `squeeze` and `shear` N are the forces on a ridge along its axis and across it at a nominal strain of 1
+    (the tensor component, half the angle), over its mean width and its length; `buckling` N is the force at
+    which it buckles. All three are infinite for a model of large strain.
+    """
+
+    height: float
+    squeeze: float = math.inf
+    shear: float = math.inf
+    buckling: float = math.inf
+
+    @property
+    def largest(self) -> float:
+        """The force on a ridge, N, from which on it is in no case within the range."""
+        return min(LARGEST_STRAIN * self.squeeze, self.buckling)
+
+    def strain(self, normal: Array, tangential: Array) -> float:
+        """Return the nominal strain of the most loaded ridge under the plate's forces `(ridges,)` N."""
+        return float(max(np.abs(normal).max() / self.squeeze, np.abs(tangential).max() / self.shear))
+
+    def crushed(self, approach: float) -> str:
+        """Say that the plate has come as far as there is skin, or return ""."""
+        if approach < self.height:
+            return ""
+        return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of skin and ridges"
+
+    def overloaded(self, normal: Array, tangential: Array | float = 0.0) -> str:
+        """Say why the plate's forces on the ridges `(ridges,)` N are beyond small strain, or return ""."""
+        strain = self.strain(normal, np.asarray(tangential))
+        if strain > LARGEST_STRAIN:
+            return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
+        if (most := float(normal.max())) > self.buckling:
+            return f"a ridge buckles at {self.buckling:.3g} N and would carry {most:.3g} N"
+        return ""
+
+
+def limits(design: Design) -> Limits:
+    """Return where small strain ends."""
+    modulus = silicone(design.material).young_modulus.value, silicone(design.material).poisson_ratio
+    area = _mean_width(design) * design.skin.length
+    shear = modulus[0] / (1 + modulus[1]) * area
+    return Limits(height(design), plane_modulus(design) * area, shear, buckling_force(design))
+
+
+def height(design: Design) -> float:
+    """Return how high skin and ridges are, mm: the plate cannot come further."""
+    return design.skin.thickness + design.ridge.height
+
+
+def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> None:
+    """Raise InputError where a tier finds the skin pressed flat: `approach` mm at `force` N."""
+    skin = height(design)
+    if approach >= skin:
+        most = force * skin / approach
+        words = f"must stay below about {most:.3g} N, which press the skin flat in the {tier} tier"
+        raise InputError("--force", words, force, "take a smaller force")
+
+
+def _mean_width(design: Design) -> float:
+    return (design.ridge.root_width + design.ridge.tip_width) / 2
 
 
 def plane_modulus(design: Design) -> float:
@@ -24,9 +94,11 @@ def plane_modulus(design: Design) -> float:
 
 def ridge_strain(design: Design, found: Answer) -> float:
     """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
-    width = (design.ridge.root_width + design.ridge.tip_width) / 2
-    largest = max(f.value or 0.0 for f in found.ridge_force)
-    return largest / (plane_modulus(design) * width * design.skin.length)
+    return limits(design).strain(_shares(found), np.zeros(1))
+
+
+def _shares(found: Answer) -> Array:
+    return np.array([force.value or 0.0 for force in found.ridge_force])
 
 
 def buckling_force(design: Design) -> float:
@@ -35,25 +107,18 @@ def buckling_force(design: Design) -> float:
     pi^2 E' I / (4 h^2) with I = L w^3 / 12, w the mean width; a stub no higher than `STUB` widths gives way
     otherwise, infinite. Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., sec. 2.2.
     """
-    ridge = design.ridge
-    width = (ridge.root_width + ridge.tip_width) / 2
-    if ridge.height <= STUB * width:
+    width = _mean_width(design)
+    if design.ridge.height <= STUB * width:
         return math.inf
     inertia = design.skin.length * width**3 / 12
-    return math.pi**2 * plane_modulus(design) * inertia / (4 * ridge.height**2)
+    return math.pi**2 * plane_modulus(design) * inertia / (4 * design.ridge.height**2)
 
 
 def beyond_small_strain(design: Design, force: float, found: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
     threshold = found.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
-    strain = ridge_strain(design, found) * at
-    if strain > LARGEST_STRAIN:
-        return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
-    largest, critical = max(f.value or 0.0 for f in found.ridge_force) * at, buckling_force(design)
-    if largest > critical:
-        return f"a ridge buckles at {critical:.3g} N and would carry {largest:.3g} N"
-    return ""
+    return limits(design).overloaded(_shares(found) * at)
 
 
 def strain_warnings(design: Design, found: Answer) -> tuple[str, ...]:

@@ -10,14 +10,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from skincad.catalog import silicone
+import numpy as np
+
 from skincad.design import Design, Slot
 from skincad.errors import InputError, RefusedError
 from skincad.mechanics.check import LARGEST_FORCE
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.rungs import solve
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.validity import LARGEST_STRAIN, SMALL_STRAIN, slope_warnings
+from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 from skincad.stopwatch import Progress
 
 DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (FACTS.md)
@@ -119,20 +120,15 @@ def _filled_slot(design: Design) -> Slot:
 
 
 def _in_range(design: Design, found: FilmStress) -> FilmStress:
-    """Say nominal strains beyond the small-strain range, refuse those beyond the model's (check.py)."""
-    ridge, stuff = design.ridge, silicone(design.material)
-    area = (ridge.root_width + ridge.tip_width) / 2 * design.skin.length
-    squeeze = (1 - stuff.poisson_ratio**2) / stuff.young_modulus.value / area
-    shear = (1 + stuff.poisson_ratio) / stuff.young_modulus.value / area  # tensor component, half the angle
-    strain = max(
-        max(abs(n.value or 0.0) * squeeze, abs(t.value or 0.0) * shear)
-        for n, t in zip(found.ridge_force, found.ridge_tangential, strict=True)
+    """Say nominal strains beyond the small-strain range, refuse what is beyond the model's (validity.py)."""
+    normal, across = (
+        np.array([force.value or 0.0 for force in each])
+        for each in (found.ridge_force, found.ridge_tangential)
     )
-    if strain > LARGEST_STRAIN:
-        raise RefusedError(
-            f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}; "
-            "take smaller forces"
-        )
+    ends = limits(design)
+    if wrong := ends.overloaded(normal, across):
+        raise RefusedError(f"{wrong}; take smaller forces")
+    strain = ends.strain(normal, across)
     if strain <= SMALL_STRAIN:
         return found
     note = f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"
