@@ -17,7 +17,7 @@ from skincad.effects.kinds import Body, Readout, Watched
 from skincad.errors import InputError, RefusedError
 from skincad.levels import LEVELS, Level, expected
 from skincad.march import INTERRUPTED, March, march
-from skincad.moments import collisions, kept_steps
+from skincad.moments import kept_steps
 from skincad.omitted import MATTERS, Omitted, omitted
 from skincad.scene import Scene
 from skincad.signals import (
@@ -277,7 +277,8 @@ def _march(
 
     # more BLAS threads only wait for each other; to ask for one at each step takes longer than the step
     with threadpool_limits(limits=1, user_api="blas"):
-        found = march(model, history.times, history.drives(), scene.terms, told, kept_steps(scene), mass)
+        times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
+        found = march(model, times, drives, scene.terms, told, kept_steps(scene), mass, ends)
     seconds |= {**spent, "march": found.seconds}
     return found
 
@@ -317,7 +318,6 @@ def _told(
     if raw and "film" not in scene.effects:
         notes = [*notes, "film is not named: this is the silicone's stress in the films' place"]
     notes = [*notes, *unresolved(found.time, width)] if raw else notes
-    notes = [*notes, *collisions(found)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     read: dict[str, Any] = {}
     watched = Watched(scene.design, tuple(scene.readout.ridges), width)

@@ -82,7 +82,8 @@ class Softer(Law):
         from skincad.mechanics.sliding import sliding
 
         pad = sliding(part, mesh, order, films)
-        return condensed(replace(pad, compliance=self.factor * pad.compliance))
+        # its field is that of the harder pad, and would lie above the plate
+        return condensed(replace(pad, compliance=self.factor * pad.compliance, whole=None))
 
 
 class Thicker(Body):

@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from skincad.effects.kinds import Law, Reading, Share, Step, Term
 from skincad.errors import RefusedError
-from skincad.mechanics.grip import Cone, GrossSlip
+from skincad.mechanics.grip import Cone, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 if TYPE_CHECKING:
@@ -120,6 +120,14 @@ class Large:
         wrong = fault(self.pad, state, self.stops)
         if wrong is not None:
             raise ContactError(wrong)
+
+    def grip(self, state: State) -> Grip:
+        """Return the contact of a state."""
+        return state.grip
+
+    def fault(self, state: State) -> str | None:  # noqa: ARG002
+        """None: a step costs so much that each is looked at."""
+        return None
 
     def reading(self, before: State, state: State) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""

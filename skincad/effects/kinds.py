@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.design import Design
-from skincad.mechanics.grip import Cone, Drive
+from skincad.mechanics.grip import Cone, Drive, Grip
 from skincad.mechanics.problem import Pad
+from skincad.mechanics.validity import Limits, height
 from skincad.tables import Table
 
 if TYPE_CHECKING:
@@ -101,6 +102,13 @@ class Model(Protocol):
     def reading(self, before: Any, state: Any) -> Reading:
         """Return what is told of a state that a step led to from `before`."""
 
+    def grip(self, state: Any) -> Grip:
+        """Return the contact of a state."""
+
+    def fault(self, state: Any) -> str | None:
+        """Return what of the skin would collide unseen in a state, or None; None too where `advanced` says so
+        itself."""
+
 
 @runtime_checkable
 class Showing(Protocol):
@@ -108,9 +116,6 @@ class Showing(Protocol):
 
     def shown(self, state: Any) -> Shown:
         """Return the whole section in a state, to draw."""
-
-    def fault(self, state: Any) -> str | None:
-        """Return what of the skin would collide unseen in a state, or None."""
 
 
 class Effect(Table):
@@ -130,6 +135,10 @@ class Law(Effect):
     halves: ClassVar[bool] = True
     condenses: ClassVar[bool] = False
     gives: ClassVar[frozenset[str]] = frozenset()
+
+    def limits(self, design: Design) -> Limits:
+        """Return where the law's range ends; any law's does where the skin is pressed flat."""
+        return Limits(height(design))
 
     def model(self, part: Part, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
         """Return the model of a meshed pad; `films` asks for the stresses in its strips.

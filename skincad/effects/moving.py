@@ -13,7 +13,7 @@ from skincad.effects.kinds import Reading, Share, Step
 from skincad.errors import RefusedError
 from skincad.mechanics.dynamics import Dynamics
 from skincad.mechanics.dynamics_state import Moved, at_rest_on
-from skincad.mechanics.grip import Cone
+from skincad.mechanics.grip import Cone, Grip
 from skincad.mechanics.time_scheme import Matter
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
     """Return the model of a meshed pad."""
     from skincad.mechanics.dynamics_pad import linear
 
-    return Moving(Dynamics(linear(part, mesh, order, films)))
+    return Moving(Dynamics(linear(part, mesh, order, films)), part)
 
 
 def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
@@ -42,6 +42,7 @@ class Moving:
     """A pad with masses or a past."""
 
     dynamics: Dynamics
+    part: Part | None = None
 
     @property
     def ridge(self) -> NDArray[np.int64]:
@@ -64,6 +65,23 @@ class Moving:
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         begun, length = replace(state, drive=step.before), step.end - step.start
         return self.dynamics.step(begun, step.after, length, cone, matter_of(step, shares))
+
+    def grip(self, state: Moved) -> Grip:
+        """Return the contact of a state."""
+        return state.grip
+
+    def fault(self, state: Moved) -> str | None:
+        """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
+        is known to."""
+        body = self.dynamics.pad.body
+        if self.part is None or body is None:
+            return None
+        from skincad.mechanics.film.whole_state import collision, on_sides
+
+        moved = np.zeros((body.system.lift.size, state.u.shape[1]))
+        moved[: len(state.u)] = state.u / self.part.unit
+        plate = self.part.whole.top - state.grip.approach
+        return collision(self.part, body, on_sides(list(moved.T)), plate, 0.0)
 
     def reading(self, before: Moved, state: Moved) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""

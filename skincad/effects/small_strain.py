@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.design import Design
 from skincad.effects.kinds import MASS, RATE, Law, Model, Reading, Share, Step, Term
 from skincad.errors import RefusedError
 from skincad.mechanics import turning
 from skincad.mechanics.grip import Cone, Drive, Grip, Pressed, at_rest
 from skincad.mechanics.halving import halved
+from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part
@@ -34,6 +36,10 @@ class SmallStrain(Law):
 
     condenses: ClassVar[bool] = True
     gives: ClassVar[frozenset[str]] = frozenset({MASS, RATE})
+
+    def limits(self, design: Design) -> Limits:
+        """Return where small strain ends."""
+        return limits(design)
 
     def model(self, part: Part, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
         """Return the condensed pad, or where a term asks for masses or a past the pad that has them."""
@@ -87,9 +93,14 @@ class Condensed:
         """Return the whole section in a state."""
         return self._whole.shown(*self._placed(state))
 
+    def grip(self, state: Grip) -> Grip:
+        """Return the contact of a state, which is all of it."""
+        return state
+
     def fault(self, state: Grip) -> str | None:
-        """Return what of the skin would collide unseen in a state, or None."""
-        return self._whole.fault(*self._placed(state))
+        """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
+        is known to."""
+        return None if self.pad.whole is None else self.pad.whole.fault(*self._placed(state))
 
     @property
     def _whole(self) -> WholeState:

@@ -60,6 +60,7 @@ def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
         gap - gap.min(),
         ridges_of(part, nodes.ridge[lay.of], lay.left),
         sum(half.inner.size + half.contact.size for half in halves),
+        body,
     )
 
 

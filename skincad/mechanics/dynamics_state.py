@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.mechanics.film.strip_field import Body
 from skincad.mechanics.grip import Drive, Grip, at_rest
 from skincad.mechanics.time_scheme import Matter
 
@@ -38,7 +39,7 @@ class Linear:
     """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
 
     `stiff`, `soft` and `mass` `(n, n)`; `share` is what of a force the part bears, 1 or, of a mirrored pad,
-    0.5; `gap` and `ridge` `(m,)` of the contact points.
+    0.5; `gap` and `ridge` `(m,)` of the contact points; `body` is what was meshed.
     """
 
     stiff: sparse.csr_matrix
@@ -49,6 +50,7 @@ class Linear:
     gap: Array
     ridge: Index
     unknowns: int
+    body: Body | None = None
 
 
 @dataclass(frozen=True, eq=False)

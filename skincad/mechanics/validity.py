@@ -50,9 +50,9 @@ class Limits:
             return ""
         return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of skin and ridges"
 
-    def overloaded(self, normal: Array, tangential: Array | float = 0.0) -> str:
+    def overloaded(self, normal: Array, tangential: Array) -> str:
         """Say why the plate's forces on the ridges `(ridges,)` N are beyond small strain, or return ""."""
-        strain = self.strain(normal, np.asarray(tangential))
+        strain = self.strain(normal, tangential)
         if strain > LARGEST_STRAIN:
             return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
         if (most := float(normal.max())) > self.buckling:
@@ -118,7 +118,7 @@ def beyond_small_strain(design: Design, force: float, found: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
     threshold = found.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
-    return limits(design).overloaded(_shares(found) * at)
+    return limits(design).overloaded(_shares(found) * at, np.zeros(1))
 
 
 def strain_warnings(design: Design, found: Answer) -> tuple[str, ...]:

@@ -16,16 +16,11 @@ from tests.small_scene import THIRD, small_scene
 LOOSE = ("effects.film.bond=loose", "readout.ridges=[]", "effects.friction=none")
 
 
-def pressed(folder: Path, *overrides: str) -> tuple[float, float, tuple[str, ...]]:
-    """Approach of the scene's last step and of the linear tier, and the scene's warnings."""
-    scene = small_scene(folder, "yamada-2002-press", THIRD, "history.steps=2", *LOOSE, *overrides)
-    found = at_level(scene, LEVELS[1])
-    other = check(scene.design.with_(contact={"film": "loose"}), force=1.3, tier="linear")
-    return found.march.readings[-1].approach, other.approach.value or 0.0, found.warnings
-
-
 def test_a_loose_film_leaves_the_slots_empty(tmp_path: Path) -> None:
-    here, there, _ = pressed(tmp_path)
+    """A scene's last step against the linear tier."""
+    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=2", *LOOSE)
+    here = at_level(scene, LEVELS[1]).march.readings[-1].approach
+    there = check(scene.design.with_(contact={"film": "loose"}), force=1.3, tier="linear").approach.value
     press = ("yamada-2002-press", THIRD, "history.steps=2", "readout.ridges=[]")
     bonded = at_level(small_scene(tmp_path, *press), LEVELS[0])
     # two meshes and orders: 0.5 % is the tier's own; bonded strips make 4 % of difference
@@ -33,10 +28,19 @@ def test_a_loose_film_leaves_the_slots_empty(tmp_path: Path) -> None:
     assert bonded.march.readings[-1].approach < 0.99 * here
 
 
-def test_slots_that_close_are_warned_of(tmp_path: Path) -> None:
-    assert not any("slot" in warning for warning in pressed(tmp_path)[2])
-    hard = "history.normal_force_N=[0.0, 9.0]"
-    assert any("no model of contact there" in warning for warning in pressed(tmp_path, hard)[2])
+def test_slots_that_close_end_the_march_at_the_same_force_however_it_is_stepped(tmp_path: Path) -> None:
+    """Nothing looks at each step: where slots are found closed at the end, the march says when they did."""
+    closed = []
+    for peak, steps in ((6.0, 24), (7.0, 28), (7.0, 280)):  # steps of 0.25 and of 0.025 N
+        press = f"history.normal_force_N=[0.0, {peak}]", f"history.steps={steps}"
+        march = at_level(small_scene(tmp_path, "yamada-2002-press", *press, *LOOSE), LEVELS[0]).march
+        at = len(march.readings)
+        assert march.failed
+        assert march.stopped.startswith(f"step {at}, t = {march.time[-1] + 0.1 / steps:.6g} s: ")
+        assert march.stopped.endswith("two ridges meet or a slot closes")
+        closed.append(peak / steps * at)
+    assert closed[0] == pytest.approx(closed[1], rel=1e-12)
+    assert closed[2] == pytest.approx(closed[1], abs=0.25)  # the coarser steps
 
 
 @pytest.mark.parametrize(

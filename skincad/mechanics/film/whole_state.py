@@ -66,17 +66,7 @@ class WholeState:
 
     def fault(self, force: Array, plate: float, angle: float) -> str | None:
         """Return what would collide in this state although the model knows no contact there, or None."""
-        unit, slope = self.part.unit, math.tan(angle)
-
-        def over(x: Array) -> Array:
-            return np.asarray(plate / unit + slope * x)
-
-        def over_image(x: Array) -> Array:
-            return over(-x)
-
-        found = [elements.outlines(self.body.system, moved) for moved in self._moved(force)]
-        wrong = (fault(loops, height) for loops, height in zip(found, (over, over_image), strict=False))
-        return next((each for each in wrong if each), None)
+        return collision(self.part, self.body, self._moved(force), plate, angle)
 
     def _field(self, moved: Array) -> Patch:
         strip_field.set_state(self.body, moved)
@@ -91,7 +81,31 @@ class WholeState:
             last = small.order[-small.flexibility.shape[0] :]
             load[last] = parity.rows.T @ (parity.spread @ force) * per_force
             found.append(small.solve(load))
-        if len(found) == 1:
-            return found
-        even, odd = found
-        return [even + odd, even - odd]
+        return on_sides(found)
+
+
+def on_sides(found: list[Array]) -> list[Array]:
+    """Return the displacements of a part and of its image from those under even and odd loads; of a whole pad
+    the ones that there are."""
+    if len(found) == 1:
+        return found
+    even, odd = found
+    return [even + odd, even - odd]
+
+
+def collision(part: Part, body: Body, moved: list[Array], plate: float, angle: float) -> str | None:
+    """Return what would collide although the models know no contact there, or None.
+
+    `moved` are displacements `(n,)`, in units, of the part and, of a mirrored pad, of its image; the plate is
+    the line through (0, `plate`) mm at `angle` rad.
+    """
+
+    def over(x: Array) -> Array:
+        return np.asarray(plate / part.unit + math.tan(angle) * x)
+
+    def over_image(x: Array) -> Array:
+        return over(-x)
+
+    found = [elements.outlines(body.system, each) for each in moved]
+    wrong = (fault(loops, height) for loops, height in zip(found, (over, over_image), strict=False))
+    return next((each for each in wrong if each), None)
