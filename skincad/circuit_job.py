@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import tomlkit
@@ -13,6 +12,7 @@ from skincad.circuit.model import Circuit
 from skincad.circuit.netlist import netlist
 from skincad.outfolder import CIRCUIT_MANIFEST, checked_folder, replaced
 from skincad.stopwatch import Progress
+from skincad.strictjson import strict_json
 
 
 def circuit_job(
@@ -32,6 +32,7 @@ def circuit_job(
     from skincad.circuit_figures import gain_picture
 
     found = circuit_gain(circuit, measured, progress)
+    strict_json(found.as_json())  # before anything is written
     with replaced(target, (CIRCUIT_MANIFEST,)) as staging:
         (staging / "gain.csv").write_text(gain_csv(found), encoding="utf-8")
         sweep = circuit.sweep
@@ -42,7 +43,7 @@ def circuit_job(
             (staging / "calibrated.toml").write_text(calibrated_toml(found), encoding="utf-8")
         sizes = {path.name: path.stat().st_size for path in sorted(staging.iterdir())}
         manifest = {"name": found.name, "files": list(sizes)}
-        (staging / CIRCUIT_MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
+        (staging / CIRCUIT_MANIFEST).write_text(strict_json(manifest, indent=1) + "\n", encoding="utf-8")
     return found, [{"path": str(target / name), "bytes": size} for name, size in sizes.items()]
 
 

@@ -14,6 +14,7 @@ import typer
 import skincad
 from skincad.bars import stage_bar, step_bar
 from skincad.errors import InputError, RefusedError, shown
+from skincad.strictjson import strict_json
 
 if TYPE_CHECKING:
     from skincad.design import Design
@@ -410,4 +411,4 @@ def fit_material(
 
 
 def _print(data: dict[str, Any], as_json: bool, lines: list[str]) -> None:
-    print(json.dumps(data, allow_nan=False) if as_json else "\n".join(map(shown, lines)))
+    print(strict_json(data) if as_json else "\n".join(map(shown, lines)))

@@ -69,9 +69,11 @@ class Film(Table):
     thickness: float = quantity("mm", "of the strip", ge=0.004, le=5.0)
     young_modulus: float = quantity("MPa", "of the film; PVDF 2000 to 4000", ge=1.0, le=1e6, default=3000.0)
     poisson_ratio: float = quantity("1", "of the film", ge=0.0, le=0.49, default=0.35)
-    d31: float = quantity("pC/N", "charge by stress along the draw axis", default=23.0)
-    d32: float = quantity("pC/N", "charge by stress across the draw axis, in the film's plane", default=3.0)
-    d33: float = quantity("pC/N", "charge by stress through the film", default=-33.0)
+    d31: float = quantity("pC/N", "charge by stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
+    d32: float = quantity(
+        "pC/N", "charge by stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
+    )
+    d33: float = quantity("pC/N", "charge by stress through the film", ge=-1e4, le=1e4, default=-33.0)
     electrode_margin: float = quantity(
         "mm",
         "bare film between electrode and cut edge, so that no cut shorts it",
@@ -208,7 +210,9 @@ class Plate(Table):
     )
     radius: float | None = quantity("mm", "of a cylinder along y", ge=1.0, le=1e8, default=None)
     height: float | None = quantity("mm", "by which a step is higher at +x", ge=0.0, le=50.0, default=None)
-    position: float = quantity("mm", "x of a cylinder's lowest line or of a step", default=0.0)
+    position: float = quantity(
+        "mm", "x of a cylinder's lowest line or of a step", ge=-1e4, le=1e4, default=0.0
+    )
 
     @model_validator(mode="after")
     def _own_key(self) -> Self:

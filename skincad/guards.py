@@ -11,6 +11,7 @@ from skincad.process import check_named, check_own
 if TYPE_CHECKING:
     from skincad.design import Design, Ridge, Skin
 
+MOST = 999  # ridges that are told of, as ridge.count
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
 SMALLEST_FILLET = (
     1e-6  # mm; ten times the length below which the CAD kernel takes an edge's ends for one point
@@ -63,7 +64,10 @@ def _check_skin(design: Design) -> None:
     half_root = ridge.root_width / 2 + ridge.root_fillet
     reach = abs(design.lean(1)) + half_root / skin.curvature_radius
     if reach >= side:
-        most = max(0, int(2 * (side * skin.curvature_radius - half_root) / ridge.pitch) + 1)
+        more = (
+            2 * (side * skin.curvature_radius - half_root) / ridge.pitch
+        )  # infinite where there is no pitch
+        most = 0 if more < -1 else int(min(more, MOST)) + 1
         raise InputError(
             "ridge.count",
             f"at most {most} ridges of this pitch and root fit on skin.width",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from skincad.errors import InputError, did_you_mean
 from skincad.outfolder import MANIFEST, checked_folder, replaced
 from skincad.solids.mold import Mold, mold
 from skincad.stopwatch import Progress, Stopwatch
+from skincad.strictjson import strict_json
 
 if TYPE_CHECKING:
     from skincad.fabrication.findings import Finding
@@ -281,7 +281,7 @@ def _manifest(result: MakeResult) -> str:
         "findings": [finding.as_json() for finding in result.findings],
         "files": [name for name, _ in result.files],
     }
-    return json.dumps(data, indent=1) + "\n"
+    return strict_json(data, indent=1) + "\n"
 
 
 def _step_writer(job: _Job, name: str) -> Callable[[Path], None]:

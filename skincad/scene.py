@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 LAW = "small_strain"  # of a scene that names none
 MOST_FRAMES = 60  # of an animation of less than 2 MB
 STEEPEST = 5.0  # deg; of a plate that turns, as of a tilted one (design.py)
+# of a history; forces as contact.force, travel as the widest skin (design.py)
+LARGEST = {"time_s": 1e6, "normal_force_N": 1e6, "tangential_force_N": 1e6, "displacement_mm": 1e3}
+NARROWEST = 1e-4  # Hz; less shows nothing of the longest history
+SHORTEST = 1e-9  # s; assumption: sound passes a micrometre of silicone, far less than any mesh shows
 
 
 class History(Table):
@@ -53,20 +57,14 @@ class History(Table):
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
-        lists = {
-            "normal_force_N": self.normal_force_N,
-            "tangential_force_N": self.tangential_force_N,
-            "displacement_mm": self.displacement_mm,
-            "rotation_deg": self.rotation_deg,
-        }
-        for key, values in lists.items():
-            if values is not None and len(values) != len(self.time_s):
-                raise InputError(key, f"needs {len(self.time_s)} values, as time_s has", len(values))
+        self._check_lists()
         if self.time_s[0] != 0.0:
             raise InputError("time_s", "must begin at 0", self.time_s[0])
         for a, b in zip(self.time_s, self.time_s[1:], strict=False):
             if not b > a:
                 raise InputError("time_s", f"must not go back or stand still after {a:g} s", b)
+            if b - a < SHORTEST:
+                raise InputError("time_s", f"needs points at least {SHORTEST:g} s apart", b - a)
         if min(self.normal_force_N) < 0:
             rule = "must not pull: the plate presses or is clear"
             raise InputError("normal_force_N", rule, min(self.normal_force_N), "take 0 or more")
@@ -87,6 +85,17 @@ class History(Table):
             rule = f"must be from -{STEEPEST:g} to {STEEPEST:g} deg: beyond, the plate meets more than ridges"
             raise InputError("rotation_deg", rule, max(turn, key=abs))
         return self
+
+    def _check_lists(self) -> None:
+        """Raise InputError for lists that are not of one length, or hold what no scene can mean."""
+        for key in (*LARGEST, "rotation_deg"):
+            values = getattr(self, key)
+            if values is not None and len(values) != len(self.time_s):
+                raise InputError(key, f"needs {len(self.time_s)} values, as time_s has", len(values))
+        for key, most in LARGEST.items():
+            largest = max(getattr(self, key) or [0.0], key=abs)
+            if abs(largest) > most:
+                raise InputError(key, f"must be at most {most:g} {key.rpartition('_')[2]} in size", largest)
 
     @cached_property
     def times(self) -> Array:
@@ -125,6 +134,12 @@ class Readout(Table):
     frames: int = Field(
         default=0, description="of an animated picture of the section; 0: none", ge=0, le=MOST_FRAMES
     )
+
+    @model_validator(mode="after")
+    def _rules(self) -> Self:
+        if self.bandwidth_Hz < NARROWEST:
+            raise InputError("bandwidth_Hz", f"must be at least {NARROWEST:g} Hz", self.bandwidth_Hz)
+        return self
 
 
 class Scene(Table):
@@ -231,6 +246,7 @@ def _check(scene: Scene) -> None:
     _ = scene.law
     _check_law(scene)
     _check_terms(scene)
+    _check_force(scene)
     for name, part in scene.parts.items():
         try:
             part.check(design)
@@ -269,6 +285,20 @@ def _check_terms(scene: Scene) -> None:
     if MASS not in scene.asked and scene.plate.mass is not None:
         rule, remedy = "means nothing where masses do not count", "add [effects.inertia]"
         raise InputError("plate.mass", rule, scene.plate.mass, remedy)
+
+
+def _check_force(scene: Scene) -> None:
+    """Raise InputError for a normal force that the ridges do not bear within the law's range, even if they
+    share it evenly. With masses the skin may feel less than the plate."""
+    ends, ridges, peak = (
+        scene.law.limits(scene.design),
+        scene.design.ridge.count,
+        max(scene.history.normal_force_N),
+    )
+    if MASS not in scene.asked and peak > ridges * ends.largest:
+        even = np.full(ridges, peak / ridges)
+        rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overloaded(even, 0 * even)}"
+        raise InputError("history.normal_force_N", rule, peak, "take smaller forces or a harder silicone")
 
 
 def _check_law(scene: Scene) -> None:

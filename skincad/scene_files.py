@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 import csv
-import json
+import math
 from pathlib import Path
 
 from skincad.effects.kinds import Showing
+from skincad.errors import RefusedError
 from skincad.moments import frames
 from skincad.outfolder import SCENE_MANIFEST, replaced
 from skincad.simulation import Simulation
+from skincad.strictjson import strict_json
 
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
 
 def write_scene(found: Simulation, folder: Path) -> list[str]:
-    """Write a result into `folder`, whole or not at all; return the files' names."""
+    """Write a result into `folder`, whole or not at all; return the files' names.
+
+    Raises RefusedError, with nothing touched, for one with numbers that are not finite.
+    """
     from skincad.recording_figures import recording, recording_picture
     from skincad.scene_figures import scene_picture
 
+    told = found.as_json()
+    strict_json(told)
     with replaced(folder) as staging:
         write_table(found, staging / TABLE)
         scene_picture(found, staging / PICTURE)
@@ -27,8 +34,8 @@ def write_scene(found: Simulation, folder: Path) -> list[str]:
         if seen := recording(found):
             recording_picture(found, seen, staging / RECORDING)
             files.append(RECORDING)
-        result = {"files": files, **found.as_json()}
-        (staging / SCENE_MANIFEST).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+        result = {"files": files, **told}
+        (staging / SCENE_MANIFEST).write_text(strict_json(result, indent=1) + "\n", encoding="utf-8")
     return [*files, SCENE_MANIFEST]
 
 
@@ -60,7 +67,8 @@ def _sections(found: Simulation, folder: Path) -> list[str]:
 def write_table(found: Simulation, path: Path) -> None:
     """Write the signals as CSV, a row a step, with units in the header; `raw` is before the low-pass.
 
-    What the readouts tell by ridge and step has its own columns.
+    What the readouts tell by ridge and step has its own columns. Raises RefusedError for a number that is not
+    finite.
     """
     ridges, more = list(found.signals), read_columns(found)
     names = [
@@ -98,6 +106,8 @@ def write_table(found: Simulation, path: Path) -> None:
             ]
             told += [column[i] for column in more.values()]
             slipping = " ".join(str(r + 1) for r in found.slipping[i].nonzero()[0])
+            if not all(map(math.isfinite, (*plate, *told))):
+                raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")
             writer.writerow([i, *(f"{float(v):.9g}" for v in (*plate, *told)), slipping])
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
@@ -17,6 +16,7 @@ from skincad.design import Design
 from skincad.errors import InputError
 from skincad.outfolder import ACCURACY_MANIFEST, checked_folder, replaced
 from skincad.stopwatch import Progress
+from skincad.strictjson import strict_json
 
 MOST_REPEATS = 100
 COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "repeats")
@@ -89,7 +89,7 @@ def accuracy_job(
             diagram(ladder, found.machine, staging / f"accuracy-{ladder.name}.png")
         sizes = {path.name: path.stat().st_size for path in sorted(staging.iterdir())}
         data = {"files": list(sizes), **found.as_json()}
-        (staging / ACCURACY_MANIFEST).write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        (staging / ACCURACY_MANIFEST).write_text(strict_json(data, indent=1) + "\n", encoding="utf-8")
     return found, [{"path": str(target / name), "bytes": size} for name, size in sizes.items()]
 
 

@@ -15,6 +15,7 @@ from skincad.errors import InputError
 from skincad.tables import Table, parse, quantity
 
 PICO = 1e-12
+SHORT = 1e-12  # ohm; less is no resistor, and what it conducts is more than a number holds
 
 
 class Film(Table):
@@ -64,6 +65,13 @@ class Amplifier(Table):
     feedback_capacitance: float = quantity(
         "F", "beside R3 + R4, of a charge amplifier; 0: none", ge=0.0, le=1e-3, default=0.0
     )
+
+    @model_validator(mode="after")
+    def _no_short(self) -> Self:
+        for key, resistance in self:
+            if key.endswith("resistance") and resistance < SHORT:
+                raise InputError(key, f"must be at least {SHORT:g} ohm", resistance)
+        return self
 
 
 class Noise(Table):

@@ -29,13 +29,14 @@ from skincad.circuit.state import Stepper, run, stepper
 from skincad.design import Design
 from skincad.design import Film as Strip
 from skincad.effects.kinds import Reading, Readout, Watched
-from skincad.errors import InputError
+from skincad.errors import InputError, RefusedError
 from skincad.tables import quantity
 
 Array = NDArray[np.float64]
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12
 MOST_STEPS = 200  # of the network in one of the march
 MOST_SAMPLES = 2_000_000
+MOST_LEAD = 20_000_000  # of noise before its record begins
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
 
@@ -168,11 +169,16 @@ class Chain:
         ]
 
     def noise(self, c: Constants, sources: NoiseSources, seed: tuple[int, ...]) -> Array:
-        """Return noise `(count,)` V behind the low-pass."""
+        """Return noise `(count,)` V behind the low-pass; raises RefusedError where that takes too long to
+        settle."""
         size = max(2, (self.count - 1) * self.fine + 1)
         sample = noise_samples(c, sources, self.step.rate, size, seed)
         # periodic: a lead-in of its own end lets the low-pass settle
         lead = math.ceil(SETTLED * delay(self.bandwidth) * self.step.rate)
+        if lead > MOST_LEAD:
+            raise RefusedError(
+                "the noise does not settle behind so slow a low-pass: raise readout.bandwidth_Hz"
+            )
         at = np.arange(-lead, size)
         behind = band_limited(at / self.step.rate, sample[at % size], self.bandwidth).value
         return behind[lead :: self.fine][: self.count]

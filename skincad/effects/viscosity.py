@@ -20,6 +20,7 @@ from skincad.tables import quantity
 
 RETARDATION = 2.4e-5  # s; assumption, FACTS.md
 MOST_BRANCHES = 20
+LARGEST = 1e6  # of a branch's modulus by the slow one, and of its time, s, as of the retardation time
 
 
 class Viscosity(Term):
@@ -41,6 +42,8 @@ class Viscosity(Term):
         for pair in self.prony:
             if not (pair[0] > 0 and pair[1] > 0):
                 raise InputError("prony", "needs a modulus and a time above 0 in each pair", pair)
+            if max(pair) > LARGEST:
+                raise InputError("prony", f"needs a modulus and a time of at most {LARGEST:g}", pair)
         if self.retardation_time == 0.0 and not self.prony:
             raise InputError("retardation_time", "must be above 0 where there is no prony", 0.0)
         return self

@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from skincad.catalog import silicone
 from skincad.errors import InputError, RefusedError
+from skincad.mechanics.validity import LARGEST_STRAIN
 from tests.campaign.cases import CHORD, ONE_MESH, Case, Figures, figures
 
 Fault = tuple[str, str]
@@ -208,12 +210,32 @@ def _scene(case: Case, found: Figures) -> Iterator[Fault]:
         yield "cone", f"{np.abs(across).max():.6g} N across"
     if not ((np.array(found["touching"]) > 0) == (normal > 0)).all():
         yield "touching", "load without contact, or contact without load"
+    yield from _range(case, found)
     lost, work = np.array(found["dissipated"]), max(abs(found["work"]), *found["elastic"])
     # of a point that turns round within a step the mean force is not the one that it slid under
     if lost.min() < (-1e-4 if heavy else -1e-9) * work:
         yield "friction gives work", f"{lost.min():.3g} mJ of {work:.3g}"
     if min(found["elastic"]) < -1e-9 * work:
         yield "stored energy", f"{min(found['elastic']):.3g} mJ"
+
+
+def _range(case: Case, found: Figures) -> Iterator[Fault]:
+    """No accepted state is beyond the range that `check` has: by hand, not by the program's own limits."""
+    design = case.design
+    stuff = silicone(design.material)
+    height = design.skin.thickness + design.ridge.height
+    if not max(found["approach"]) < height:
+        yield "pressed flat", f"{max(found['approach']):.3g} of {height:.3g} mm"
+    if "finite_strain" in case.tables["effects"]:
+        return
+    area = (design.ridge.root_width + design.ridge.tip_width) / 2 * design.skin.length
+    modulus, ratio = stuff.young_modulus.value, stuff.poisson_ratio
+    # shared evenly at least: what a ridge bears more, the march itself looks after
+    mean = max(found["normal"]) / design.ridge.count / area
+    across = max(map(abs, found["tangential"])) / design.ridge.count / area
+    strain = max(mean * (1 - ratio**2) / modulus, across * (1 + ratio) / modulus)
+    if not strain <= LARGEST_STRAIN * (1 + 1e-9):
+        yield "strained beyond the range", f"{strain:.3g} in the mean"
 
 
 def _pulled_back(case: Case, found: Figures) -> Iterator[Fault]:

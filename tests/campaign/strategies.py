@@ -70,7 +70,7 @@ def numbers(model: type[Table]) -> list[tuple[str, ...]]:
         inner = table_of(model, key)
         if inner is not None and key != "printer":
             found += [(key, *rest) for rest in numbers(inner)]
-        elif "float" in str(field.annotation) and key not in NEVER:
+        elif "float" in str(field.annotation) and "list" not in str(field.annotation) and key not in NEVER:
             found.append((key,))
     return found
 
@@ -153,7 +153,8 @@ def _plate(dice: Drawn, width: float) -> dict[str, Any]:
 
 
 @st.composite
-def scenes(draw: DrawFn) -> Case:
+def scenes(draw: DrawFn, overload: float = 1.0) -> Case:
+    """Scenes; with `overload` their forces, and what drives the plate, are up to that many times as large."""
     dice = Drawn(draw)
     skin = draw(designs(most=0, ridges=7))
     skin["skin"].pop("curvature_radius_y", None)
@@ -161,6 +162,11 @@ def scenes(draw: DrawFn) -> Case:
     sag = skin["skin"]["width"] ** 2 / (8 * skin["skin"]["curvature_radius"])
     scale = skin["material"]["young_modulus"] * skin["skin"]["length"] * sag
     peak = min(1e3, max(1e-9, scale * dice.scale(0.05, 5.0)))
+    if overload > 1.0:
+        # of what the ridges bear evenly: 0.3 of modulus, mean width and length each, small strain's range
+        area = (skin["ridge"]["root_width"] + skin["ridge"]["tip_width"]) / 2 * skin["skin"]["length"]
+        borne = 0.3 * skin["material"]["young_modulus"] * area * skin["ridge"]["count"]
+        peak = min(1e6, borne * dice.scale(0.1, overload))
     points, duration = dice.whole(2, 6), dice.scale(1e-7, 10.0)
     time = [duration * i / (points - 1) for i in range(points)]
     normal = [0.0, *(peak * dice.one([0.0, 0.3, 1.0, 1.0, 2.0]) for _ in range(points - 1))]
@@ -170,7 +176,7 @@ def scenes(draw: DrawFn) -> Case:
         ratios = [0.0, 0.5, 0.9, -0.9, 1.0, 1.0 - 1e-12, 1.0 + 1e-12]
         history["tangential_force_N"] = [0.0, *(mu * n * dice.one(ratios) for n in normal[1:])]
     else:
-        reach = skin["ridge"]["height"]
+        reach = skin["ridge"]["height"] * (dice.scale(1.0, overload) if overload > 1.0 else 1.0)
         history["displacement_mm"] = [0.0, *(reach * dice.over(-1.0, 1.0) for _ in normal[1:])]
     friction = {"coefficient": mu, **({"kinetic": mu * dice.over(0.0, 1.0)} if dice.happens(0.3) else {})}
     tables = {
@@ -180,6 +186,10 @@ def scenes(draw: DrawFn) -> Case:
         "effects": {"friction": friction, **({"film": {}} if "film" in skin else {})},
         "readout": {"ridges": [1] if "slot" in skin else [], "bandwidth_Hz": dice.scale(1.0, 1e6)},
     }
+    if overload > 1.0 and mu < 2.0 and dice.happens(0.15):  # masses may bear what the skin does not
+        tables |= {"plate": {"mass": dice.scale(1e-3, 1e3)}}
+        tables["effects"] |= {"inertia": {}, "viscosity": {}}
+        tables["history"] |= {"steps": min(history["steps"], 10)}
     return Case("simulate", tables, skin)
 
 
@@ -216,5 +226,6 @@ MODES: dict[str, tuple[SearchStrategy[Case], ...]] = {
     "geometry": (shapes("section"), shapes("solid"), shapes("solid"), molds()),
     "check": (checks(),),
     "scene": (scenes(),),
+    "overload": (scenes(overload=1000.0),),
     "circuit": (circuits(),),
 }
