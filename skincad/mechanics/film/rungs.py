@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,11 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.errors import RefusedError
 from skincad.mechanics import elements
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.contact_edges import with_fine_edges
 from skincad.mechanics.film.stick import Level, Part, level, part_of
 from skincad.mechanics.film.view import view
+from skincad.mechanics.film.whole_state import collision, on_sides
 from skincad.mechanics.linear import MOST_CONTACT_UNKNOWNS
 from skincad.mechanics.mesh import Sizes, default_sizes, triangles
 from skincad.mechanics.problem import Pad, SizeError, check_pad
@@ -60,6 +63,7 @@ def solve(
     """Return the stresses of a pad that has a strip of this thickness, mm, in each of its section's slots.
 
     Rungs are climbed until the error is below `tol` of the largest stress. A tolerance not met is said.
+    Raises RefusedError where the skin would meet itself; where its flanks are to the plate is not looked at.
     """
     check_pad(pad)
     watch, pull, plain = Stopwatch(progress), any(tangential), part_of(pad, thickness)
@@ -101,12 +105,22 @@ def solve(
         if reached <= tol
         else (f"the error is {reached:.1e} of the largest stress: {tol:.1e} is not met{full}",)
     )
+    for pull in tangential:
+        if wrong := collision(part, best.body, _moved(part, best, pull), math.inf, 0.0):
+            raise RefusedError(f"under {force:g} N and {pull:g} N across {wrong}; take smaller forces")
     shown = [tuple(view(part, best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
     return [
         replace(each, seconds=seconds, warnings=(*short, *each.warnings), views=views)
         for each, views in zip(results, shown, strict=True)
     ]
+
+
+def _moved(part: Part, found: Level, tangential: float) -> list[Array]:
+    """Displacements of the part and of its image, in units, under both forces."""
+    pressed = found.pressed.moved
+    pulled = 0.0 * pressed if found.pulled is None else tangential * found.pulled.moved
+    return on_sides([pressed, pulled]) if part.mirrored else [pressed + pulled]
 
 
 def _contact_unknowns(mesh: Any, order: int) -> int:
