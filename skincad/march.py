@@ -121,7 +121,7 @@ class _Path:
         self.readings = [model.reading(self.state, self.state)]
         self.kept = {0: self.state} if 0 in keep else {}
         self.careful = False
-        self.hardest, self.unseen = np.zeros(3), dict[int, Any]()
+        self.hardest, self.unseen = [0.0] * 3, dict[int, Any]()
         self.sound = 0, self.state, self.hardest.copy()
 
     @property
@@ -132,15 +132,16 @@ class _Path:
     def refused(self, state: Any) -> str:
         """Accept a state, or return why it is beyond the limits."""
         grip, ridge = self.model.grip(state), self.model.ridge
-        normal, across = (np.asarray(np.bincount(ridge, f), float) for f in (grip.normal, grip.tangential))
-        wrong = self.limits.crushed(grip.approach) or self.limits.overloaded(normal, across)
+        across = np.bincount(ridge, grip.tangential)
+        loads = tuple(map(float, (np.bincount(ridge, grip.normal).max(), across.max(), -across.min())))
+        wrong = self.limits.crushed(grip.approach) or self.limits.overloaded(loads[0], max(loads[1:]))
         if wrong:
             return wrong
         self.readings.append(self.model.reading(self.state, state))
         self.state = state
         if len(self.readings) - 1 in self.keep:
             self.kept[len(self.readings) - 1] = state
-        for i, load in enumerate((normal.max(), across.max(), -across.min())):
+        for i, load in enumerate(loads):
             if load > self.hardest[i]:
                 self.hardest[i], self.unseen[i] = load, state
         return ""

@@ -296,8 +296,7 @@ def _check_force(scene: Scene) -> None:
         max(scene.history.normal_force_N),
     )
     if MASS not in scene.asked and peak > ridges * ends.largest:
-        even = np.full(ridges, peak / ridges)
-        rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overloaded(even, 0 * even)}"
+        rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overloaded(peak / ridges)}"
         raise InputError("history.normal_force_N", rule, peak, "take smaller forces or a harder silicone")
 
 

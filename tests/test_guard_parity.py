@@ -29,7 +29,7 @@ def small(**change: dict[str, object]) -> Design:
     return yamada().with_(film=None, contact={"film": "ignored"}, **tables)
 
 
-def by_check(design: Design, force: float, folder: Path) -> str:  # noqa: ARG001
+def by_check(design: Design, force: float, folder: Path) -> str:
     return check(design, force=force, tier="linear", tol=0.05).beyond
 
 
@@ -45,18 +45,18 @@ def by_scene(design: Design, force: float, folder: Path) -> str:
     return march.stopped or "" if march.failed else ""
 
 
-def by_film(design: Design, force: float, folder: Path) -> str:  # noqa: ARG001
+def by_film(design: Design, force: float, folder: Path) -> str:
     film_stress(design, force, tol=0.5)
     return ""
 
 
-def by_fit(design: Design, force: float, folder: Path) -> str:  # noqa: ARG001
+def by_fit(design: Design, force: float, folder: Path) -> str:
     """A pad's curve ends before the force."""
     last = float(small_strain_curve(design, 0.8, Stopwatch(None)).force[-1])
     return f"ends at {last:g} N" if last < force else ""
 
 
-def by_ladder(design: Design, force: float, folder: Path) -> str:  # noqa: ARG001
+def by_ladder(design: Design, force: float, folder: Path) -> str:
     """The scene that `accuracy` marches, with the design's own force."""
     march = at_level(scene_on(design.with_(contact={"force": force}), "history.steps=40"), LEVELS[0]).march
     return march.stopped or "" if march.failed else ""

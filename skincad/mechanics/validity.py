@@ -5,16 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from skincad.catalog import silicone
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
 
-Array = NDArray[np.float64]
 STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
 LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which small strain is meant
@@ -40,9 +36,9 @@ class Limits:
         """The force on a ridge, N, from which on it is in no case within the range."""
         return min(LARGEST_STRAIN * self.squeeze, self.buckling)
 
-    def strain(self, normal: Array, tangential: Array) -> float:
-        """Return the nominal strain of the most loaded ridge under the plate's forces `(ridges,)` N."""
-        return float(max(np.abs(normal).max() / self.squeeze, np.abs(tangential).max() / self.shear))
+    def strain(self, normal: float, across: float = 0.0) -> float:
+        """Return the largest nominal strain under the largest forces, N, of the plate on a ridge."""
+        return max(normal / self.squeeze, across / self.shear)
 
     def crushed(self, approach: float) -> str:
         """Say that the plate has come as far as there is skin, or return ""."""
@@ -50,13 +46,13 @@ class Limits:
             return ""
         return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of skin and ridges"
 
-    def overloaded(self, normal: Array, tangential: Array) -> str:
-        """Say why the plate's forces on the ridges `(ridges,)` N are beyond small strain, or return ""."""
-        strain = self.strain(normal, tangential)
+    def overloaded(self, normal: float, across: float = 0.0) -> str:
+        """Say why the largest forces, N, of the plate on a ridge are beyond small strain, or return ""."""
+        strain = self.strain(normal, across)
         if strain > LARGEST_STRAIN:
             return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
-        if (most := float(normal.max())) > self.buckling:
-            return f"a ridge buckles at {self.buckling:.3g} N and would carry {most:.3g} N"
+        if normal > self.buckling:
+            return f"a ridge buckles at {self.buckling:.3g} N and would carry {normal:.3g} N"
         return ""
 
 
@@ -94,11 +90,11 @@ def plane_modulus(design: Design) -> float:
 
 def ridge_strain(design: Design, found: Answer) -> float:
     """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
-    return limits(design).strain(_shares(found), np.zeros(1))
+    return limits(design).strain(_largest(found))
 
 
-def _shares(found: Answer) -> Array:
-    return np.array([force.value or 0.0 for force in found.ridge_force])
+def _largest(found: Answer) -> float:
+    return max(force.value or 0.0 for force in found.ridge_force)
 
 
 def buckling_force(design: Design) -> float:
@@ -118,7 +114,7 @@ def beyond_small_strain(design: Design, force: float, found: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
     threshold = found.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
-    return limits(design).overloaded(_shares(found) * at, np.zeros(1))
+    return limits(design).overloaded(_largest(found) * at)
 
 
 def strain_warnings(design: Design, found: Answer) -> tuple[str, ...]:

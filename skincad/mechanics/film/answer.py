@@ -18,7 +18,8 @@ class FilmStress:
     film in the section; `lengthwise1`, `lengthwise2`: along y, the ridge. `force` and `tangential` N,
     `ridge_force` and `ridge_tangential` the plate's on each ridge (N; compression and +x positive).
     `needed_friction`: what full stick asks of each ridge, |tangential| / normal force, its value None where
-    the pull takes the normal force away. Errors are those of discretisation.
+    the pull takes the normal force away. Errors are those of discretisation. `fault` says what of the skin
+    would go through itself, "" where nothing does; where its flanks are to the plate is not looked at.
     """
 
     name: str
@@ -41,6 +42,7 @@ class FilmStress:
     seconds: dict[str, float]
     warnings: tuple[str, ...]
     views: tuple[View, ...] = ()
+    fault: str = ""
 
     def lean_share(self, ridge: int) -> Estimate:
         """Return |S1 - S2| / |S1| of a ridge, from 1; under the normal force alone it is the lean's doing."""

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.errors import RefusedError
 from skincad.mechanics import elements
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.contact_edges import with_fine_edges
@@ -63,7 +62,6 @@ def solve(
     """Return the stresses of a pad that has a strip of this thickness, mm, in each of its section's slots.
 
     Rungs are climbed until the error is below `tol` of the largest stress. A tolerance not met is said.
-    Raises RefusedError where the skin would meet itself; where its flanks are to the plate is not looked at.
     """
     check_pad(pad)
     watch, pull, plain = Stopwatch(progress), any(tangential), part_of(pad, thickness)
@@ -105,14 +103,12 @@ def solve(
         if reached <= tol
         else (f"the error is {reached:.1e} of the largest stress: {tol:.1e} is not met{full}",)
     )
-    for pull in tangential:
-        if wrong := collision(part, best.body, _moved(part, best, pull), math.inf, 0.0):
-            raise RefusedError(f"under {force:g} N and {pull:g} N across {wrong}; take smaller forces")
+    faults = [collision(part, best.body, _moved(part, best, t), math.inf, 0.0) or "" for t in tangential]
     shown = [tuple(view(part, best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
     return [
-        replace(each, seconds=seconds, warnings=(*short, *each.warnings), views=views)
-        for each, views in zip(results, shown, strict=True)
+        replace(each, seconds=seconds, warnings=(*short, *each.warnings), views=views, fault=wrong)
+        for each, views, wrong in zip(results, shown, faults, strict=True)
     ]
 
 

@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from skincad.design import Design, Slot
 from skincad.errors import InputError, RefusedError
 from skincad.mechanics.check import LARGEST_FORCE
@@ -122,11 +120,10 @@ def _filled_slot(design: Design) -> Slot:
 def _in_range(design: Design, found: FilmStress) -> FilmStress:
     """Say nominal strains beyond the small-strain range, refuse what is beyond the model's (validity.py)."""
     normal, across = (
-        np.array([force.value or 0.0 for force in each])
-        for each in (found.ridge_force, found.ridge_tangential)
+        max(abs(force.value or 0.0) for force in each) for each in (found.ridge_force, found.ridge_tangential)
     )
     ends = limits(design)
-    if wrong := ends.overloaded(normal, across):
+    if wrong := ends.overloaded(normal, across) or found.fault:
         raise RefusedError(f"{wrong}; take smaller forces")
     strain = ends.strain(normal, across)
     if strain <= SMALL_STRAIN:
