@@ -2,31 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from difflib import get_close_matches
 
 LONGEST_KEY, LONGEST_LINE = 200, 1500  # letters that are shown, of a key and of all: a line to be read
+MOST_TOLD = 10  # broken rules in one line
 
 
 class InputError(ValueError):
     """What a person wrote cannot be used: key, rule, value and remedy, in one line.
 
-    The command line prints it on stderr and exits with status 2; nothing has been written then. Its text is
-    `shown`, so that a file's own words cannot move a terminal's cursor or turn the direction of what is read.
+    `others` are further rules that the same input breaks, told in the same line. The command line prints it
+    on stderr and exits with status 2; nothing has been written then. Its text is `shown`, so that a file's
+    own words cannot move a terminal's cursor or turn the direction of what is read.
     """
 
-    def __init__(self, key: str, rule: str, value: object = None, remedy: str = "") -> None:
-        self.key, self.rule, self.value, self.remedy = key, rule, value, remedy
+    def __init__(
+        self,
+        key: str,
+        rule: str,
+        value: object = None,
+        remedy: str = "",
+        others: tuple[InputError, ...] = (),
+    ) -> None:
+        self.key, self.rule, self.value, self.remedy, self.others = key, rule, value, remedy, others
         text = f"{_clipped(shown(key), LONGEST_KEY)}: {rule}"
         if value is not None:
             text += f", got {_short(value)}"
         if remedy:
             text += f"; {remedy}"
+        text = "; besides, ".join([text, *map(str, others)])
         super().__init__(_clipped(shown(text), LONGEST_LINE))
+
+    def under(self, table: str) -> InputError:
+        """Return the error as that of a table inside another: `table` before its key and those of others."""
+        key = ".".join(part for part in (table, self.key) if part)
+        others = tuple(other.under(table) for other in self.others)
+        return InputError(key, self.rule, self.value, self.remedy, others)
 
 
 class RefusedError(RuntimeError):
     """A computation did not meet its own check, so there is no result; the command line exits with 1."""
+
+
+def together(errors: Sequence[InputError]) -> InputError:
+    """Return the first of these errors with the others in its line, `MOST_TOLD` at most."""
+    first, *others = [alone for error in errors[:MOST_TOLD] for alone in (_alone(error), *error.others)]
+    return InputError(first.key, first.rule, first.value, first.remedy, tuple(others[: MOST_TOLD - 1]))
+
+
+def refusals(step: Callable[[], object]) -> Iterator[InputError]:
+    """Yield the InputError that a step raises; nothing where it raises none."""
+    try:
+        step()
+    except InputError as refused:
+        yield refused
+
+
+def _alone(error: InputError) -> InputError:
+    return InputError(error.key, error.rule, error.value, error.remedy)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

@@ -191,7 +191,7 @@ class Scene(Table):
         except InputError as failure:
             if failure.key == self.skin[:80]:
                 raise InputError("skin", failure.rule, self.skin, failure.remedy) from None
-            raise InputError(f"skin.{failure.key}", failure.rule, failure.value, failure.remedy) from None
+            raise failure.under("skin") from None
 
 
 def load_scene(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Scene:
@@ -237,6 +237,7 @@ def _parsed(name: str, table: dict[str, Any]) -> Effect:
             failure.rule,
             failure.value,
             failure.remedy,
+            tuple(other.under(f"effects.{name}") for other in failure.others),
         ) from None
 
 
@@ -251,8 +252,7 @@ def _check(scene: Scene) -> None:
         try:
             part.check(design)
         except InputError as failure:
-            key = f"effects.{name}" + (f".{failure.key}" if failure.key else "")
-            raise InputError(key, failure.rule, failure.value, failure.remedy) from None
+            raise failure.under(f"effects.{name}") from None
         for needed in part.needs:
             if needed not in scene.effects:
                 rule = f"needs the effect {needed}"

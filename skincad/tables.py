@@ -11,7 +11,7 @@ from typing import Any, Self, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from skincad.errors import InputError, did_you_mean
+from skincad.errors import MOST_TOLD, InputError, did_you_mean, together
 
 
 def quantity(unit: str, meaning: str, **limits: Any) -> Any:
@@ -50,11 +50,12 @@ Model = TypeVar("Model", bound=Table)
 
 
 def parse(model: type[Model], data: dict[str, Any]) -> Model:
-    """Return the model of these values; raises InputError on the first key that breaks its rule."""
+    """Return the model of these values; raises InputError for the keys that break their rules."""
     try:
         return model.model_validate(data)
     except ValidationError as failure:
-        raise _first_error(model, failure.errors()) from None
+        told = _telling(failure.errors())[:MOST_TOLD]
+        raise together([_error(model, error) for error in told]) from None
 
 
 def table_of(model: type[BaseModel], key: str) -> type[Table] | None:
@@ -83,15 +84,22 @@ def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
     return str(unit) if unit and unit != "1" else ""
 
 
-def _first_error(model: type[BaseModel], errors: list[ErrorDetails]) -> InputError:
-    # a key that is missing is most often one that is misspelt
-    error = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
+def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
+    """The errors in the order in which they are told: unknown keys first, and no key as missing in a table
+    with an unknown one, as which it is most often misspelt."""
+    unknown = [e for e in errors if e["type"] == "extra_forbidden"]
+    tables = {e["loc"][:-1] for e in unknown}
+    rest = [e for e in errors if e["type"] != "extra_forbidden"]
+    return unknown + [e for e in rest if e["type"] != "missing" or e["loc"][:-1] not in tables]
+
+
+def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     path = tuple(str(p) for p in error["loc"])
     key, given = ".".join(path) or "design", error.get("input")
     cause = error.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
-        name = ".".join(part for part in (*path, cause.key) if part)
-        return InputError(name or "design", cause.rule, cause.value, cause.remedy)
+        found = cause.under(".".join(path))
+        return found if found.key else cause.under("design")
     if error["type"] == "extra_forbidden":
         return _unknown_key(model, path)
     if error["type"] == "missing":

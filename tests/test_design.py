@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
@@ -7,7 +8,7 @@ from hypothesis import strategies as st
 import skincad
 from skincad.catalog import load, overridden, silicone, silicones
 from skincad.design import Design
-from skincad.errors import InputError
+from skincad.errors import LONGEST_LINE, MOST_TOLD, InputError
 from skincad.section import section
 from skincad.tables import parse, table_of
 
@@ -73,6 +74,64 @@ def test_a_broken_rule_names_key_rule_value_and_remedy(yamada: Design, change: d
         yamada.with_(**change)
     assert str(refused.value).startswith(message)
     assert "\n" not in str(refused.value)
+
+
+BROKEN = {  # rules that hang together with no other one: of fields, then between keys
+    "skin.length": {"skin": {"length": -1.0}},
+    "ridge.height": {"ridge": {"height": "high"}},
+    "contact.force": {"contact": {"force": 0.0}},
+    "film.lead": {"film": {"lead": 0.5}},
+}
+BETWEEN = {
+    "mold.process": {"mold": {"process": "hot-wire"}},
+    "mold.lid_process": {"mold": {"lid_process": "cold-wire"}},
+    "ridge.count": {"ridge": {"count": 12}},
+    "ridge.tip_width": {"ridge": {"tip_width": 0.8}},
+    "ridge.tip_fillet": {"ridge": {"tip_fillet": 1e-9}},
+    "film.thickness": {"film": {"thickness": 0.1}},
+    "film.electrode_margin": {"film": {"electrode_margin": 0.125}},
+}
+
+
+@pytest.mark.parametrize("rules", [BROKEN, BETWEEN])
+def test_all_broken_rules_are_told_in_one_line_the_first_as_it_is_alone(yamada: Design, rules: dict) -> None:
+    """Mending the rule that is told first leaves the others told as before, down to the last one."""
+    left = dict(rules)
+    lines = []
+    while left:
+        changes: dict = {}
+        for change in left.values():
+            for table, values in change.items():
+                changes[table] = {**changes.get(table, {}), **values}
+        with pytest.raises(InputError) as refused:
+            yamada.with_(**changes)
+        told = [refused.value, *refused.value.others]
+        assert {error.key for error in told} == set(left)
+        assert "\n" not in str(refused.value)
+        assert str(refused.value) == "; besides, ".join([*lines_of(told)])
+        lines.append(str(refused.value))
+        del left[refused.value.key]
+    assert all(before.endswith(after) for before, after in pairwise(lines))
+
+
+def lines_of(told: list[InputError]) -> list[str]:
+    return [str(InputError(error.key, error.rule, error.value, error.remedy)) for error in told]
+
+
+def test_no_more_rules_are_told_than_can_be_read(yamada: Design) -> None:
+    with pytest.raises(InputError) as refused:
+        yamada.with_(ridge={f"key_{i}": 1.0 for i in range(1000)})
+    assert len(refused.value.others) == MOST_TOLD - 1
+    assert len(str(refused.value)) <= LONGEST_LINE
+
+
+def test_a_key_is_not_missing_where_one_is_misspelt(yamada: Design) -> None:
+    data = yamada.model_dump(exclude_none=True)
+    data["ridge"]["heigth"] = data["ridge"].pop("height")
+    del data["skin"]["length"]
+    with pytest.raises(InputError) as refused:
+        parse(Design, data)
+    assert [e.key for e in (refused.value, *refused.value.others)] == ["ridge.heigth", "skin.length"]
 
 
 def test_a_design_is_frozen_and_with_leaves_it_alone(yamada: Design) -> None:
