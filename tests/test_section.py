@@ -92,7 +92,7 @@ def test_every_template_has_a_section(name: str) -> None:
         ({"slot": {"offset": 0.04}}, "slot", "web between slots"),
         ({"ridge": {"tip_fillet": 0.6}}, "ridge", "fillet"),
         ({"ridge": {"root_fillet": 0.2}}, "ridge", "neighbouring root fillets overlap"),
-        ({"ridge": {"crown": 0.2, "tip_fillet": 0.3}}, "ridge", "fillet"),
+        ({"ridge": {"crown": 0.2, "tip_fillet": 0.3}}, "ridge", "as steep as the flanks"),
     ],
 )
 def test_what_does_not_fit_is_refused(
@@ -102,6 +102,50 @@ def test_what_does_not_fit_is_refused(
         section(yamada.with_(**change))
     assert refused.value.key.startswith(key)
     assert "\n" not in str(refused.value)
+
+
+FLAT = {"count": 1, "pitch": 5.0, "root_width": 4.5, "tip_width": 0.5, "height": 0.2, "crown": 0.0}
+BULGED = {"height": 0.2, "crown": 0.19}
+SHORT = {"curvature_radius": 8.0, "width": 6.0, "thickness": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("skin", "ridge", "key", "words"),
+    [
+        (SHORT, FLAT, "ridge.root_width", "flanks begin inside the base circle"),
+        ({}, BULGED, "ridge.crown", "edges as steep as the flanks"),
+    ],
+)
+@pytest.mark.parametrize("fillet", [0.0, 0.01])
+def test_a_flank_that_no_fillet_could_meet_is_not_laid_to_one(
+    yamada: Design, skin: dict, ridge: dict, key: str, words: str, fillet: float
+) -> None:
+    """A flank's angles with base circle and crown are the same with fillets and without: no word of them."""
+    wrong = yamada.with_(skin=skin, ridge={**ridge, "tip_fillet": fillet, "root_fillet": fillet}, slot=None)
+    with pytest.raises(InputError) as refused:
+        section(wrong)
+    assert refused.value.key == key
+    assert words in str(refused.value)
+    assert "fillet" not in str(refused.value)
+    assert refused.value.remedy
+
+
+def test_the_steepest_crown_is_that_whose_tangent_is_the_flank(yamada: Design) -> None:
+    """A crown's edge has the slope 2 atan(2 crown / tip); refused from where a flank has it, not before."""
+    ridge = yamada.ridge
+    flank = math.atan2(ridge.height - ridge.crown, (ridge.root_width - ridge.tip_width) / 2)
+    steep = ridge.tip_width / 2 * math.tan(flank / 2)
+    low, high = (
+        yamada.with_(
+            ridge={"crown": share * steep, "height": ridge.height - ridge.crown + share * steep},
+            slot=None,
+        )
+        for share in (0.9, 1.1)
+    )
+    bare = {"tip_fillet": 0.0, "root_fillet": 0.0}
+    assert section(low.with_(ridge=bare))
+    with pytest.raises(InputError, match=r"^ridge.crown: makes"):
+        section(high.with_(ridge=bare))
 
 
 def test_a_ridge_without_fillets_has_no_tiny_edges(yamada: Design) -> None:

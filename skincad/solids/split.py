@@ -18,6 +18,9 @@ from skincad.design import Design
 from skincad.errors import InputError
 from skincad.section import Section, SlotPlace, concentric_hit
 
+_MEET = "neighbouring notches of the comb meet"
+_APART = "reduce it, or move the slots apart or tilt them less"
+
 
 def split_height(design: Design, shape: Section) -> tuple[float, float, float]:
     """Split of the end plates in the design's frame: height over the base circle, z beside the arc, half
@@ -47,7 +50,7 @@ def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segme
         turn = _angle(end, design) - _angle(start, design)
         if turn <= 0:
             gap = design.mold.slit_clearance
-            raise InputError("mold.slit_clearance", "neighbouring notches of the comb meet", gap, "reduce it")
+            raise InputError("mold.slit_clearance", _MEET, gap, _APART)
         return Segment(start, end, -math.tan(turn / 4))
 
     here, last = Point(-reach, level), Point(reach, level)
@@ -57,7 +60,7 @@ def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segme
     for one, other in pairwise(shapely.Polygon(notch) for notch in notches):
         if one.intersects(other):
             gap = design.mold.slit_clearance
-            raise InputError("mold.slit_clearance", "neighbouring notches of the comb meet", gap, "reduce it")
+            raise InputError("mold.slit_clearance", _MEET, gap, _APART)
     for notch in notches:
         between, mouth = arc(here, notch[0]), arc(notch[0], notch[-1])
         comb += [between, *path(notch)]
@@ -80,6 +83,9 @@ def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
         foot = slot.at(side, -b)
         start = np.array([foot.x, foot.z - design.skin.thickness])
         u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
+        if u is None:
+            rule = "turns its notch so far that it has no mouth in the comb's edge"
+            raise InputError("slot.tilt", rule, design.slot and design.slot.tilt, "reduce it")
         mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
     return [mouth[0], slot.at(left, bottom), slot.at(right, bottom), mouth[1]]
 
