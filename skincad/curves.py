@@ -177,9 +177,12 @@ def length(outline: Loop) -> float:
 
 def polygon(outline: Loop, tolerance: float) -> NDArray[np.float64]:
     """Return the loop's corners with arcs as chords within `tolerance` mm, `(n, 2)` mm, not closed."""
-    rows = [s.points(np.arange(n) / n) for s in outline for n in [s.pieces(tolerance)]]
-    for row, segment in zip(rows, outline, strict=True):
+    rows = []
+    for segment in outline:
+        n = segment.pieces(tolerance)
+        row = segment.points(np.arange(n) / n) if n > 1 else np.empty((1, 2))
         row[0] = segment.start  # to the last digit: a face 1e-15 mm above a bore's end closes it with a film
+        rows.append(row)
     return np.vstack(rows)
 
 

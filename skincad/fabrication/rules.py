@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -94,15 +95,19 @@ def teeth(case: Case) -> list[Feature]:
     ridge = case.design.ridge
     if case.part.name.startswith("cavity") and ridge.count > 1:
         return [Feature("tooth between two ridges' roots", ridge.pitch - ridge.root_width, ridge.height)]
-    if case.part.name.endswith("-comb"):
-        gap = case.design.mold.slit_clearance
-        slots = sorted(section(case.design).slots, key=lambda slot: slot.centre.x)
-        shapes = np.array([shapely.Polygon(polygon(s.loop(grown=gap), GUARD_TOLERANCE)) for s in slots])
-        apart = shapely.distance(shapes[:-1], shapes[1:])
-        least = int(np.argmin(apart))
-        where = " and ".join(f"{s.side} of ridge {s.ridge}" for s in slots[least : least + 2])
-        return [Feature(f"tooth between {where}", float(apart[least]), slots[least].depth + 2 * gap)]
-    return []
+    return [_comb_tooth(case.design)] if case.part.name.endswith("-comb") else []
+
+
+@lru_cache(maxsize=8)
+def _comb_tooth(design: Design) -> Feature:
+    """The narrowest tooth between two neighbouring notches of a comb, the same by every process."""
+    gap = design.mold.slit_clearance
+    slots = sorted(section(design).slots, key=lambda slot: slot.centre.x)
+    shapes = np.array([shapely.Polygon(polygon(s.loop(grown=gap), GUARD_TOLERANCE)) for s in slots])
+    apart = shapely.distance(shapes[:-1], shapes[1:])
+    least = int(np.argmin(apart))
+    where = " and ".join(f"{s.side} of ridge {s.ridge}" for s in slots[least : least + 2])
+    return Feature(f"tooth between {where}", float(apart[least]), slots[least].depth + 2 * gap)
 
 
 def scaled(measured: float, limit: float) -> str:

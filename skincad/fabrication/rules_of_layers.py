@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +16,9 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule, maker
 from skincad.process import Process
 from skincad.solids.plan import Part, bores, own
+
+if TYPE_CHECKING:
+    import trimesh
 
 BED = 1e-6  # mm, rounding of the lowest facets
 _ROUNDING = 1e-9  # mm
@@ -80,9 +85,9 @@ def _overhang(case: Case) -> Iterator[Finding]:
 def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:
     """Return the steepest overhang of a part's print mesh in deg from the vertical, and the area in mm2 that
     is beyond the process's, without the face on the bed; (0, 0) where none is."""
-    from skincad.fabrication.meshes import laid, mesh
+    from skincad.fabrication.meshes import laid
 
-    shape = laid(mesh(part, process.chord), end, part)
+    shape = laid(_print_mesh(part, process.chord), end, part)
     down = -np.asarray(shape.face_normals)[:, 2]
     corners = np.asarray(shape.vertices)[np.asarray(shape.faces)]
     lifted = corners[:, :, 2].max(axis=1) > BED
@@ -90,6 +95,13 @@ def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:
     over = lifted & (angle > process.overhang + _ROUNDING_DEG)
     areas = np.asarray(shape.area_faces)
     return (float(angle[over].max()), float(areas[over].sum())) if over.any() else (0.0, 0.0)
+
+
+@lru_cache(maxsize=2)  # a part is laid both ways
+def _print_mesh(part: Part, chord: float) -> trimesh.Trimesh:
+    from skincad.fabrication.meshes import mesh
+
+    return mesh(part, chord)
 
 
 LAYER_RULES: tuple[Rule, ...] = (_details, _overhang)

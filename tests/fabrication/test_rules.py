@@ -4,11 +4,13 @@ import math
 from dataclasses import replace
 
 import pytest
+import shapely
 
 import skincad
 from skincad.catalog import processes
 from skincad.curves import Point, loop
 from skincad.design import Design
+from skincad.fabrication import meshes
 from skincad.fabrication.findings import Finding, design_findings, judged
 from skincad.fabrication.reach import ERROR
 from skincad.fabrication.rules import Case, Feature, label, shim_sag, teeth
@@ -137,6 +139,19 @@ def test_a_horizontal_bore_beyond_the_bridge_needs_support() -> None:
         bored = replace(block, cuts=(Bore((0.0, 0.0, 0.0), "y", 10.0, radius),))
         told = judged(Case(design, bored, "block", "fdm", processes()["fdm"]))
         assert [f.rule for f in told if f.rule == "overhang"] == rules
+
+
+def test_what_is_dear_is_worked_out_once(yamada: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A print mesh serves both ways to lay a part, and a comb's narrowest tooth all rules and processes."""
+    made, combs = [], []
+    mesh, distance = meshes.mesh, shapely.distance
+    monkeypatch.setattr(meshes, "mesh", lambda *a: made.append(a) or mesh(*a))
+    monkeypatch.setattr(shapely, "distance", lambda *a: combs.append(a) or distance(*a))
+    told = judged(Case(yamada, roof(61.0), "post", "fdm", processes()["fdm"]))
+    assert "overhang" in [f.rule for f in told]
+    assert len(made) == 1
+    design_findings(by(yamada.with_(name="once"), "cnc"))
+    assert len(combs) == 1
 
 
 BLOCK = [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)]
