@@ -134,10 +134,20 @@ class Mold(Table):
         description="how carrier and cover are made; any plain plate if not given",
         json_schema_extra=_A_PROCESS,
     )
-    wall: float = quantity(
-        "mm", "block beside the trough; room for screws and pins", ge=12.0, le=500.0, default=13.0
+    wall: float | None = quantity(
+        "mm",
+        "block beside the skin; 13, or what the screws and pins of its process need, if not given",
+        ge=12.0,
+        le=500.0,
+        default=None,
     )
-    floor: float = quantity("mm", "block below the deepest ridge", ge=9.0, le=200.0, default=9.0)
+    floor: float | None = quantity(
+        "mm",
+        "block below the deepest ridge; 9, or what bolts, nuts and pins need, if not given",
+        ge=9.0,
+        le=200.0,
+        default=None,
+    )
     end_plate: float = quantity("mm", "thickness of an end plate along y", ge=1.0, le=50.0, default=4.0)
     cover: float = quantity("mm", "thickness of the cover", ge=1.0, le=50.0, default=4.0)
     clearance: float = quantity(
@@ -176,20 +186,41 @@ class Mold(Table):
     fill_time: float = quantity(
         "s", "in which the silicone fills the mold; slow, for the strips' sake", gt=0.0, le=1e5, default=60.0
     )
-    carrier: Literal["perforated", "plain"] = Field(
-        default="perforated",
-        description="rigid backing that stays on the skin: perforated for interlock, or plain to be primed",
+    carrier: Literal["perforated", "plain"] | None = Field(
+        default=None,
+        description="rigid backing that stays on the skin: perforated for interlock, or plain to be primed; "
+        "perforated, or plain where no hole finds room, if not given",
     )
-    carrier_thickness: float = quantity("mm", "of the carrier", ge=1.0, le=50.0, default=4.0)
-    pour: Literal["syringe", "open"] = Field(
-        default="syringe",
-        description="through the gate by syringe, or over the open back before the carrier is laid on",
+    carrier_thickness: float | None = quantity(
+        "mm",
+        "of the carrier; 4, or what leaves the bolts over a thin skin room, to the next half millimetre, if "
+        "not given",
+        ge=1.0,
+        le=50.0,
+        default=None,
+    )
+    pour: Literal["syringe", "open"] | None = Field(
+        default=None,
+        description="through the gate by syringe, or over the open back before the carrier is laid on; by "
+        "syringe, or open where the skin is too thin for a gate, if not given",
     )
     pour_tilt: float = quantity(
         "deg", "end b up while the silicone rises under the carrier", ge=0.0, le=60.0, default=10.0
     )
-    gate: float = quantity("mm", "diameter of the pouring gate", gt=0.2, le=20.0, default=2.0)
-    vent: float = quantity("mm", "diameter of the vent", gt=0.2, le=10.0, default=1.0)
+    gate: float | None = quantity(
+        "mm",
+        "diameter of the pouring gate; 2, or what the skin's end leaves room for, if not given",
+        gt=0.2,
+        le=20.0,
+        default=None,
+    )
+    vent: float | None = quantity(
+        "mm",
+        "diameter of the vent; 1, or what the skin's back leaves room for, if not given",
+        gt=0.2,
+        le=10.0,
+        default=None,
+    )
     reservoir: float | None = quantity(
         "mm",
         "upper diameter of the cup over the vent; 5, or what covers the vent, if not given",

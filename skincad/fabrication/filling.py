@@ -20,6 +20,7 @@ from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, vertical
 from skincad.fabrication.void import Void, alone, open_trough, void
+from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Prism, Vector
@@ -158,7 +159,7 @@ def _fillings(design: Design, closed: Mold) -> list[_Filling]:
     """The closed mold's filling, and for an open pour the open trough's: level, or it would run over."""
     closed = alone(design, closed)
     made = [(void(design, closed), True)]
-    if design.mold.pour == "open":
+    if gate(design) is None:
         made.append((open_trough(closed), False))
     surfaces = _surfaces(closed)
     return [_Filling(space, cells(space, CHORD), surfaces, tilted) for space, tilted in made]

@@ -10,9 +10,10 @@ from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, leave_steps
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_buy
-from skincad.fabrication.void import alone, void
+from skincad.fabrication.void import alone, perforated, void
+from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import BOLT_RADIUS, TAP_RADIUS, fits
+from skincad.solids.layout import BOLT_RADIUS, TAP_RADIUS, fits, is_clamped
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Bore, Prism, own
 from skincad.solids.shrinkage import poured, shrinkage
@@ -55,7 +56,7 @@ def casting_sheet(
         *_parts(design, closed),
         *_mix(material, poured_volume(design, closed)),
         *_order(design, closed),
-        *_findings(design, findings),
+        *_findings(closed, findings),
         *(inspection_lines(measures) if measures else []),
     ]
     return "\n".join(lines) + "\n"
@@ -117,10 +118,12 @@ def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
         and isinstance(cut, Bore)
         and cut.axis == "z"
     ]
-    passed = max((length for radius, length in upright if radius == BOLT_RADIUS), default=0.0)
-    held = max(length for radius, length in upright if radius == thread.thread)
+    upper = "two clamps that hold the cover down on the cavity"
     hold = f"inserts in holes of {2 * thread.thread:g} mm" if thread.printed else "tapped holes"
-    upper = f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}"
+    if not is_clamped(poured(design)):
+        passed = max((length for radius, length in upright if radius == BOLT_RADIUS), default=0.0)
+        held = max(length for radius, length in upright if radius == thread.thread)
+        upper = f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}"
     if design.skin.curvature_radius_y is not None:
         return [screws(design, closed, hold), upper]
     long = math.ceil(through + (0 if sunk or tapped else NUT))
@@ -141,13 +144,13 @@ def _shrinkage(design: Design, closed: Mold) -> str:
 
 def _tip(design: Design) -> str:
     """What goes into the gate: the luer slip itself where it seats, or the widest blunt tip that fits."""
-    gate = design.mold.gate
-    if design.mold.pour == "open":
+    wide = gate(design)
+    if wide is None:
         return ""
-    if LUER[0] <= gate <= LUER[1]:
+    if LUER[0] <= wide <= LUER[1]:
         return "a syringe whose luer slip seats in the gate, a plug for the gate, "
-    fits = [f"a blunt tip of {n} gauge ({d:g} mm)" for n, d in TIPS.items() if d + SLACK <= gate]
-    what = fits[0] if fits and gate < LUER[0] else f"a tube of {gate - SLACK:g} mm"
+    fits = [f"a blunt tip of {n} gauge ({d:g} mm)" for n, d in TIPS.items() if d + SLACK <= wide]
+    what = fits[0] if fits and wide < LUER[0] else f"a tube of {wide - SLACK:g} mm"
     return f"a syringe with {what} for the gate, a plug for the gate, "
 
 
@@ -175,11 +178,11 @@ def _order(design: Design, closed: Mold) -> list[str]:
     slots = design.slot is not None
     back = (
         "its holes widen upward and hold the skin like rivets"
-        if design.mold.carrier == "perforated"
+        if perforated(closed)
         else "prime its lower face for silicone, or the skin comes off"
     )
     close = [
-        ("End a has the gate. " if design.mold.pour == "syringe" else "")
+        ("End a has the gate. " if gate(design) else "")
         + "Clean and dry all parts; release agent on cavity, end plates, cover"
         + (" and shims" if slots and design.mold.method == "shim" else "")
         + ", none on the carrier.",
@@ -202,15 +205,19 @@ def _closed_up(design: Design, back: str) -> list[str]:
         return close_steps(design, back)
     return [
         "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if design.slot is not None else "."),
-        *(_by_syringe if design.mold.pour == "syringe" else _open)(design, back),
+        *(_by_syringe if gate(design) else _open)(design, back),
     ]
 
 
 def _taken_off(design: Design) -> list[str]:
     """How end plates and cover come off."""
     return [
-        "Take all bolts out, the cover's first. "
-        + ("Cut the sprue at the gate, take" if design.mold.pour == "syringe" else "Take")
+        (
+            "Take the clamps off and all bolts out. "
+            if is_clamped(poured(design))
+            else "Take all bolts out, the cover's first. "
+        )
+        + ("Cut the sprue at the gate, take" if gate(design) else "Take")
         + " the end plates off along y, a screwdriver in the notches at their sides.",
         "Lift the cover where it stood over the end plates; what stood in reservoir and bleeds tears, or is "
         "cut flush.",
@@ -231,9 +238,14 @@ def _out(design: Design, closed: Mold) -> list[str]:
     ]
 
 
+def _fastened(design: Design) -> str:
+    """What holds the cover down while silicone is filled in and cures."""
+    return "clamps" if is_clamped(poured(design)) else "bolts"
+
+
 def _by_syringe(design: Design, back: str) -> list[str]:
     return [
-        f"Lay the carrier on its ledge ({back}), then cover and bolts.",
+        f"Lay the carrier on its ledge ({back}), then cover and {_fastened(design)}.",
         f"Degas the mix. Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
         "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
         + filled_slowly(design),
@@ -249,12 +261,13 @@ def _open(design: Design, back: str) -> list[str]:
         + filled_slowly(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",
-        "Cover and bolts; silicone rises in the bleeds and in the reservoir. Fill up through the reservoir.",
+        f"Cover and {_fastened(design)}; silicone rises in the bleeds and in the reservoir. Fill up through "
+        "the reservoir.",
     ]
 
 
-def _findings(design: Design, findings: list[Finding]) -> list[str]:
+def _findings(closed: Mold, findings: list[Finding]) -> list[str]:
     notes = [f"- {finding}" for finding in findings]
-    if design.mold.carrier == "perforated":
+    if perforated(closed):
         notes.append("- The carrier is held by rivets of silicone: a light pull test before use.")
     return ["## Watch", "", *notes, ""]

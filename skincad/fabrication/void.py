@@ -17,7 +17,7 @@ from skincad import curves
 from skincad.design import Design
 from skincad.solids.bowl import gap_beside
 from skincad.solids.mold import Mold, mold
-from skincad.solids.plan import Body, Bore, Prism, bores
+from skincad.solids.plan import Body, Bore, Part, Prism, bores
 from skincad.solids.shrinkage import poured
 
 ABOVE = "cover"  # name of the spaces in the cover: what is left in them is cut off
@@ -60,7 +60,7 @@ def void(design: Design, closed: Mold) -> Void:
     cover = closed.part("cover").body
     top = cover.high if isinstance(cover, Prism) else math.inf
     spaces = [Space("skin", skin.body)]
-    holes = [cut for cut in carrier.cuts if isinstance(cut, Bore) and _is_through(cut)]
+    holes = _through(carrier)
     names = ["vent", *(f"carrier hole {i}" for i in range(1, len(holes)))]
     spaces += [Space(name, cut) for name, cut in zip(names, holes, strict=True)]
     spaces += [Space("gap round the carrier", ring) for ring in _gap(design, carrier.body)]
@@ -74,8 +74,15 @@ def open_trough(closed: Mold) -> Void:
     return Void((Space("skin", closed.part("skin").body, open_at=0.0),))
 
 
-def _is_through(bore: Bore) -> bool:
-    return bore.start[2] == 0.0 or bore.within is not None
+def perforated(closed: Mold) -> bool:
+    """Whether the carrier has holes besides its vent, which silicone fills."""
+    return len(_through(closed.part("carrier"))) > 1
+
+
+def _through(carrier: Part) -> list[Bore]:
+    """A carrier's bores from its lower face, the vent first."""
+    bored = [cut for cut in carrier.cuts if isinstance(cut, Bore)]
+    return [bore for bore in bored if bore.start[2] == 0.0 or bore.within is not None]
 
 
 def _gap(design: Design, carrier: Body) -> list[Prism]:

@@ -24,6 +24,7 @@ a right angle; in x each ridge's undercut is that of the section.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from skincad.curves import Point, flipped
@@ -81,27 +82,27 @@ def shims_turn(design: Design) -> float:
     return 2 * end_angle(design) + 2 * math.asin(design.mold.end_plate / inner) + 2 * GRIP / inner
 
 
-def check_bent(design: Design) -> None:
-    """Raise InputError for what a doubly curved mold can't be; nothing for a straight one."""
+def check_bent(design: Design) -> Iterator[InputError]:
+    """Yield an error for each thing that a doubly curved mold can't be; none for a straight one."""
     if design.skin.curvature_radius_y is None:
         return
     radius, choice = design.skin.curvature_radius_y, design.mold
     remedy = "drop skin.curvature_radius_y"
     if radius > FLATTEST:
         rule = f"must be at most {FLATTEST:g} mm for a mold: a flatter skin can be cast straight"
-        raise InputError("skin.curvature_radius_y", rule, radius, "leave it out")
+        yield InputError("skin.curvature_radius_y", rule, radius, "leave it out")
     most = SHARE_OF_ARM * (radius - design.skin.thickness)
     if design.slot is not None and choice.end_plate > most:
         rule = f"must be at most {most:.4g} mm, or a shim rises too far in it"
-        raise InputError("mold.end_plate", rule, choice.end_plate, "or enlarge skin.curvature_radius_y")
+        yield InputError("mold.end_plate", rule, choice.end_plate, "or enlarge skin.curvature_radius_y")
     if choice.cavities > 1:
-        raise InputError("mold.cavities", "must be 1 in a doubly curved mold", choice.cavities, remedy)
+        yield InputError("mold.cavities", "must be 1 in a doubly curved mold", choice.cavities, remedy)
     if split_ridges(design):
         rule = "must be 'none' in a doubly curved mold: the pieces of a cavity are planned for straight ones"
-        raise InputError("mold.split", rule, choice.split, f"give the ridges draft, or {remedy}")
+        yield InputError("mold.split", rule, choice.split, f"give the ridges draft, or {remedy}")
     if choice.pour == "open":
         rule = "must be 'syringe' in a doubly curved mold: its end plates lean over the trough, in the way of"
-        raise InputError("mold.pour", rule + " a carrier that is let down last", choice.pour, remedy)
+        yield InputError("mold.pour", rule + " a carrier that is let down last", choice.pour, remedy)
 
 
 def _grid(design: Design, shape: Section) -> Grid:

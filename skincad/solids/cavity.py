@@ -18,12 +18,12 @@ from skincad.design import Design
 from skincad.errors import InputError
 from skincad.section import Section
 from skincad.solids.layout import (
+    BASE_PIN,
     BOLT_RADIUS,
     EDGE,
     PIN_DEPTH,
     THREAD,
     Layout,
-    at_least,
     cover_bolts,
     cover_pins,
     fits,
@@ -32,8 +32,6 @@ from skincad.solids.plan import Body, Bore, Heading, Part, Prism, box, shifted
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
 
-FOOT = 1.0  # mm, assumption: least of a piece under the deepest ridge, to be held by
-BASE_PIN = 3.0  # mm, assumption: of a pin in the base, and as much in the piece on it
 GREY, STONE = (0.75, 0.77, 0.80), (0.66, 0.69, 0.74)
 
 
@@ -69,13 +67,18 @@ def parted(outline: Loop, ridges: list[int]) -> Loop:
 
 def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[int]) -> list[Part]:
     """Return base, outer pieces and the pieces between, from left to right. `shape` is parted at `ridges`."""
-    level, half = _base_level(design, place), place.end
+    level, half = _base_level(place), place.end
     chunks, summits = _chunks(shape.outline, ridges)
     feet = [_foot(design, ridge, s, level) for ridge, s in zip(reversed(ridges), summits, strict=True)]
     most = place.outer - BOLT_RADIUS - EDGE
     if max(abs(f.x) for f in feet) > most:
         rule = f"spreads the cavity's pieces to {max(abs(f.x) for f in feet):.4g} mm, beyond {most:.4g} mm"
-        raise InputError("skin.curvature_radius", rule, design.skin.curvature_radius, "enlarge mold.wall")
+        raise InputError(
+            "skin.curvature_radius",
+            rule,
+            design.skin.curvature_radius,
+            "make it larger, or take fewer ridges",
+        )
     right = [Point(feet[0].x, level), Point(place.half, level), Point(place.half, place.top)]
     left = [Point(-place.half, place.top), Point(-place.half, level), feet[-1]]
     rims = _rim(design, place, 1), _rim(design, place, -1)
@@ -103,9 +106,9 @@ def headings(design: Design, ridges: list[int]) -> list[Heading]:
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]
 
 
-def base_pins(design: Design, place: Layout) -> list[tuple[float, float, float]]:
+def base_pins(place: Layout) -> list[tuple[float, float, float]]:
     """Return the lower ends of the pins that locate the outer pieces on the base."""
-    level = _base_level(design, place)
+    level = _base_level(place)
     return [(x, y, level - BASE_PIN) for x, y in cover_pins(place)]
 
 
@@ -114,13 +117,13 @@ def _base(design: Design, place: Layout, level: float) -> Part:
     own = fits(design, design.mold.process)
     cuts: list[Body] = [*_along(place, (place.comb_bolt,)), *_pin_holes(design, place)]
     cuts += [Bore((x, y, level - depth), "z", depth, own.thread) for x, y in cover_bolts(place)]
-    cuts += [Bore(start, "z", BASE_PIN, own.press) for start in base_pins(design, place)]
+    cuts += [Bore(start, "z", BASE_PIN, own.press) for start in base_pins(place)]
     body = box(place.half, (-place.end, place.end), (place.bottom, level), "y")
     return Part("cavity-base", GREY, "made", body, tuple(cuts))
 
 
 def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
-    level, slide = _base_level(design, place), fits(design, design.mold.process).slide
+    level, slide = _base_level(place), fits(design, design.mold.process).slide
     bolts = [(x, y) for x, y in cover_bolts(place) if x * side > 0]
     pins = [(x, y) for x, y in cover_pins(place) if x * side > 0]
     return (
@@ -131,12 +134,8 @@ def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
     )
 
 
-def _base_level(design: Design, place: Layout) -> float:
-    level = on_grid(place.comb_bolt + BOLT_RADIUS + EDGE)
-    at_least("mold.floor", design.mold.floor, level - place.bottom + FOOT, "base and feet of a split cavity")
-    room = place.top - PIN_DEPTH - level
-    at_least("mold.floor", room, BASE_PIN + EDGE, "pins over and under a wall of a split cavity")
-    return level
+def _base_level(place: Layout) -> float:
+    return on_grid(place.comb_bolt + BOLT_RADIUS + EDGE)
 
 
 def _foot(design: Design, ridge: int, summit: Point, level: float) -> Point:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from skincad.curves import Point, Segment, flipped, loop
 from skincad.design import Design
-from skincad.errors import InputError
-from skincad.section import Section
+from skincad.errors import InputError, refusals
+from skincad.section import Section, section
 from skincad.solids.layout import (
     BESIDE,
     BOLT_RADIUS,
@@ -20,8 +21,11 @@ from skincad.solids.layout import (
     nut_pocket,
 )
 from skincad.solids.plan import Body, Bore, Part, Prism, box, moved, shifted
+from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.split import closed, split_edges, split_height
 
+GATE = 2.0  # mm, assumption: takes a blunt tip of 16 gauge, 1.65 mm, through which silicone still flows well
+LEAST_GATE = 0.7  # mm, assumption: takes the thinnest usual blunt tip, 25 gauge, 0.51 mm
 GATE_SILL = 0.3  # mm, assumption: least skin below and above the gate, so that it can be trimmed
 PRY = (1.5, 6.0)  # mm, assumption: leg of a pry notch, at 45 degrees so that it prints, and its width
 MARK = (1.0, 2.0)  # mm, assumption: leg of a nick that a finger finds, at 45 degrees too, and its height
@@ -40,9 +44,8 @@ def end_plates(design: Design, shape: Section, place: Layout, end: str) -> list[
     lower += _marks(design, place, end)
     upper = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.keeper_bolt)]
     upper += _pry(design, place, end, (place.split, place.top - bevel(design)))
-    if end == "a" and design.mold.pour == "syringe":
-        gate = _gate(design, shape, low)
-        upper += [moved(gate, x) for x in place.centres]
+    if end == "a" and (opening := gate_bore(design, shape)):
+        upper += [moved(opening, x) for x in place.centres]
     upper += [_bevelled(design, place, end)] if bent else []
     top = place.top + BEVELLED if bent else place.top
     if not shape.slots:
@@ -138,13 +141,47 @@ def _joined(edges: list[list[Segment]], half: float) -> list[Segment]:
     return joined
 
 
-def _gate(design: Design, shape: Section, low: float) -> Bore:
-    """The pouring gate: along y through the upper end plate of end a, as low as the skin's body allows."""
-    skin, radius = design.skin, design.mold.gate / 2
+def refused_ends(design: Design, shape: Section, place: Layout) -> Iterator[InputError]:
+    """Yield an error for a gate, and one for notches, that find no room in the end plates."""
+    yield from refusals(lambda: gate_bore(design, shape))
+    yield from refusals(lambda: _edges(design, shape, place) if shape.slots else None)
+
+
+def gate(design: Design) -> float | None:
+    """Return the diameter of the pouring gate of a design's mold, mm; None for an open pour."""
+    bore = gate_bore(poured(design), section(poured(design)))
+    return 2 * bore.radius if bore else None
+
+
+def gate_bore(design: Design, shape: Section) -> Bore | None:
+    """Return the pouring gate: along y through the upper end plate of end a, as low as the skin's body
+    allows; None for an open pour. `design` is what is poured.
+
+    Raises InputError where a gate finds no room and an open pour is no way out.
+    """
+    skin, choice, given = design.skin, design.mold, design.mold.gate
+    if choice.pour == "open":
+        return None
+    body, most = _gate_room(design, shape, (given or GATE) / 2)
+    wide = given or min(GATE, math.floor(10 * most) / 10)  # a drill
+    straight = skin.curvature_radius_y is None
+    if most <= 0 or (given is None and wide < LEAST_GATE):
+        if given is None and choice.pour is None and straight:
+            return None
+        rule = f"leaves {most:.4g} mm for the gate in the skin's end, which needs {LEAST_GATE:g} mm"
+        remedy = "make it thicker" + (', or take mold.pour = "open"' if straight else "")
+        raise InputError("skin.thickness", rule, skin.thickness * (1 - shrinkage(design)), remedy)
+    if wide > most:
+        rule = f"leaves {most:.4g} mm for the gate in the skin's end"
+        remedy = "make it smaller" + (', or take mold.pour = "open"' if straight else "")
+        raise InputError("mold.gate", rule, wide, remedy)
+    start = (0.0, -skin.length / 2 - choice.end_plate, GATE_SILL + wide / 2 - body)
+    return Bore(start, "y", choice.end_plate, wide / 2)
+
+
+def _gate_room(design: Design, shape: Section, radius: float) -> tuple[float, float]:
+    """Return how high the skin's body is at this distance from its middle, and a gate's largest diameter."""
+    skin = design.skin
     fall = 2 * skin.curvature_radius * math.sin(math.asin(min(1.0, radius / skin.curvature_radius)) / 2) ** 2
     body = skin.thickness + min(split_height(design, shape)[0], 0.0) - fall
-    most = min(body - 2 * GATE_SILL, skin.width - 2 * GATE_SILL)
-    if 2 * radius > most:
-        key = "mold.gate" if most > 0 else "skin.thickness"
-        raise InputError(key, f"leaves {most:.4g} mm for the gate in the skin's end", design.mold.gate)
-    return Bore((0.0, low, GATE_SILL + radius - body), "y", design.mold.end_plate, radius)
+    return body, min(body - 2 * GATE_SILL, skin.width - 2 * GATE_SILL)

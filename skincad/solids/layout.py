@@ -4,7 +4,11 @@ Screws run along y through both end plates (a lane in each wall, nearest the tro
 (the outer lane), so no two bores meet. Those along y end in hexagonal nut pockets of end plate b where it is
 printed, in tapped holes where it is cut from metal; the cover's end in the cavity, in a tapped hole or in a
 threaded insert, so that the floor stays flat and closed. A pocket from below would be an overhang in print.
-Pins press into one part and slide in the other: both fits are the process's.
+Pins press into one part and slide in the other: both fits are the process's. On a skin too short for bolts
+and pins side by side the cover has its pins alone, and clamps hold it down.
+
+What the design leaves to the mold, its wall, floor and carrier's thickness, is a plain value where bolts and
+pins find room in it, and what they need where they don't.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from skincad.process import Process
 from skincad.section import Section
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.plan import Prism
-from skincad.solids.shrinkage import on_grid
+from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
 
 BOLT_RADIUS = 1.7  # mm, source: ISO 273 clearance hole for M3, medium series
@@ -35,6 +39,11 @@ EDGE = 1.2  # mm, assumption: least material between two bores, or a bore and an
 BESIDE = 0.8  # mm, assumption: least of a keeper over and under its bolts and nuts
 LEDGE = 2.0  # mm, assumption: width of the seat on which the carrier seals the skin's back
 PIN_DEPTH = 6.0  # mm, assumption: three diameters of a pin hold it
+FOOT = 1.0  # mm, assumption: least of a split cavity's piece under the deepest ridge, to be held by
+BASE_PIN = 3.0  # mm, assumption: of a pin in a split cavity's base, and as much in the piece on it
+WALL, FLOOR, CARRIER = 13.0, 9.0, 4.0  # mm, assumption: where bolts and pins find room in them
+STOCK = 0.5  # mm, assumption: what is computed goes up to a multiple of this, as plates are sold
+LEAST_BOLTED = 9.0  # mm, assumption: length of a skin whose cover has bolts; a shorter one's is clamped
 KEYING = 0.5  # mm, assumption: one pin stands aside by this and two clearances: the cover fits one way only
 
 
@@ -69,6 +78,7 @@ class Layout(NamedTuple):
     keeper_bolt: float
     keying: tuple[float, float]  # (x, y) by which one of the cover's pins stands aside
     nut: float  # half width of a nut's pocket across its flats
+    clamped: bool  # whether the cover has no bolts
 
 
 def fits(design: Design, name: str | None) -> Fits:
@@ -85,8 +95,9 @@ def end_fits(design: Design) -> Fits:
     return fits(design, design.mold.end_plate_process or design.mold.process)
 
 
-def layout(design: Design, shape: Section) -> Layout:
-    """Return the positions; raises InputError where a bore finds no room. `design` is what is poured."""
+def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tuple[Layout, list[InputError]]:
+    """Return the positions, and an error for every value that leaves a bore no room. `design` is what is
+    poured."""
     skin, choice, ends = design.skin, design.mold, end_fits(design)
     slide = max(ends.slide, fits(design, choice.process).slide)
     nut = NUT_FLATS / 2 + max(NUT_PLAY, ends.slide - PIN_RADIUS)
@@ -97,23 +108,28 @@ def layout(design: Design, shape: Section) -> Layout:
     if skin.curvature_radius_y is not None:  # screws into threads beside the cover's, which may be inserts
         outer += max(0.0, fits(design, choice.process).thread - BOLT_RADIUS)
     need = outer + BOLT_RADIUS + EDGE - skin.width / 2
-    at_least("mold.wall", choice.wall, need, "two rows of bolts beside the trough")
-    at_least("skin.length", skin.length, 9.0, "bolts and pins of a mold")
-    top, bottom = choice.carrier_thickness, on_grid(-shape.top) - choice.floor
-    split = -split_height(design, shape)[1]
+    wall, broken = _room("mold.wall", choice.wall, WALL, need, "two rows of bolts beside the trough")
+    broken += _length(design)
+    split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
+    need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
+    top, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, "the keeper's bolts")
+    need = lowest - split + 2 * (nut + EDGE)
+    if split_cavity:
+        need = max(need, *_under_pieces(nut, top - lowest))
+    floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
+    broken += [*low, *thin]
+    bottom = lowest - floor
     depth = on_grid(min(PIN_DEPTH, 0.4 * skin.length))
     bolt = bottom + EDGE + nut
-    at_least("mold.floor", split - bottom, 2 * (nut + EDGE), "bolt, nut and pin of a comb")
-    room = top - bevel(design) - split
-    at_least("mold.carrier_thickness", room, 2 * (BOLT_RADIUS + BESIDE), "the bolts of the keeper")
     apart = trough + EDGE + BOLT_RADIUS  # of a middle and the lane in the wall beside it
     count = choice.cavities
     centres = tuple((2 * i + 1 - count) * apart for i in range(count))
     between = [(2 * i - count) * apart for i in range(1, count)]
-    far = centres[-1]
-    return Layout(
+    far, short = centres[-1], is_clamped(design)
+    along, key = 0.0 if short else max(2.0, skin.length / 4), KEYING + 2 * (slide - PIN_RADIUS)
+    place = Layout(
         centres=centres,
-        half=far + skin.width / 2 + choice.wall,
+        half=far + skin.width / 2 + wall,
         end=skin.length / 2,
         bottom=bottom,
         top=top,
@@ -121,17 +137,57 @@ def layout(design: Design, shape: Section) -> Layout:
         lanes=(-far - inner, *between, far + inner),
         pins=(-far - inner + aside, far + inner - aside),
         outer=far + outer,
-        along=max(2.0, skin.length / 4),
-        pin_along=max(2.0, skin.length / 4),
+        along=along,
+        pin_along=along,
         pin_depth=depth,
         cover=skin.length / 2 + choice.end_plate,
         split=split,
         comb_bolt=bolt,
         comb_pin=bolt,
         keeper_bolt=(split + top - bevel(design)) / 2,
-        keying=(0.0, KEYING + 2 * (slide - PIN_RADIUS)),
+        keying=(key, 0.0) if short else (0.0, key),
         nut=nut,
+        clamped=short,
     )
+    return place, broken
+
+
+def is_clamped(design: Design) -> bool:
+    """Whether a skin is so short that clamps hold its mold's cover, not bolts; `design` is what is poured."""
+    return design.skin.length < LEAST_BOLTED and design.skin.curvature_radius_y is None
+
+
+def _room(
+    key: str, given: float | None, usual: float, need: float, what: str
+) -> tuple[float, list[InputError]]:
+    """Return a length that has to be at least `need`, mm: the given one and what is wrong with it, or else
+    the usual one, or what is needed."""
+    if given is None:
+        return max(usual, math.ceil(need / STOCK) * STOCK), []
+    return given, at_least(key, given, need, what, "enlarge it, or leave it out, and it is computed")
+
+
+def at_least(key: str, given: float, need: float, what: str, remedy: str) -> list[InputError]:
+    """Return the error of a length that leaves too little room, if it does; what is asked is rounded up."""
+    asked = math.ceil(1000 * need) / 1000
+    return [InputError(key, f"must be at least {asked:g} mm, for {what}", given, remedy)] * (given < need)
+
+
+def _length(design: Design) -> list[InputError]:
+    """What is wrong with the skin's length: bolts and pins of a cover, or its pins alone, stand beside it."""
+    least, what = LEAST_BOLTED, "bolts and pins of a mold"
+    if is_clamped(design):
+        least, what = 2 * (fits(design, design.mold.process).slide + BESIDE), "the pins of a mold's cover"
+    cured = 1 - shrinkage(design)
+    remedy = "cast a longer skin and cut it to length"
+    return at_least("skin.length", cured * design.skin.length, cured * least, what, remedy)
+
+
+def _under_pieces(nut: float, high: float) -> tuple[float, float]:
+    """Return what a floor needs for a split cavity, mm: its base and the pieces' feet on it, and the wall's
+    pins over the base. `high` is from the deepest ridge to the top, `nut` as in `Layout`."""
+    base = EDGE + nut + BOLT_RADIUS + EDGE
+    return base + FOOT, base + BASE_PIN + EDGE + PIN_DEPTH - high
 
 
 def end_angle(design: Design) -> float:
@@ -145,17 +201,9 @@ def bevel(design: Design) -> float:
     return design.mold.end_plate * math.tan(end_angle(design))
 
 
-def at_least(key: str, given: float, need: float, what: str) -> None:
-    """Raise InputError where a key leaves less room than is needed."""
-    if given < need:
-        raise InputError(
-            key, f"leaves {given:.4g} mm for {what}, which need {need:.4g} mm", remedy="enlarge it"
-        )
-
-
 def cover_bolts(place: Layout) -> list[tuple[float, float]]:
-    """Return (x, y) of the cover's bolts, on one diagonal."""
-    return [(place.outer, place.along), (-place.outer, -place.along)]
+    """Return (x, y) of the cover's bolts, on one diagonal; none where it is clamped."""
+    return [] if place.clamped else [(place.outer, place.along), (-place.outer, -place.along)]
 
 
 def cover_pins(place: Layout) -> list[tuple[float, float]]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from skincad.design import Design
-from skincad.errors import InputError
+from skincad.errors import InputError, refusals
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BOLT_RADIUS,
@@ -26,6 +27,8 @@ MOST_HOLES = (
     60  # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
 )
 BLEED = 0.4  # mm, assumption: radius of the cover's bleed over each of them, or it would fill with air only
+VENT = 1.0  # mm, assumption: through which silicone rises without much pressure
+LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
 CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
 OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
@@ -36,22 +39,28 @@ GLASS = (0.70, 0.85, 0.95)
 
 def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
     """The vent: in the middle of end b, as near to the end plate as the carrier allows."""
-    radius, gap = design.mold.vent / 2, design.mold.clearance
-    room = min(design.skin.width, 2 * place.end) - 2 * (gap + EDGE)
-    if 2 * radius > room:
-        raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", 2 * radius)
-    return Bore((0.0, place.end - gap - radius - EDGE / 2, low), "z", thick, radius)
+    gap = design.mold.clearance
+    narrow = min(design.skin.width, 2 * place.end)
+    room = narrow - 2 * (gap + EDGE)
+    wide = design.mold.vent or min(VENT, math.floor(10 * room) / 10)  # a drill
+    if design.mold.vent is None and wide < LEAST_VENT:
+        key = "skin.width" if narrow == design.skin.width else "skin.length"
+        rule = f"leaves {room:.4g} mm for the vent in the carrier, which needs {LEAST_VENT:g} mm"
+        raise InputError(key, rule, remedy="enlarge it, or cast a larger skin and cut it to size")
+    if wide > room:
+        raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
+    return Bore((0.0, place.end - gap - wide / 2 - EDGE / 2, low), "z", thick, wide / 2)
 
 
 def _reservoir(design: Design, place: Layout) -> Bore:
     """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
     vent, end = _vent(design, place, 0.0, 1.0), place.end
     own, inner = design.mold.reservoir, vent.start[1] - vent.radius
-    wide = own / 2 if own else max(CUP, end - inner + CUP_RIM)
-    y = min(end, end + design.mold.end_plate - EDGE / 2 - wide)
-    need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
     most = min(place.outer - place.centres[-1] - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
     most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
+    wide = own / 2 if own else min(most, max(CUP, end - inner + CUP_RIM))
+    y = min(end, end + design.mold.end_plate - EDGE / 2 - wide)
+    need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
     if not need <= wide <= most:
         rule = f"must be from {2 * need:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
         raise InputError("mold.reservoir", rule, 2 * wide)
@@ -64,7 +73,8 @@ def _bleed(hole: tuple[float, float]) -> tuple[float, float]:
 
 
 def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
-    """Places (x, y) of the carrier's holes; none for a plain carrier."""
+    """Places (x, y) of the carrier's holes; none for a plain carrier. Raises InputError where a carrier that
+    shall have holes has no room for one."""
     if design.mold.carrier == "plain":
         return []
     vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
@@ -79,7 +89,7 @@ def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
         if math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
         and math.dist(_bleed((x, y)), cup.start[:2]) > beside
     ]
-    if not places:
+    if not places and design.mold.carrier == "perforated":
         raise InputError(
             "mold.carrier",
             "finds no room for a hole beside the vent, so nothing would hold the skin",
@@ -87,6 +97,11 @@ def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
             'take carrier = "plain" and a primer, a smaller vent or a larger skin',
         )
     return places
+
+
+def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
+    """Yield an error for the first bore that finds no room in carrier and cover."""
+    yield from refusals(lambda: (_reservoir(design, place), _rivets(design, place)))
 
 
 def carrier(design: Design, place: Layout) -> Part:

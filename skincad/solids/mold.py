@@ -36,14 +36,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.design import Design
-from skincad.errors import InputError
+from skincad.errors import InputError, refusals, together
 from skincad.section import section
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
-from skincad.solids.cavity import BASE_PIN, base_pins, cavity, cavity_pieces, headings, parted
-from skincad.solids.ends import end_plates
+from skincad.solids.cavity import base_pins, cavity, cavity_pieces, headings, parted
+from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import pin, shims, strips
-from skincad.solids.layout import Layout, layout
-from skincad.solids.lids import carrier, cover, cover_dowels
+from skincad.solids.layout import BASE_PIN, Layout, layout
+from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
 from skincad.solids.plan import Part, Prism, moved
 from skincad.solids.shrinkage import on_grid, poured
 from skincad.solids.skin import cast_skin
@@ -92,17 +92,18 @@ def mold(design: Design) -> Mold:
     be: split, for several skins, or poured open.
     """
     ridges = split_ridges(design)
-    if ridges and design.ridge.count % 2 == 0:
-        rule = "parts an odd number of ridges only, so that the middle one leaves straight"
-        raise InputError("mold.split", rule, design.ridge.count, "take one ridge more or less")
-    if ridges and design.mold.cavities > 1:
-        raise InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
-    check_bent(design)
-    section(design)  # the part as designed must be one, not only the larger cavity
+    broken = list(_choices(design, ridges))
+    # the part as designed must be one, not only the larger cavity
+    whole = [*check_bent(design), *refusals(lambda: (section(design), section(poured(design))))]
+    if whole:  # nothing is laid out in what is none
+        raise together([*broken, *whole])
     design = poured(design)
     plain = section(design)
     shape = replace(plain, outline=parted(plain.outline, ridges))
-    place = layout(design, shape)
+    place, more = layout(design, shape, split_cavity=bool(ridges))
+    broken += [*more, *refused_ends(design, shape, place), *refused_lids(design, place)]
+    if broken:
+        raise together(broken)
     if design.skin.curvature_radius_y is not None:
         bent = tuple(bent_parts(design, shape, place))
         return Mold(bent, tuple(_opening_bent(design, place, [p.name for p in bent])))
@@ -115,6 +116,15 @@ def mold(design: Design) -> Mold:
     drawn, kept = _gang(place, drawn), _gang(place, kept)
     parts = (*skins, *pieces, *ends, *rest, *drawn, *kept)
     return Mold(parts, tuple(_opening(design, place, [p.name for p in parts], ridges)))
+
+
+def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
+    """What a cavity that is split at these ridges can't be."""
+    if ridges and design.ridge.count % 2 == 0:
+        rule = "parts an odd number of ridges only, so that the middle one leaves straight"
+        yield InputError("mold.split", rule, design.ridge.count, "take one ridge more or less")
+    if ridges and design.mold.cavities > 1:
+        yield InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
 
 
 def _opening(design: Design, place: Layout, names: list[str], ridges: list[int]) -> Iterator[Step]:
@@ -191,5 +201,5 @@ def _pins(design: Design, place: Layout) -> list[Part]:
 def _base_pins(design: Design, place: Layout) -> list[Part]:
     """Pins pressed into the base of a split cavity, on which its outer pieces slide."""
     length = on_grid(2 * BASE_PIN - design.mold.clearance)
-    places = zip(("right", "left"), base_pins(design, place), strict=True)
+    places = zip(("right", "left"), base_pins(place), strict=True)
     return [pin(f"pin-base-{side}", start, "z", length) for side, start in places]

@@ -34,7 +34,8 @@ def poured(design: Design) -> Design:
     by = 1 / (1 - shrinkage(design))
     skin = _scaled(design.skin, by)
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
-    heights = {key: on_grid(getattr(design.mold, key)) for key in _HEIGHTS}
+    given = {key: getattr(design.mold, key) for key in _HEIGHTS}
+    heights = {key: on_grid(value) for key, value in given.items() if value is not None}
     return design.model_copy(
         update={
             "skin": skin.model_copy(update={"length": on_grid(skin.length)}),

@@ -59,7 +59,7 @@ def plain_mold(design: Design) -> Mold:
     """The mold as it would be without reservoir: bores straight over the middle of the carrier's holes."""
     closed = mold(design)
     over = [c for c in closed.part("cover").cuts if abs(c.start[0]) > design.skin.width / 2]
-    top, thick = design.mold.carrier_thickness, design.mold.cover
+    top, thick = closed.part("carrier").body.high, design.mold.cover
     vent, *holes = closed.part("carrier").cuts
     over += [Bore((0.0, vent.start[1], top), "z", thick, vent.radius)]
     over += [Bore((*hole.start[:2], top), "z", thick, 0.4) for hole in holes]

@@ -113,7 +113,7 @@ def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
             if abs(c.start[0]) < design.skin.width / 2 and c not in filled
         ]
         for pull in pulls:
-            assert pull.start[2] + pull.length == design.mold.carrier_thickness
+            assert pull.start[2] + pull.length == carrier.body.high
             for other in (*filled, *inside):
                 apart = math.dist(pull.start[:2], other.start[:2])
                 wide = max(other.radius, other.end_radius or 0.0) if other in filled else other.radius

@@ -10,6 +10,7 @@ from skincad.errors import InputError
 from skincad.fabrication.findings import undercuts
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
+from skincad.fabrication.void import perforated
 from skincad.section import section
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE
@@ -87,7 +88,8 @@ def test_gate_and_vent_open_on_the_skin() -> None:
 def test_a_carrier_without_room_for_a_hole_is_refused(yamada: Design) -> None:
     tiny = yamada.with_(skin={"width": 3.5}, ridge={"count": 1}, mold={"gate": 1.0, "vent": 0.4})
     with pytest.raises(InputError, match=r"mold.carrier: finds no room for a hole"):
-        mold(tiny)
+        mold(tiny.with_(mold={"carrier": "perforated"}))
+    assert not perforated(mold(tiny))  # where nobody asked for holes
 
 
 def test_a_large_carrier_spaces_its_holes_wider(yamada: Design) -> None:
@@ -169,7 +171,7 @@ def test_gate_is_low_at_one_end_and_vent_at_the_other(yamada: Design) -> None:
     ("change", "key"),
     [
         ({"mold": {"wall": 12.0}}, "mold.wall"),
-        ({"skin": {"length": 5.0}}, "skin.length"),
+        ({"skin": {"length": 3.0}}, "skin.length"),
         ({"mold": {"gate": 3.9}}, "mold.gate"),
         ({"skin": {"thickness": 0.6}, "mold": {"carrier_thickness": 1.0}}, "mold.carrier_thickness"),
         ({"mold": {"slit_clearance": 0.4}}, "mold.slit_clearance"),
@@ -181,6 +183,18 @@ def test_what_finds_no_room_is_refused(yamada: Design, change: dict, key: str) -
     with pytest.raises(InputError) as refused:
         mold(yamada.with_(**change))
     assert refused.value.key == key
+
+
+def test_all_that_finds_no_room_is_told_at_once(yamada: Design) -> None:
+    small = {"wall": 12.0, "gate": 3.9, "carrier_thickness": 1.0, "reservoir": 40.0}
+    with pytest.raises(InputError) as refused:
+        mold(yamada.with_(mold=small, skin={"thickness": 0.6, "curvature_radius": 100.0}, slot=None))
+    keys = [error.key for error in (refused.value, *refused.value.others)]
+    assert keys == ["mold.wall", "mold.carrier_thickness", "skin.thickness", "mold.reservoir"]
+    with pytest.raises(InputError) as refused:
+        mold(skincad.load("steep-fingertip", ["ridge.count=4", "mold.cavities=2", "mold.wall=12"]))
+    keys = [error.key for error in (refused.value, *refused.value.others)]
+    assert keys == ["mold.split", "mold.cavities", "mold.wall"]
 
 
 @pytest.fixture

@@ -1,0 +1,157 @@
+"""Random sections with nothing said of the mold but its process: what is computed makes one, and changes no
+mold that plain values make."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import islice
+
+import pytest
+
+import skincad
+from skincad.catalog import template_names
+from skincad.design import Design
+from skincad.errors import InputError
+from skincad.fabrication.sheet import casting_sheet
+from skincad.solids.ends import gate
+from skincad.solids.mold import Mold, mold
+from tests.benchmarks.table_molds import refusals, sections
+from tests.soundness import faults
+
+FEW, MANY = 120, 2000
+RESCUED = 24  # of them are built
+LARGEST_SHARE = 0.10  # of valid sections without a mold; those shorter than 4 mm are 6 % of what is drawn
+# what a mold has where bolts, pins, gate and vent find room
+PLAIN = {
+    "wall": 13.0,
+    "floor": 9.0,
+    "carrier_thickness": 4.0,
+    "carrier": "perforated",
+    "pour": "syringe",
+    "gate": 2.0,
+    "vent": 1.0,
+}
+# what a refusal may name: what a person wrote, or a clearance, where it is the slots' place that is told
+WRITTEN = {"skin.length", "mold.slit_clearance"}
+
+
+Planned = Mold | InputError
+
+
+@cache
+def few() -> list[tuple[Design, Planned, Planned]]:
+    """Random sections, each with its mold, and with that of the plain values."""
+    return [(design, planned(design), planned(plain(design))) for design in sections(FEW, seed=1)]
+
+
+def plain(design: Design) -> Design:
+    """The design with each value that the mold would compute written down, where nobody wrote another."""
+    own = design.mold.model_dump(exclude_none=True)
+    return design.with_(mold={key: value for key, value in PLAIN.items() if key not in own})
+
+
+def planned(design: Design) -> Planned:
+    try:
+        return mold(design)
+    except InputError as refused:
+        return refused
+
+
+def keys(refused: InputError) -> set[str]:
+    return {error.key for error in (refused, *refused.others)}
+
+
+def told_in_keys_that_were_written(found: list[InputError], count: int) -> None:
+    assert len(found) <= LARGEST_SHARE * count, "\n".join(map(str, found))
+    for refused in found:
+        assert keys(refused) <= WRITTEN, refused
+        assert refused.remedy
+
+
+def test_nine_of_ten_random_sections_have_a_mold() -> None:
+    told_in_keys_that_were_written([made for _, made, _ in few() if isinstance(made, InputError)], FEW)
+
+
+@pytest.mark.slow
+def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
+    told_in_keys_that_were_written([refused for _, refused in refusals(sections(MANY))], MANY)
+
+
+def test_where_plain_values_make_a_mold_it_is_the_computed_one() -> None:
+    for design in map(skincad.load, template_names()):
+        assert mold(design) == mold(plain(design)), design.name
+    same = [made == expected for _, made, expected in few() if isinstance(expected, Mold)]
+    assert all(same)
+    assert len(same) > FEW / 5  # else nothing is shown
+
+
+def test_a_value_that_was_written_is_refused_not_changed() -> None:
+    refused = set().union(*(keys(found) for _, _, found in few() if isinstance(found, InputError)))
+    computed = {"mold.wall", "mold.carrier_thickness", "mold.carrier", "mold.gate", "mold.vent"}
+    assert refused <= computed | WRITTEN | {"skin.thickness"}
+    assert {"mold.wall", "mold.carrier_thickness", "mold.gate"} <= refused
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"skin": {"thickness": 0.4}}, "mold.carrier_thickness"),
+        ({"mold": {"clearance": 0.9}}, "mold.wall"),
+        ({"mold": {"clearance": 0.9}}, "mold.floor"),
+        ({"skin": {"thickness": 2.0}}, "mold.gate"),
+    ],
+)
+def test_one_change_needs_another_value_than_the_plain_one(yamada: Design, change: dict, key: str) -> None:
+    table, value = key.split(".")
+    flat = yamada.with_(skin={"curvature_radius": 1e3})
+    changed = flat.with_(**change, slot=None)
+    assert mold(changed)
+    assert key not in {"mold." + k for k in changed.mold.model_dump(exclude_none=True)}
+    with pytest.raises(InputError) as refused:
+        mold(changed.with_(**{table: {value: PLAIN[value]}}))
+    assert refused.value.key == key
+
+
+def test_a_split_cavity_has_the_floor_that_its_pieces_need() -> None:
+    steep = skincad.load("steep-fingertip", ["mold.floor=none"])
+    assert mold(steep)
+    with pytest.raises(InputError, match=r"^mold.floor: must be at least"):
+        mold(steep.with_(mold={"floor": 9.0}))
+
+
+def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:
+    thin = yamada.with_(skin={"thickness": 1.0, "curvature_radius": 1e3}, slot=None)
+    assert gate(yamada) == 2.0
+    assert gate(thin) is None
+    sheet = casting_sheet(thin, mold(thin), [], "", True)
+    assert "pour in a thin stream" in sheet
+    assert "gate" not in sheet
+    with pytest.raises(InputError, match=r"^skin.thickness: leaves .* for the gate"):
+        mold(thin.with_(mold={"pour": "syringe"}))
+
+
+def test_a_gang_of_two_has_its_gates_in_the_sheet(yamada: Design) -> None:
+    pair = yamada.with_(mold={"cavities": 2})
+    assert "End a has the gate" in casting_sheet(pair, mold(pair), [], "", True)
+
+
+def test_the_cover_of_a_short_skin_is_clamped_and_its_parts_are_sound(yamada: Design) -> None:
+    short = yamada.with_(skin={"length": 5.0})
+    closed = mold(short)
+    assert {cut.radius for cut in closed.part("cover").cuts[:2]} == {1.0}  # pins, no bolts
+    sheet = casting_sheet(short, closed, [], "", True)
+    assert "two clamps that hold the cover down" in sheet
+    assert "2 for the cover" not in sheet
+    assert list(faults(short, kernel=False)) == []
+
+
+@pytest.mark.slow
+def test_molds_that_only_computed_values_make_are_sound() -> None:
+    """True solids of two dozen; those of many ridges take the kernel minutes, and are built the same way."""
+    small = (d for d in sections(200, seed=2) if d.ridge.count <= 5 and d.skin.length < 60)
+    rescued = (d for d in small if isinstance(planned(plain(d)), InputError) and isinstance(planned(d), Mold))
+    checked = 0
+    for design in islice(rescued, RESCUED):
+        assert list(faults(design)) == [], design
+        checked += 1
+    assert checked == RESCUED
