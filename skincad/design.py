@@ -136,14 +136,16 @@ class Mold(Table):
     )
     wall: float | None = quantity(
         "mm",
-        "block beside the skin; 13, or what the screws and pins of its process need, if not given",
+        "block beside the skin; 13, or what two rows of bolts beside the trough need, to the next half "
+        "millimetre, if not given",
         ge=12.0,
         le=500.0,
         default=None,
     )
     floor: float | None = quantity(
         "mm",
-        "block below the deepest ridge; 9, or what bolts, nuts and pins need, if not given",
+        "block below the deepest ridge; 9, or what bolts, nuts and pins need (and a split cavity's base), "
+        "to the next half millimetre, if not given",
         ge=9.0,
         le=200.0,
         default=None,
@@ -202,21 +204,22 @@ class Mold(Table):
     pour: Literal["syringe", "open"] | None = Field(
         default=None,
         description="through the gate by syringe, or over the open back before the carrier is laid on; by "
-        "syringe, or open where the skin is too thin for a gate, if not given",
+        "syringe, or open where the skin is too thin for a gate of 0.7 mm, if not given",
     )
     pour_tilt: float = quantity(
         "deg", "end b up while the silicone rises under the carrier", ge=0.0, le=60.0, default=10.0
     )
     gate: float | None = quantity(
         "mm",
-        "diameter of the pouring gate; 2, or what the skin's end leaves room for, if not given",
+        "diameter of the pouring gate; 2, or the largest tenth that leaves 0.3 of the skin's end round it, "
+        "if not given",
         gt=0.2,
         le=20.0,
         default=None,
     )
     vent: float | None = quantity(
         "mm",
-        "diameter of the vent; 1, or what the skin's back leaves room for, if not given",
+        "diameter of the vent; 1, or the largest tenth that finds room on the skin's back, if not given",
         gt=0.2,
         le=10.0,
         default=None,
