@@ -274,7 +274,7 @@ class Contact(Table):
 class Design(Table):
     """Everything that a skin, its mold and its verdict follow from.
 
-    Lengths are mm, forces N, stresses MPa. Raises InputError on the first broken rule.
+    Lengths are mm, forces N, stresses MPa. Raises InputError for the rules that are broken.
     """
 
     name: Annotated[
