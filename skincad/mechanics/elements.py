@@ -8,7 +8,7 @@ positive definite and does not lock for nu near 0.5. Lengths are in the pad's un
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -132,8 +132,8 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
         np.flatnonzero(inside),
         contact,
         _lift(mesh, space, both.ndof),
-        _merged(_sample(edges, contact, *lobatto(order))),
-        _sample(edges, contact, even, np.full(FINE + 1, 1 / FINE)),
+        _merged(_sample(mesh, edges, contact, *lobatto(order))),
+        _sample(mesh, edges, contact, even, np.full(FINE + 1, 1 / FINE)),
         mesh,
         both,
     )
@@ -152,34 +152,46 @@ def lobatto(order: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights / 2
 
 
+def mapped(mesh: Any, at: Sequence[Sequence[float]], kind: Any) -> tuple[Any, Array, Array]:
+    """Return the points `at` `(p, d)` of all reference elements of a `kind` (ng.VOL, ng.BND) in the mesh.
+
+    They are NGSolve's own, to evaluate fields at, their places `(e, p, 2)` and how these change with the
+    reference coordinates, `(e, p, 2, d)`. An element's own map is never called: each point that it returns
+    stays in NGSolve's memory until the process ends.
+    """
+    points = mesh.MapToAllElements(ng.IntegrationRule([tuple(p) for p in at], [0.0] * len(at)), kind)
+    sides = len(at[0])
+    places = np.asarray(ng.CF((ng.x, ng.y))(points)).reshape(-1, len(at), 2)
+    slopes = np.asarray(ng.specialcf.JacobianMatrix(2, sides)(points)).reshape(-1, len(at), 2, sides)
+    return points, places, slopes
+
+
 @dataclass(frozen=True)
 class _Edge:
-    """A boundary edge that may touch: its shape functions and map, and its vertical unknowns."""
+    """A boundary edge that may touch: its number among them, shape functions and vertical unknowns."""
 
+    number: int
     ridge: int
     shape: Any
-    map: Any
     unknowns: NDArray[np.int64]
 
 
 def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
     vertical, first = space.components[1], space.Range(1).start
-    for element in mesh.Elements(ng.BND):
+    for number, element in enumerate(mesh.Elements(ng.BND)):
         if element.mat.startswith("contact"):
             unknowns = np.array(vertical.GetDofNrs(element), dtype=np.int64) + first
             ridge = int(element.mat.removeprefix("contact"))
-            yield _Edge(ridge, vertical.GetFE(element), mesh.GetTrafo(element), unknowns)
+            yield _Edge(number, ridge, vertical.GetFE(element), unknowns)
 
 
-def _sample(edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: Array) -> Sample:
+def _sample(mesh: Any, edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: Array) -> Sample:
     """Sample every edge at the parameters `at` in (0, 1)."""
-    columns, values, positions, sizes = [], [], [], []
+    columns, values, numbers = [], [], [edge.number for edge in edges]
+    _, places, slopes = mapped(mesh, at[:, None].tolist(), ng.BND)
     for edge in edges:
         local = np.searchsorted(contact, edge.unknowns)
-        for j, t in enumerate(at):
-            point = edge.map(float(t), 0.0)
-            positions.append(point.point)
-            sizes.append(point.measure * weights[j])
+        for t in at:
             values.append(np.asarray(edge.shape.CalcShape(float(t), 0.0, 0.0)).ravel())
             columns.append(local)
     rows = np.repeat(np.arange(len(columns)), [c.size for c in columns])
@@ -187,9 +199,9 @@ def _sample(edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: 
     index = (rows, np.concatenate(columns))
     return Sample(
         sparse.csr_matrix((np.concatenate(values), index), shape=shape),
-        np.array(positions),
+        places[numbers].reshape(-1, 2),
         np.repeat([e.ridge for e in edges], at.size),
-        np.array(sizes),
+        (np.hypot(*slopes[numbers, :, :, 0].transpose(2, 0, 1)) * weights).ravel(),
         np.repeat(np.arange(len(edges)), at.size),
     )
 
@@ -231,12 +243,10 @@ def outlines(system: Assembled, values: Array) -> list[Outline]:
     """Return the loops of the boundary under displacements `values` `(n,)`; strips are left out."""
     field = ng.GridFunction(system.space)
     field.vec.FV().NumPy()[:] = values
-    along = ng.IntegrationRule([(float(t),) for t in EDGE_POINTS], [0.0] * EDGE_POINTS.size)
-    points = system.mesh.MapToAllElements(along, ng.BND)
-    shape = (-1, EDGE_POINTS.size, 2)
+    points, places, _ = mapped(system.mesh, EDGE_POINTS[:, None].tolist(), ng.BND)
     # along an edge the parameter runs from its second vertex to its first
-    at_rest = ng.CF((ng.x, ng.y))(points).reshape(shape)[:, ::-1]
-    shift = field.components[0](points).reshape(shape)[:, ::-1]
+    at_rest = places[:, ::-1]
+    shift = field.components[0](points).reshape(places.shape)[:, ::-1]
     edges = {}
     for i, element in enumerate(system.mesh.Elements(ng.BND)):
         if element.mat != "strip":

@@ -9,6 +9,7 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.mechanics.elements import mapped
 from skincad.mechanics.prisms import SectionForms
 
 Array = NDArray[np.float64]
@@ -36,19 +37,19 @@ def section_points(forms: SectionForms, materials: Mapping[str, tuple[float, flo
     elements = list(mesh.Elements(ng.VOL))
     rule = ng.IntegrationRule(ng.TRIG, 2 * displacement.GetFE(elements[0]).order)
     at, share = [p[:2] for p in rule.points], np.array(rule.weights)
-    weight, basis, test = [], [], []
-    for element in elements:
-        shape, trial, map_ = displacement.GetFE(element), pressure.GetFE(element), mesh.GetTrafo(element)
-        mapped = [map_(*p) for p in at]
-        weight.append(share * [m.measure for m in mapped])
+    _, _, jacobian = mapped(mesh, at, ng.VOL)
+    inverse = np.linalg.inv(jacobian)
+    basis, test = [], []
+    for element, to_reference in zip(elements, inverse, strict=True):
+        shape, trial = displacement.GetFE(element), pressure.GetFE(element)
         values = np.array([np.asarray(shape.CalcShape(*p, 0.0)).ravel() for p in at])
-        slopes = np.array([np.asarray(shape.CalcDShape(m)) for m in mapped])
+        slopes = np.array([np.asarray(shape.CalcDShape(*p)) for p in at]) @ to_reference
         basis.append(np.stack([slopes[:, :, 0], slopes[:, :, 1], values], axis=1))
         test.append([np.asarray(trial.CalcShape(*p, 0.0)).ravel() for p in at])
     moduli = np.array([materials[element.mat] for element in elements])
     young, ratio = moduli.T
     return SectionPoints(
-        np.array(weight),
+        share * np.linalg.det(jacobian),
         np.array(basis),
         np.array(test),
         young / (2 * (1 + ratio)),
