@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.circuit.low_pass import Limited, band_limited, delay
 from skincad.effects.kinds import Body, Readout, Watched
 from skincad.errors import InputError, RefusedError
@@ -275,8 +275,8 @@ def _march(
             after = expected(following, level, {**spent, "march": whole}) if following else 0.0
             tick(stage, step, whole * (1 - step / history.steps) + after)
 
-    # more BLAS threads only wait for each other; to ask for one at each step takes longer than the step
-    with threadpool_limits(limits=1, user_api="blas"):
+    # to ask for one thread at each step takes longer than the step
+    with one_blas_thread():
         times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
         found = march(model, times, drives, scene.terms, told, kept_steps(scene), mass, ends)
     seconds |= {**spent, "march": found.seconds}

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.effects.kinds import Law, Reading, Share, Step, Term
 from skincad.errors import RefusedError
 from skincad.mechanics.grip import Cone, Grip, GrossSlip
@@ -62,7 +62,7 @@ class FiniteStrain(Law):
         if pad.strips:
             materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
         curved = elements.curved(mesh, order)
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_blas_thread():
             whole = dragged.dragged(
                 curved, order, materials, pad.top, unit, pad.young_modulus * unit * pad.length
             )
@@ -104,7 +104,7 @@ class Large:
         if any(share.more for share in shares):
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
-        with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+        with one_blas_thread():
             try:
                 after = to(self.pad, state, step.before, step.after, cone)
             except GrossSlip as limit:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.mechanics import corrected, linear
@@ -139,7 +139,7 @@ def _free_ends(pad: Pad, force: Array) -> Array:
 
 
 def _pressed(ridges: Ridges, forces: Array) -> list[Contact]:
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         return [press(ridges.flexibility, ridges.gap, float(force)) for force in forces]
 
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.mechanics.dynamics_state import Half, Linear
 from skincad.mechanics.film.stick import Part, on_whole, resolved
 from skincad.mechanics.moving_body import Moving, moving
@@ -28,7 +28,7 @@ def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
 
     Raises SizeError for more contact unknowns than a dense block can hold.
     """
-    with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+    with one_blas_thread():
         found = moving(part, mesh, order, films)
     body, unit = found.body, part.unit
     nodes, size = body.system.nodes, found.stiff.shape[0]

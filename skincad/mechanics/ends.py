@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.design import Design
 from skincad.mechanics import prisms
 from skincad.mechanics.corrected import LAYERS, ORDER, plain_pad
@@ -55,7 +55,7 @@ def _by_ridge(
     owner = np.array([nodes.ridge[rows.indices[rows.indptr[k]]] for k in range(rows.shape[1])])
     lift = np.repeat(forms.plane.lift[forms.plane.contact], rows.shape[1] // forms.plane.contact.size)
     modes = lift[:, None] * (owner[:, None] == numbers)
-    with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+    with one_blas_thread():
         stiffness = modes.T @ linalg.solve(small.flexibility, modes, assume_a="pos")
         found = linalg.inv(stiffness)
     return np.asarray((found + found.T) / 2 * meshed.unit / scale)

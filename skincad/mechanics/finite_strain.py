@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.mechanics import elements
@@ -105,7 +105,7 @@ class Levels:
         self, pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...] = ()
     ) -> Level:
         """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
-        with threadpool_limits(limits=1, user_api="blas"):  # as in linear.level
+        with one_blas_thread():
             before = self.last if self.last and self.last.triangles is triangles else None
             self.last, found = _level(pad, triangles, order, force, drops, before)
         return found

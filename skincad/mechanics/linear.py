@@ -13,8 +13,8 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.design import Design
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed, condense
@@ -182,7 +182,7 @@ def climb(
 def _parts(pad: Pad, best: Level, force: float, seconds: dict[str, float]) -> RidgeModel:
     """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         model = ridge_model(best.ridges, max(force, best.all_touch_force or 0.0), unit_of(pad), best.scale)
     _add(seconds, {"yield": perf_counter() - started})
     return model
@@ -225,8 +225,7 @@ def _first_rung(wanted: float) -> int:
 
 def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> Level:
     """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
-    # more BLAS threads only wait for each other on blocks this small: 3 to 60 times longer
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         return _level(pad, mesh, order, force, drops)
 
 

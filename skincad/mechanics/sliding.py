@@ -14,8 +14,8 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed
 from skincad.mechanics.film import strip_field
@@ -57,7 +57,7 @@ def sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
 
     Raises SizeError for more contact unknowns than a dense block can hold.
     """
-    with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+    with one_blas_thread():
         return _sliding(part, mesh, order, films)
 
 

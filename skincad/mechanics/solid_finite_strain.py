@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.design import Design
 from skincad.errors import InputError
 from skincad.mechanics import layers, solid
@@ -99,7 +99,7 @@ def solve(
     """Return the coarse answers at `force` N; raises InputError as `answer`, and for too large a pad."""
     check_pad(pad)
     meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, fineness)))
-    with threadpool_limits(limits=1, user_api="blas"):  # as in solid_level.pressed
+    with one_blas_thread():
         body: SolidBody = timed(seconds, "assemble", lambda: body_of(meshed, along))
         return _strains(meshed, body, force, seconds)
 

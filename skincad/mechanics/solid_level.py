@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.mechanics import elements, layers, prisms
 from skincad.mechanics.contact import Contact, press
 from skincad.mechanics.mesh import Sizes, triangles, unit_of
@@ -125,7 +125,7 @@ def pressed(
     Crests lower than the section's by `drops` mm need the whole pad's mesh.
     """
     small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         found: Level = timed(seconds, "contact", lambda: _level(meshed, small, force, scale, drops))
     return found
 
@@ -142,8 +142,7 @@ def condensed_pad(
     half = meshed.whole.length / 2 / meshed.unit
     line = layers.constant() if along is None else layers_of(meshed, along)
     check_size(forms, line)
-    # more BLAS threads only wait for each other on blocks this small
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         small: prisms.Solid = timed(
             seconds,
             "condense",

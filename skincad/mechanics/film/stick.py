@@ -17,8 +17,8 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
-from threadpoolctl import threadpool_limits
 
+from skincad.blas import one_blas_thread
 from skincad.mechanics import elements
 from skincad.mechanics.condense import Condensed, condense
 from skincad.mechanics.contact import press
@@ -93,7 +93,7 @@ def part_of(pad: Pad, thickness: float, halved: bool = True) -> Part:
 
 def level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Level:
     """Solve one order on netgen's mesh of the part: pressed by `force` N, and pulled if asked."""
-    with threadpool_limits(limits=1, user_api="blas"):  # more threads only wait for each other
+    with one_blas_thread():
         return _level(part, mesh, order, force, pull)
 
 
