@@ -20,7 +20,7 @@ from skincad.mechanics.section_points import section_points
 # MB a call of what malloc has given out and not got back: exact, unlike the resident size. A point of an
 # element's map that stays is 160 bytes, 0.05 and 1.3 MB a call here; NGSolve's own tables grow by below 0.002
 KEPT = 0.005
-SLOPE = 0.02  # MB a check of resident memory; 0.4 where element maps were called
+SLOPE = 0.02  # MB a check of resident memory; 0.13 where element maps were called
 CHECKS = 200
 
 CHILD = f"""
