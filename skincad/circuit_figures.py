@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from PIL import Image
 
+from skincad.canvas import Axes, png
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
 from skincad.circuit.gain import CircuitGain
 
@@ -24,28 +20,21 @@ def gain_picture(found: CircuitGain, path: Path) -> None:
 
     The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
     """
-    figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    if found.measured:
-        given = found.measured
-        shifted = given.gain - given.calibration.offset
-        label = f"measured, {-given.calibration.offset:+.4g} dB"
-        axes.semilogx(given.frequency, shifted, ".", color=DATA, markersize=4, label=label)
-    axes.semilogx(found.frequency, found.gain, color=CURVE, linewidth=1.6, label="network")
-    _draw_fit(axes, found)
-    _draw_paper(axes, found)
-    axes.set_xlabel("frequency, Hz")
-    axes.set_ylabel("gain, dB re 1 V/N")
-    axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
-    axes.legend(loc="upper left", fontsize=8)
-    axes.set_title(f"{found.name}: gain of film and amplifier", fontsize=11)
-    drawn = BytesIO()
-    figure.savefig(drawn, metadata={"Software": "skincad"})
-    colours = (
-        Image.open(drawn).convert("RGB").quantize(255, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    )
-    colours.save(path, format="PNG", optimize=True)
+    with png(path, SIZE, DPI, 255) as figure:
+        axes = figure.add_subplot()
+        if found.measured:
+            given = found.measured
+            shifted = given.gain - given.calibration.offset
+            label = f"measured, {-given.calibration.offset:+.4g} dB"
+            axes.semilogx(given.frequency, shifted, ".", color=DATA, markersize=4, label=label)
+        axes.semilogx(found.frequency, found.gain, color=CURVE, linewidth=1.6, label="network")
+        _draw_fit(axes, found)
+        _draw_paper(axes, found)
+        axes.set_xlabel("frequency, Hz")
+        axes.set_ylabel("gain, dB re 1 V/N")
+        axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
+        axes.legend(loc="upper left", fontsize=8)
+        axes.set_title(f"{found.name}: gain of film and amplifier", fontsize=11)
 
 
 def _draw_fit(axes: Axes, found: CircuitGain) -> None:

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
-from PIL import Image
 
+from skincad.canvas import Axes, Figure, PolyCollection, Triangulation, png
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.view import View
 from skincad.quantities import Estimate
@@ -38,27 +32,20 @@ def film_stress_picture(normal: FilmStress, both: FilmStress, path: Path) -> Non
     ridges that both carry as views.
     """
     shown = [r for r in (v.ridge for v in normal.views) if r in {v.ridge for v in both.views}][:2]
-    figure = Figure(figsize=SIZE if shown else (SIZE[0], 4.0), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    columns = 2 * max(1, len(shown))
-    grid = figure.add_gridspec(2 if shown else 1, columns, height_ratios=[1.0, 0.8] if shown else None)
-    left = figure.add_subplot(grid[0, : columns // 2])
-    right = figure.add_subplot(grid[0, columns // 2 :], sharey=left)
-    _draw_ridges(left, normal, f"(a) normal force {normal.force:g} N")
-    _draw_ridges(right, both, f"(b) normal {both.force:g} N, tangential {both.tangential:g} N to +x")
-    left.set_ylabel("mean stress across the film, MPa\n(tension positive)")
-    left.legend(loc="upper left", fontsize=8)
-    if shown:
-        states = [[v for v in each.views if v.ridge in shown] for each in (normal, both)]
-        _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
-    figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
-    figure.suptitle(f"{normal.name}: stress in the ridges")
-    drawn = BytesIO()
-    figure.savefig(drawn, metadata={"Software": "skincad"})
-    colours = (
-        Image.open(drawn).convert("RGB").quantize(255, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    )
-    colours.save(path, format="PNG", optimize=True)
+    with png(path, SIZE if shown else (SIZE[0], 4.0), DPI, 255) as figure:
+        columns = 2 * max(1, len(shown))
+        grid = figure.add_gridspec(2 if shown else 1, columns, height_ratios=[1.0, 0.8] if shown else None)
+        left = figure.add_subplot(grid[0, : columns // 2])
+        right = figure.add_subplot(grid[0, columns // 2 :], sharey=left)
+        _draw_ridges(left, normal, f"(a) normal force {normal.force:g} N")
+        _draw_ridges(right, both, f"(b) normal {both.force:g} N, tangential {both.tangential:g} N to +x")
+        left.set_ylabel("mean stress across the film, MPa\n(tension positive)")
+        left.legend(loc="upper left", fontsize=8)
+        if shown:
+            states = [[v for v in each.views if v.ridge in shown] for each in (normal, both)]
+            _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
+        figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
+        figure.suptitle(f"{normal.name}: stress in the ridges")
 
 
 def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:

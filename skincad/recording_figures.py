@@ -7,11 +7,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from skincad.canvas import Axes, png
 from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.resample import Recording, recorded
 from skincad.errors import InputError
@@ -58,25 +56,23 @@ def recording_picture(found: Simulation, seen: Recorded, path: Path) -> None:
 
     P_A is from the start of the pull to the ridge's slip, P_B from there to gross slip.
     """
-    figure = Figure(figsize=(9.0, 6.4), dpi=100, layout="constrained")
-    FigureCanvasAgg(figure)
-    strips, pair = figure.subplots(2, 1, sharex=True)
-    largest = max(float(np.abs(part.values).max()) for part in (seen.s1, seen.s2, seen.pair))
-    unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
-    for part, name, colour in ((seen.s1, "S1", ONE), (seen.s2, "S2", OTHER)):
-        strips.plot(factor * part.values, color=colour, linewidth=1.0, label=f"ridge {seen.ridge} {name}")
-    pair.plot(factor * seen.pair.values, color=PAIR, linewidth=1.0, label="$v_d$ = S1 - S2")
-    for axes in (strips, pair):
-        _draw_phases(axes, found, seen)
-        axes.set_ylabel(f"output, {unit}")
-        axes.grid(color="#ddd", linewidth=0.6)
-        axes.legend(loc="lower left", fontsize=8)
-    _name_slips(pair, found, seen)
-    pair.set_xlabel(f"sample at {seen.pair.rate:g} Hz\n\n{caption(found, seen)}")
-    figure.suptitle(
-        f"{found.scene.name}: {found.read['circuit']} as recorded at {seen.pair.rate:g} Hz", fontsize=11
-    )
-    figure.savefig(path, metadata={"Software": "skincad"}, format="png")
+    with png(path, (9.0, 6.4), 100) as figure:
+        strips, pair = figure.subplots(2, 1, sharex=True)
+        largest = max(float(np.abs(part.values).max()) for part in (seen.s1, seen.s2, seen.pair))
+        unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
+        for part, name, colour in ((seen.s1, "S1", ONE), (seen.s2, "S2", OTHER)):
+            strips.plot(factor * part.values, color=colour, linewidth=1.0, label=f"ridge {seen.ridge} {name}")
+        pair.plot(factor * seen.pair.values, color=PAIR, linewidth=1.0, label="$v_d$ = S1 - S2")
+        for axes in (strips, pair):
+            _draw_phases(axes, found, seen)
+            axes.set_ylabel(f"output, {unit}")
+            axes.grid(color="#ddd", linewidth=0.6)
+            axes.legend(loc="lower left", fontsize=8)
+        _name_slips(pair, found, seen)
+        pair.set_xlabel(f"sample at {seen.pair.rate:g} Hz\n\n{caption(found, seen)}")
+        figure.suptitle(
+            f"{found.scene.name}: {found.read['circuit']} as recorded at {seen.pair.rate:g} Hz", fontsize=11
+        )
 
 
 def caption(found: Simulation, seen: Recorded) -> str:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import trimesh
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from PIL import Image
 
+from skincad.canvas import Axes, png
 from skincad.curves import polygon
 from skincad.design import Design
 from skincad.fabrication.meshes import upright
@@ -28,19 +24,12 @@ _PIXELS = (640, 760)
 
 def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh], path: Path) -> None:
     """Write a PNG of skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
-    figure = Figure(figsize=(13.2, 7.4), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
-    _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
-    _draw_ridge(figure.add_subplot(grid[1, 0]), design)
-    _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
-    figure.suptitle(design.name)
-    drawn = BytesIO()
-    figure.savefig(drawn, metadata={"Software": "skincad"})
-    colours = (
-        Image.open(drawn).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    )
-    colours.save(path, optimize=True)
+    with png(path, (13.2, 7.4), 110, 128) as figure:
+        grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
+        _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
+        _draw_ridge(figure.add_subplot(grid[1, 0]), design)
+        _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
+        figure.suptitle(design.name)
 
 
 def _show(axes: Axes, title: str) -> None:

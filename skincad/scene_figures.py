@@ -5,12 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
+from skincad.canvas import Axes, ListedColormap, Patch, png
 from skincad.circuit.low_pass import Limited
 from skincad.simulation import Simulation
 
@@ -25,21 +21,19 @@ def scene_picture(found: Simulation, path: Path) -> None:
     The signals are drawn as they come out of the low-pass, later by its delay.
     """
     panels = 2 + 2 * bool(found.signals)
-    figure = Figure(figsize=(WIDTH, PANEL * panels + 0.8), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
-    _forces(axes[0], found)
-    if found.signals:
-        _signals(axes[1], found, "stress-rate, MPa/s", lambda s: s.rate)
-        _signals(axes[2], found, "stress-jerk, MPa/s$^2$", lambda s: s.jerk)
-    _slip_map(axes[-1], found)
-    axes[-1].set_xlabel("step")
-    width = found.scene.readout.bandwidth_Hz
-    figure.suptitle(
-        f"{found.scene.name}: signals band-limited to {width:g} Hz, {1e3 * found.delay:.3g} ms late",
-        fontsize=11,
-    )
-    figure.savefig(path, metadata={"Software": "skincad"}, format="png")
+    with png(path, (WIDTH, PANEL * panels + 0.8), DPI) as figure:
+        axes = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
+        _forces(axes[0], found)
+        if found.signals:
+            _signals(axes[1], found, "stress-rate, MPa/s", lambda s: s.rate)
+            _signals(axes[2], found, "stress-jerk, MPa/s$^2$", lambda s: s.jerk)
+        _slip_map(axes[-1], found)
+        axes[-1].set_xlabel("step")
+        width = found.scene.readout.bandwidth_Hz
+        figure.suptitle(
+            f"{found.scene.name}: signals band-limited to {width:g} Hz, {1e3 * found.delay:.3g} ms late",
+            fontsize=11,
+        )
 
 
 def _forces(axes: Axes, found: Simulation) -> None:

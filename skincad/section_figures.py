@@ -9,16 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import Normalize, to_rgb
-from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 from PIL import Image
 
+from skincad.canvas import (
+    Axes,
+    Normalize,
+    PolyCollection,
+    ScalarMappable,
+    Triangulation,
+    agg,
+    colormaps,
+    own_style,
+    to_rgb,
+)
 from skincad.figures import FILM, MAP, usual
 from skincad.mechanics.film.whole_state import Shown
 
@@ -40,18 +43,21 @@ class Moment:
 
 def section_picture(moment: Moment, path: Path) -> None:
     """Write a PNG of a section, coloured by the stress across the ridges."""
-    _few_colours(_sheet([moment]).drawn(moment), 255).save(path, format="PNG", optimize=True)
+    with own_style():
+        picture = _sheet([moment]).drawn(moment)
+    _few_colours(picture, 255).save(path, format="PNG", optimize=True)
 
 
 def section_animation(moments: Sequence[Moment], path: Path) -> None:
     """Write a GIF of sections, all on one scale of colours and in one frame."""
-    sheet, pictures = _sheet(moments), []
-    for moment in moments:
-        picture = sheet.drawn(moment)
-        height = round(picture.height * FRAME_WIDTH / picture.width)
-        pictures.append(
-            _few_colours(picture.resize((FRAME_WIDTH, height), Image.Resampling.LANCZOS), COLOURS)
-        )
+    pictures = []
+    with own_style():
+        sheet = _sheet(moments)
+        for moment in moments:
+            picture = sheet.drawn(moment)
+            height = round(picture.height * FRAME_WIDTH / picture.width)
+            small = picture.resize((FRAME_WIDTH, height), Image.Resampling.LANCZOS)
+            pictures.append(_few_colours(small, COLOURS))
     times = [round(1000 * SECONDS / len(pictures))] * len(pictures)
     pictures[0].save(
         path, format="GIF", save_all=True, append_images=pictures[1:], duration=times, loop=0, optimize=True
@@ -101,15 +107,13 @@ class _Sheet:
 
 def _sheet(moments: Sequence[Moment]) -> _Sheet:
     left, right, low, high = frame = _frame(moments)
-    figure = Figure(
-        figsize=(WIDTH, WIDTH * (high - low) / (right - left) + 1.2), dpi=DPI, layout="constrained"
-    )
-    canvas, axes, limit = FigureCanvasAgg(figure), figure.add_subplot(), _limit(moments)
+    figure = agg((WIDTH, WIDTH * (high - low) / (right - left) + 1.2), DPI)
+    axes, limit = figure.add_subplot(), _limit(moments)
     scale = ScalarMappable(Normalize(-limit, limit), MAP)
     bar = figure.colorbar(scale, ax=axes, location="bottom", shrink=0.6, aspect=50, extend="both")
     bar.set_label("stress along x, MPa; films black", fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    return _Sheet(canvas, axes, limit, frame)
+    return _Sheet(figure.canvas, axes, limit, frame)
 
 
 def _draw_section(axes: Axes, shown: Shown, limit: float, frame: Frame) -> None:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
-from skincad import figures, load
+from skincad import canvas, load
 from skincad.figures import film_stress_picture
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.stress import film_stresses
@@ -28,13 +28,13 @@ def states() -> tuple[FilmStress, ...]:
 def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, list[Axes], str]:
     """A picture, its axes and its note."""
     drawn: list[Figure] = []
-    monkeypatch.setattr(figures, "FigureCanvasAgg", lambda f: drawn.append(f) or Agg(f))
+    monkeypatch.setattr(canvas, "FigureCanvasAgg", lambda f: drawn.append(f) or Agg(f))
     path = tmp_path / "stress.png"
     film_stress_picture(*states(), path)
     return path, drawn[0].axes, drawn[0].get_supxlabel()
 
 
-Agg = figures.FigureCanvasAgg
+Agg = canvas.FigureCanvasAgg
 
 
 def test_picture_is_900_wide_and_not_blank(written: tuple[Path, list[Axes], str]) -> None:

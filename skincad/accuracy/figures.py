@@ -6,20 +6,14 @@ It is read in grey too: methods differ by marker and by dashes; rungs that no ot
 from __future__ import annotations
 
 import math
-from io import BytesIO
 from pathlib import Path
 from statistics import median
 from textwrap import fill
 from typing import Any
 
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
-from PIL import Image
-
 from skincad.accuracy.ladder import Ladder, Measure, Rung
 from skincad.accuracy.precision import slope
+from skincad.canvas import Axes, NullFormatter, png
 
 STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
     ("#000000", "o", "-"),
@@ -43,25 +37,18 @@ WIDEST, HIGHEST = 56, 52  # letters of a line: a title's, an error axis's
 def diagram(ladder: Ladder, machine: dict[str, Any], path: Path) -> None:
     """Write a PNG of the ladder's first measures; without anything to draw, one that says so."""
     shown = [m for m in ladder.measures if len({r.errors[m.name] for r in _seen(ladder, m)}) > 1][:PANELS]
-    figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(ladder.title, fontsize=11)
-    places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
-    models = list(dict.fromkeys(rung.model for rung in ladder.rungs))
-    style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
-    for axes, measure in zip(places, shown, strict=False):
-        _panel(axes, ladder, measure, style)
-    if not shown:
-        places[0].text(0.5, 0.5, "no rung can be judged on this design", ha="center")
-        places[0].set_axis_off()
-    where = f"{machine['processor']}, {machine['cores']} cores; medians"
-    figure.supxlabel(f"{where}, bars from the shortest to the longest run", fontsize=8, color="#555555")
-    drawn = BytesIO()
-    figure.savefig(drawn, metadata={"Software": "skincad"})
-    colours = (
-        Image.open(drawn).convert("RGB").quantize(255, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    )
-    colours.save(path, format="PNG", optimize=True)
+    with png(path, SIZE, DPI, 255) as figure:
+        figure.suptitle(ladder.title, fontsize=11)
+        places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
+        models = list(dict.fromkeys(rung.model for rung in ladder.rungs))
+        style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
+        for axes, measure in zip(places, shown, strict=False):
+            _panel(axes, ladder, measure, style)
+        if not shown:
+            places[0].text(0.5, 0.5, "no rung can be judged on this design", ha="center")
+            places[0].set_axis_off()
+        where = f"{machine['processor']}, {machine['cores']} cores; medians"
+        figure.supxlabel(f"{where}, bars from the shortest to the longest run", fontsize=8, color="#555555")
 
 
 def _seen(ladder: Ladder, measure: Measure) -> list[Rung]:
