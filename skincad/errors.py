@@ -4,12 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from difflib import get_close_matches
+from typing import Any
 
 LONGEST_KEY, LONGEST_LINE = 200, 1500  # letters that are shown, of a key and of all: a line to be read
 MOST_TOLD = 10  # broken rules in one line
 
 
-class InputError(ValueError):
+class _Portable(Exception):  # noqa: N818
+    """An error that pickles and copies, whatever arguments its class takes: as its text and attributes.
+
+    An exception's own way calls the class with the text alone, which fails in the process that receives it.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (type(self), self.args), self.__dict__
+
+
+def _rebuilt(kind: type[_Portable], args: tuple[Any, ...]) -> _Portable:
+    """Return an error of this kind without calling its `__init__`."""
+    return kind.__new__(kind, *args)
+
+
+class InputError(_Portable, ValueError):
     """What a person wrote cannot be used: key, rule, value and remedy, in one line.
 
     `others` are further rules that the same input breaks, told in the same line. The command line prints it
@@ -41,7 +57,7 @@ class InputError(ValueError):
         return InputError(key, self.rule, self.value, self.remedy, others)
 
 
-class RefusedError(RuntimeError):
+class RefusedError(_Portable, RuntimeError):
     """A computation did not meet its own check, so there is no result; the command line exits with 1."""
 
 

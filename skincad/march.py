@@ -32,7 +32,8 @@ class March:
 
     `stopped` says why the march ended early, None at its end; `failed` whether that was a step that did not
     converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` of the march. `states`
-    are the model's own of the steps that were to be kept, and the last; `model` is what it advanced.
+    are the model's own of the steps that were to be kept, and the last; `model` is what it advanced. Neither
+    states nor model are in a pickle or a copy: they hold the FE library's own objects.
     """
 
     time: Array
@@ -44,6 +45,9 @@ class March:
     seconds: float
     states: Mapping[int, Any] = field(default_factory=dict)
     model: Model | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "states": {}, "model": None}
 
     @property
     def interrupted(self) -> bool:
