@@ -8,6 +8,7 @@ silently.
 from __future__ import annotations
 
 import math
+import os
 import sys
 from dataclasses import replace
 
@@ -39,6 +40,7 @@ try:
     from OCP.Geom import Geom_BezierCurve
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
+    from OCP.STEPControl import STEPControl_Controller
     from OCP.TColgp import TColgp_Array1OfPnt
     from OCP.TopAbs import TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
@@ -58,6 +60,24 @@ VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's f
 
 class KernelError(RefusedError):
     """The CAD kernel's solid is not valid, or its volume is not the plan's."""
+
+
+def _load_messages() -> None:
+    """Have the kernel take its own STEP messages now: it looks for `XSTEP.us` in the working directory, and a
+    file of that name which is not its own ends every STEP file later.
+    """
+    names = ("CSF_XSMessage", "CSF_SHMessage")
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, os.devnull))  # no folder: what is built in counts
+    STEPControl_Controller.Init_s()
+    for name, value in before.items():
+        if value is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = value
+
+
+_load_messages()
 
 
 def solid(part: Part) -> cq.Solid:

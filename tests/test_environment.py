@@ -1,0 +1,71 @@
+"""What other programs' settings say, in the working directory or the environment, changes no file of ours."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+from skincad.circuit.gain import circuit_gain
+from skincad.circuit.model import load_circuit
+from skincad.circuit_figures import gain_picture
+
+FILES = {
+    "matplotlibrc": "savefig.dpi: 30\ntext.usetex: True\nfont.size: 20\nbackend: nonsense\n",
+    "ezdxf.ini": "[core]\nwrite_fixed_meta_data_for_testing = false\ndisable_c_ext = true\n",
+    "XSTEP.us": "write.step.unit : INCH\n",
+}
+WRITERS = """
+from pathlib import Path
+import skincad
+from skincad.circuit.gain import circuit_gain
+from skincad.circuit.model import load_circuit
+from skincad.circuit_figures import gain_picture
+from skincad.export import write_section_dxf, write_step
+from skincad.solids.occ import workplane
+from skincad.solids.skin import skin_part
+design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})
+gain_picture(circuit_gain(load_circuit("yamada-2002")), Path("gain.png"))
+write_section_dxf(design, Path("section.dxf"))
+write_step(workplane(skin_part(design)), Path("skin.step"))
+"""
+
+
+def written(folder: Path, **environment: str) -> dict[str, bytes]:
+    environment = {**os.environ, **environment}
+    done = subprocess.run(
+        [sys.executable, "-c", WRITERS],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return {name: (folder / name).read_bytes() for name in ("gain.png", "section.dxf", "skin.step")}
+
+
+@pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline"])
+def test_same_bytes_whatever_rc_files_and_backends_say(backend: str, tmp_path: Path) -> None:
+    clean, hostile = tmp_path / "clean", tmp_path / "hostile"
+    for folder in (clean, hostile):
+        folder.mkdir()
+    for name, text in FILES.items():
+        (hostile / name).write_text(text)
+    ini = str(hostile / "ezdxf.ini")
+    assert written(hostile, MPLBACKEND=backend, EZDXF_CONFIG_FILE=ini) == written(clean)
+
+
+def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:
+    found = circuit_gain(load_circuit("yamada-2002"))
+    gain_picture(found, tmp_path / "before.png")
+    with matplotlib.rc_context({"savefig.dpi": 30, "font.size": 20.0, "backend": "svg"}):
+        before = dict(matplotlib.rcParams)
+        gain_picture(found, tmp_path / "after.png")
+        assert dict(matplotlib.rcParams) == before
+        assert matplotlib.get_backend() == "svg"
+    assert (tmp_path / "after.png").read_bytes() == (tmp_path / "before.png").read_bytes()
