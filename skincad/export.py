@@ -10,6 +10,7 @@ import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING
 
 import ezdxf
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     import cadquery as cq
 
     from skincad.solids.mold import Mold
+
+_ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
 
 
 def write_step(solid: cq.Workplane, path: Path) -> None:
@@ -164,12 +167,13 @@ def _write_dxf(
 @contextmanager
 def _no_clock() -> Iterator[None]:
     """Have the DXF library write constant times and identifiers, in here only."""
-    before = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
-    try:
-        yield
-    finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
+    with _ONE_AT_A_TIME:
+        before = ezdxf.options.write_fixed_meta_data_for_testing
+        ezdxf.options.write_fixed_meta_data_for_testing = True
+        try:
+            yield
+        finally:
+            ezdxf.options.write_fixed_meta_data_for_testing = before
 
 
 def write_section_svg(design: Design, path: Path) -> None:
