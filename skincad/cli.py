@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from traceback import print_exc
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TextIO
 
 import typer
 
 import skincad
 from skincad.bars import stage_bar, step_bar
-from skincad.errors import InputError, RefusedError, shown
+from skincad.errors import ExhaustedError, InputError, RefusedError, exhausted, shown
 from skincad.strictjson import strict_json
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+
+TRACEBACK = "SKINCAD_TRACEBACK"  # the environment variable that lets a traceback of skincad's own faults pass
 
 # typer carries a parser of its own; its public BadParameter leads to the base of its errors
 _USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[2]
@@ -50,34 +52,72 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object 
 
 
 def main() -> None:
-    """Run the command line; exit 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that no half-written folder is left
+    """Run the command line and exit: 0 done, 1 a check failed, 2 bad input, 3 a resource ran out or skincad
+    itself failed, 130 interrupted, 143 terminated."""
     arguments = sys.argv[1:] or ["--help"]
     try:
-        status = typer.main.get_command(app).main(arguments, prog_name="skincad", standalone_mode=False)
-        sys.stdout.flush()
+        status = run(arguments)
     except InputError as failure:
         _leave(str(failure), 2)
     except _USAGE_ERROR as failure:
         text = failure.format_message() if hasattr(failure, "format_message") else str(failure)
         _leave(f"{text} (see skincad --help)", 2)
-    except RefusedError as failure:
-        if "--json" in arguments:
-            print(json.dumps({"passed": False, "error": str(failure)}))
-        _leave(str(failure), 1)
     except BrokenPipeError:  # the reader of our output has had enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    except OSError as failure:
-        _leave(f"cannot write the output ({failure.strerror})", 1)
-    except (KeyboardInterrupt, typer.Abort):
+        _drop(sys.stdout)
+        status = 0
+    except KeyboardInterrupt:
         _leave("interrupted", 130)
-    sys.exit(status if isinstance(status, int) else 0)
-
-
-def _leave(message: str, status: int) -> None:
-    print(f"skincad: {shown(' '.join(message.split()))}", file=sys.stderr)
+    except SystemExit as end:  # SIGTERM's
+        _leave("terminated", int(end.code or 0))
+    except Exception as failure:  # whatever it is, no traceback reaches a user who has not asked for it
+        if os.environ.get(TRACEBACK):
+            print_exc()
+        _leave(*_last_words(failure), as_json="--json" in arguments)
     sys.exit(status)
+
+
+def run(arguments: list[str]) -> int:
+    """Run a command and return its status; signals may break in here, and only here (`__main__.py`)."""
+    status = 0
+    try:
+        with typer.main.get_command(app).make_context("skincad", arguments) as context:
+            context.command.invoke(context)
+    except typer.Exit as end:
+        status = end.exit_code
+    sys.stdout.flush()
+    return status
+
+
+def _last_words(failure: Exception) -> tuple[str, int]:
+    """Return the line that tells of a failure that is nobody's input, and its status."""
+    if lacking := exhausted(failure):
+        return f"out of {lacking} ({failure or type(failure).__name__}); allow more, or ask for less", 3
+    if isinstance(failure, RefusedError):
+        return str(failure), 3 if isinstance(failure, ExhaustedError) else 1
+    what = f"internal error: {type(failure).__name__}: {failure}"
+    return f"{what}; please report it with its traceback, which {TRACEBACK}=1 shows", 3
+
+
+def _leave(message: str, status: int, *, as_json: bool = False) -> NoReturn:
+    """Exit with a line on stderr, and the same as an object on stdout where that is asked for."""
+    line = shown(" ".join(message.split()))
+    _say(sys.stdout, json.dumps({"passed": False, "error": line}) + "\n" if as_json else "")
+    _say(sys.stderr, f"skincad: {line}\n")
+    sys.exit(status)
+
+
+def _say(stream: TextIO, text: str) -> None:
+    """Write where that can be; to whom it does not reach, the status tells what matters."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except OSError:
+        _drop(stream)
+
+
+def _drop(stream: TextIO) -> None:
+    """Let go whatever is still to be written to a stream, lest Python try again and fail at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _version(asked: bool) -> None:
@@ -315,7 +355,7 @@ def simulate(
     from skincad.simulation import simulate as run
 
     with step_bar(loaded.history.steps) as tick:
-        found = run(loaded, tol=tol, budget=budget, tick=tick)
+        found = run(loaded, tol=tol, budget=budget, tick=tick, partial=True)
     files = write_scene(found, target)
     _print(found.as_json(), as_json, [*scene_lines(found), f"{len(files)} files in {target}"])
     if found.march.interrupted:
@@ -411,4 +451,8 @@ def fit_material(
 
 
 def _print(data: dict[str, Any], as_json: bool, lines: list[str]) -> None:
-    print(strict_json(data) if as_json else "\n".join(map(shown, lines)))
+    """Print a command's result. A reader who has had enough, as `head`, does not change its status."""
+    try:
+        print(strict_json(data) if as_json else "\n".join(map(shown, lines)), flush=True)
+    except BrokenPipeError:
+        _drop(sys.stdout)

@@ -1,13 +1,26 @@
-"""The two error types that leave the package: bad input, and a result that is not accepted."""
+"""The error types that leave the package: bad input, a result that is not accepted, and too few resources."""
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from difflib import get_close_matches
+from types import TracebackType
 from typing import Any
 
 LONGEST_KEY, LONGEST_LINE = 200, 1500  # letters that are shown, of a key and of all: a line to be read
 MOST_TOLD = 10  # broken rules in one line
+# what the system and the libraries say of a resource that has run out: error numbers, and words of errors
+# that have no number (C++'s own, netgen's, the dynamic linker's, Python's threads')
+_RAN_OUT = {
+    "memory": (
+        {errno.ENOMEM},
+        ("bad_alloc", "ould not allocate", "annot allocate", "failed to map segment", "enough memory"),
+    ),
+    "threads or processes": ({errno.EAGAIN}, ("start new thread", "Resource temporarily unavailable")),
+    "open files": ({errno.EMFILE, errno.ENFILE}, ()),
+    "space on the disk": ({errno.ENOSPC, errno.EDQUOT}, ()),
+}
 
 
 class _Portable(Exception):  # noqa: N818
@@ -59,6 +72,43 @@ class InputError(_Portable, ValueError):
 
 class RefusedError(_Portable, RuntimeError):
     """A computation did not meet its own check, so there is no result; the command line exits with 1."""
+
+
+class ExhaustedError(RefusedError):
+    """Memory or another resource ran out: what is asked needs more. The command line exits with 3."""
+
+
+class needing:  # noqa: N801
+    """A block that may ask for more than there is: where it does, ExhaustedError says so of `what`."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+
+    def __enter__(self) -> None:
+        """Begin the block."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, failure: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Raise ExhaustedError in the place of whatever a library made of it; let all else pass."""
+        if failure is not None and (lacking := exhausted(failure)):
+            failure.__traceback__ = None  # its frames hold what was to be given back
+            raise ExhaustedError(
+                f"{self.what} needs more {lacking} than there is; allow more, or ask for less"
+            ) from None
+
+
+def exhausted(failure: BaseException) -> str:
+    """Return which resource ran out by any library's error, or ""; "" too for this package's own errors."""
+    if isinstance(failure, InputError | RefusedError):
+        return ""
+    if isinstance(failure, MemoryError):
+        return "memory"
+    number, text = getattr(failure, "errno", None), str(failure)
+    for resource, (numbers, words) in _RAN_OUT.items():
+        if number in numbers or any(word in text for word in words):
+            return resource
+    return ""
 
 
 def together(errors: Sequence[InputError]) -> InputError:

@@ -68,14 +68,16 @@ def march(
     keep: Collection[int] = (),
     mass: float = 0.0,
     limits: Limits = ENDLESS,
+    partial: bool = False,
 ) -> March:
     """Return the march of a model through `drives` at `times` `(steps + 1,)` s; `tick` is told each step.
 
     The plate's `mass`, g, counts where a term asks for masses. States of the steps in `keep` are kept. Gross
     slip ends it, for a plate driven by force has no equilibrium then; its entry is the state that just slips.
-    A step that does not converge or goes beyond `limits` ends it, so does Ctrl-C, and so does what collides
-    unseen: that is looked for every WINDOW steps and at the end. Where it is found the march goes back to
-    where it last looked, and on from there looking at each step.
+    A step that does not converge or goes beyond `limits` ends it, and so does what collides unseen: that is
+    looked for every WINDOW steps and at the end. Where it is found the march goes back to where it last
+    looked, and on from there looking at each step. Ctrl-C ends it where what is done by then is wanted
+    (`partial`), and raises KeyboardInterrupt otherwise.
     """
     began, path = perf_counter(), _Path(model, limits, keep)
     stopped, failed = None, False
@@ -102,6 +104,8 @@ def march(
             elif tick and not stopped:
                 tick(i)
     except KeyboardInterrupt:
+        if not partial:
+            raise
         stopped = INTERRUPTED
         if path.collision():
             path.back()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial as bound
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from skincad.blas import one_blas_thread
 from skincad.circuit.low_pass import Limited, band_limited, delay
 from skincad.effects.kinds import Body, Readout, Watched
-from skincad.errors import InputError, RefusedError
+from skincad.errors import InputError, RefusedError, needing
 from skincad.levels import LEVELS, Level, expected
 from skincad.march import INTERRUPTED, March, march
 from skincad.moments import kept_steps
@@ -139,6 +140,7 @@ def simulate(
     tol: float | None = None,
     budget: float | None = None,
     tick: Tick | None = None,
+    partial: bool = False,
 ) -> Simulation:
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
@@ -148,6 +150,8 @@ def simulate(
     The error is the change from the mesh before; `budget` s ends the climb before a mesh that would overrun
     it, but the coarsest is marched whatever it takes; alone it asks for the best that it buys. `tick` is told
     stage, step and the seconds left. A march that stops early is a result: its `march.stopped` says why.
+    With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
+    another resource does not suffice for the coarsest mesh.
     """
     _check_asked(tol, budget)
     wanted, began = tol or DEFAULT_TOLERANCE, perf_counter()
@@ -161,22 +165,11 @@ def simulate(
     for level, following in zip(LEVELS, (*LEVELS[1:], None), strict=True):
         spent: dict[str, float] = {}
         rest = following if before is None and budget is None else None  # two meshes are the least
-        try:
-            found = _march(scene, part, level, films, meshes, spent, tick, rest)
-        except (InputError, RefusedError) as refusal:
-            if before is None:
-                raise
-            short.append(f"a finer mesh is refused ({refusal}); the one before counts")
-            found = before
-            break
+        run = bound(_march, scene, part, level, films, meshes, spent, tick, rest, partial)
+        found = _or_before(run, before, met, partial, short)
         for stage, more in spent.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
-        if found.interrupted and before is not None:
-            found = replace(before, stopped=INTERRUPTED)  # the whole march before says more than a part
-            break
-        if found.failed and met and before is not None:  # only a budget climbs on from what is good enough
-            short.append(f"a finer mesh stopped at {found.stopped}; the one before counts")
-            found = before
+        if before is not None and found.readings is before.readings:
             break
         if before is not None:
             error, reached = _errors(part, scene, before, found)
@@ -204,6 +197,29 @@ def _check_asked(tol: float | None, budget: float | None) -> None:
         raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
     if budget is not None and not 0 < budget < np.inf:
         raise InputError("--budget", "must be above 0 s", budget)
+
+
+def _or_before(
+    run: Callable[[], March], before: March | None, met: bool, partial: bool, short: list[str]
+) -> March:
+    """Return the march on the next mesh, or that `before` where it says more; `short` gets why."""
+    try:
+        found = run()
+    except KeyboardInterrupt:
+        if not partial or before is None:
+            raise
+        return replace(before, stopped=INTERRUPTED)
+    except (InputError, RefusedError) as refusal:
+        if before is None:
+            raise
+        short.append(f"a finer mesh is refused ({refusal}); the one before counts")
+        return before
+    if found.interrupted and before is not None:
+        return replace(before, stopped=INTERRUPTED)  # a whole march says more than a part
+    if found.failed and met and before is not None:  # only a budget climbs on from what is good enough
+        short.append(f"a finer mesh stopped at {found.stopped}; the one before counts")
+        return before
+    return found
 
 
 def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:
@@ -249,23 +265,18 @@ def _march(
     seconds: dict[str, float],
     tick: Tick | None,
     following: Level | None = None,
+    partial: bool = False,
 ) -> March:
     """March on one mesh; `seconds` get its stages, `tick` the time left, with that of a level `following`."""
-    from skincad.mechanics.film.rungs import RUNGS
-    from skincad.mechanics.mesh import default_sizes, triangles
-
     stage = f"fineness {level.fineness:g}, order {level.order}"
     if tick:
         tick(stage, 0)
     marks = [perf_counter()]
-    if level.fineness not in meshes:
-        fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
-        sizes = fine.sizes(part) if part.pad.strips else default_sizes(part.pad, level.fineness)
-        meshes[level.fineness] = triangles(part.pad, sizes)
-    mesh = meshes[level.fineness]
-    marks.append(perf_counter())
-    model = scene.law.model(part, mesh, level.order, films, scene.terms)
-    marks.append(perf_counter())
+    with needing(f"the mesh of {stage}"):
+        mesh = _meshed(part, level, meshes)
+        marks.append(perf_counter())
+        model = scene.law.model(part, mesh, level.order, films, scene.terms)
+        marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
     spent = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
 
@@ -276,11 +287,24 @@ def _march(
             tick(stage, step, whole * (1 - step / history.steps) + after)
 
     # to ask for one thread at each step takes longer than the step
-    with one_blas_thread():
+    with needing(f"the march on the mesh of {stage}"), one_blas_thread():
         times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
-        found = march(model, times, drives, scene.terms, told, kept_steps(scene), mass, ends)
+        keep = kept_steps(scene)
+        found = march(model, times, drives, scene.terms, told, keep, mass, ends, partial)
     seconds |= {**spent, "march": found.seconds}
     return found
+
+
+def _meshed(part: Part, level: Level, meshes: dict[float, object]) -> object:
+    """Return the level's mesh, of those made already where it is among them."""
+    from skincad.mechanics.film.rungs import RUNGS
+    from skincad.mechanics.mesh import default_sizes, triangles
+
+    if level.fineness not in meshes:
+        fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
+        sizes = fine.sizes(part) if part.pad.strips else default_sizes(part.pad, level.fineness)
+        meshes[level.fineness] = triangles(part.pad, sizes)
+    return meshes[level.fineness]
 
 
 def _differential(part: Part, scene: Scene, found: March) -> dict[int, Array]:

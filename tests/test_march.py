@@ -63,7 +63,8 @@ class _Failing(Condensed):
 def test_what_cannot_go_on_stops_with_what_it_has(failure: BaseException) -> None:
     model = _Failing(block().pad, block().skin)
     object.__setattr__(model, "failure", failure)
-    found = march(model, TIMES, [Drive(0.5 * i, 0.0) for i in range(5)], [Friction(coefficient=0.5)])
+    drives = [Drive(0.5 * i, 0.0) for i in range(5)]
+    found = march(model, TIMES, drives, [Friction(coefficient=0.5)], partial=True)
     assert len(found.readings) == found.time.size == 3
     assert found.failed == isinstance(failure, ContactError)
     assert found.interrupted == isinstance(failure, KeyboardInterrupt)

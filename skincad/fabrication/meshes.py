@@ -11,6 +11,7 @@ from manifold3d import Manifold, Mesh64, OpType, triangulate
 from numpy.typing import NDArray
 
 from skincad import curves
+from skincad.errors import needing
 from skincad.solids.grid import turn_steps
 from skincad.solids.plan import (
     Body,
@@ -40,10 +41,14 @@ def manifold(part: Part, tolerance: float) -> Manifold:
 
 
 def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
-    """Return the part's mesh in the mold's frame, mm, with 64-bit corners."""
-    raw = manifold(part, tolerance).to_mesh64()
-    corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)
-    return trimesh.Trimesh(corners, faces, process=False, validate=False)
+    """Return the part's mesh in the mold's frame, mm, with 64-bit corners.
+
+    Raises ExhaustedError where memory does not suffice.
+    """
+    with needing(f"the mesh of {part.name}"):
+        raw = manifold(part, tolerance).to_mesh64()
+        corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)
+        return trimesh.Trimesh(corners, faces, process=False, validate=False)
 
 
 def upright(shape: trimesh.Trimesh) -> trimesh.Trimesh:

@@ -64,13 +64,23 @@ def condense(matrix: sparse.csr_matrix, interior: Index, contact: Index) -> Cond
     return factorise(matrix, np.concatenate([fill_order(matrix, interior), contact]), contact.size)
 
 
+def factors(block: sparse.csc_matrix) -> Any:
+    """Return SuperLU's factors in the order given, as far as it can be kept; ContactError for a singular
+    matrix."""
+    try:
+        return splu(block, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as failure:
+        if "singular" not in str(failure):
+            raise
+        raise ContactError("the stiffness is singular") from None
+
+
 def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
     """Return `condense` for a given order, whose last `k` are the contact unknowns.
 
     Over a Newton run the pattern stays, and with it the order from `fill_order`.
     """
-    block = sparse.csc_matrix(matrix[order][:, order])
-    factor = splu(block, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factor = factors(sparse.csc_matrix(matrix[order][:, order]))
     natural = np.arange(order.size)
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise ContactError("the factorisation left the given order; the stiffness is not positive definite")

@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
-from scipy.sparse.linalg import splu
 
 from skincad.mechanics import neo_hooke
-from skincad.mechanics.condense import fill_order
+from skincad.mechanics.condense import factors, fill_order
 from skincad.mechanics.elements import Assembled
 from skincad.mechanics.frictional import grip
 from skincad.mechanics.grip import Cone, Drive, Grip, GrossSlip, Pressed, at_rest
@@ -140,15 +139,7 @@ def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
     pad.kept.clear()
     matrix = neo_hooke.tangent(pad.body, values, residual).matrix
     k, order = pad.contact.size, pad.order
-    try:
-        factor = splu(
-            sparse.csc_matrix(matrix[order][:, order]),
-            permc_spec="NATURAL",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError:  # SuperLU's own error
-        raise ContactError("the tangent stiffness is singular") from None
+    factor = factors(sparse.csc_matrix(matrix[order][:, order]))
     if not np.array_equal(factor.perm_r, np.arange(order.size)):
         raise ContactError("the tangent stiffness is singular")
     # the trailing block is L D L^T, D the diagonal of U, of either sign

@@ -16,7 +16,7 @@ from netgen.geom2d import SplineGeometry
 from netgen.meshing import NgException
 
 from skincad.curves import Loop, Point, Segment
-from skincad.errors import InputError
+from skincad.errors import InputError, exhausted
 from skincad.mechanics.problem import Pad
 from skincad.section import CONTACT_KINDS
 
@@ -79,6 +79,8 @@ def triangles(pad: Pad, sizes: Sizes) -> Any:
         try:
             return _geometry(pad, sizes).GenerateMesh(maxh=sizes.bulk / unit, grading=share * sizes.grading)
         except NgException as caught:
+            if exhausted(caught):
+                raise
             failure = caught
     text = f"netgen finds no mesh ({failure})"
     raise InputError("section", text, remedy="make thin parts thicker")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from skincad.design import Design
-from skincad.errors import InputError, did_you_mean
+from skincad.errors import InputError, did_you_mean, needing
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.problem import Answer, Request
 from skincad.stopwatch import Progress
@@ -78,11 +78,15 @@ def below(name: str) -> list[str]:
 def run(
     name: str, design: Design, request: Request, done: dict[str, Answer], progress: Progress | None
 ) -> Answer:
-    """Return a tier's answer; it and what it builds on go into `done`, from where nothing is solved twice."""
+    """Return a tier's answer; it and what it builds on go into `done`, from where nothing is solved twice.
+
+    Raises ExhaustedError where memory or another resource does not suffice.
+    """
     if name not in done:
         tier = TIERS[name]
         on = [run(other, design, request, done, progress) for other in tier.on]
-        done[name] = load(name)(design, request, progress, *on)
+        with needing(f"the {name} tier"):
+            done[name] = load(name)(design, request, progress, *on)
     return done[name]
 
 

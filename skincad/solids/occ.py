@@ -14,9 +14,10 @@ from dataclasses import replace
 
 from skincad import curves
 from skincad.curves import Loop, Segment
-from skincad.errors import InputError, RefusedError
+from skincad.errors import InputError, RefusedError, needing
 from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Reaching, Revolved, Turned, own
 
+NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing
 try:
     import cadquery as cq
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
@@ -46,8 +47,10 @@ try:
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
     from OCP.TopTools import TopTools_ListOfShape
-except ImportError as failure:  # a bare Linux has no libGL and libX11
-    raise InputError(
+except ImportError as failure:
+    if NO_LIBRARY not in str(failure):
+        raise
+    raise InputError(  # a bare Linux has no libGL and libX11
         "the CAD kernel",
         f"cannot be loaded ({failure})",
         remedy="on Debian or Ubuntu: apt-get install libgl1 libx11-6",
@@ -81,9 +84,16 @@ _load_messages()
 
 
 def solid(part: Part) -> cq.Solid:
-    """Return the part's exact solid, mm. Raises KernelError unless it is one valid solid of its volume."""
+    """Return the part's exact solid, mm. Raises KernelError unless it is one valid solid of its volume, and
+    ExhaustedError where memory does not suffice.
+    """
+    with needing(f"the solid of {part.name}"):
+        return _checked_solid(part)
+
+
+def _checked_solid(part: Part) -> cq.Solid:
     if isinstance(part.body, Turned):
-        return cq.Solid(_only_solid(_turned(solid(own(part)).wrapped, part.body), part.name))
+        return cq.Solid(_only_solid(_turned(_checked_solid(own(part)).wrapped, part.body), part.name))
     part = replace(part, body=_flattened(part.body))
     result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
