@@ -91,7 +91,7 @@ def run(arguments: list[str]) -> int:
 def _last_words(failure: Exception) -> tuple[str, int]:
     """Return the line that tells of a failure that is nobody's input, and its status."""
     if lacking := exhausted(failure):
-        return f"out of {lacking} ({failure or type(failure).__name__}); allow more, or ask for less", 3
+        return f"out of {lacking} ({str(failure) or type(failure).__name__}); allow more, or ask for less", 3
     if isinstance(failure, RefusedError):
         return str(failure), 3 if isinstance(failure, ExhaustedError) else 1
     what = f"internal error: {type(failure).__name__}: {failure}"

@@ -92,7 +92,8 @@ class needing:  # noqa: N801
     ) -> None:
         """Raise ExhaustedError in the place of whatever a library made of it; let all else pass."""
         if failure is not None and (lacking := exhausted(failure)):
-            failure.__traceback__ = None  # its frames hold what was to be given back
+            failure.__traceback__ = None  # its frames hold what is to be given back
+            del trace
             raise ExhaustedError(
                 f"{self.what} needs more {lacking} than there is; allow more, or ask for less"
             ) from None

@@ -122,7 +122,11 @@ def make(
     if unknown:
         raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))
     target = Path("out") / design.name if folder is None else Path(folder)
-    checked_folder(target)
+    real = checked_folder(target)
+    if (text := str(real)).encode("utf-8", "replace").decode(
+        "utf-8"
+    ) != text:  # the CAD kernel takes no other
+        raise InputError("-o", "must be UTF-8", text, "name another folder, or set LC_ALL=C.UTF-8")
     closed = mold(design)  # bad input is told before the CAD kernel loads
     _import_everything()
     watch = Stopwatch(progress)

@@ -72,6 +72,13 @@ def test_what_cannot_go_on_stops_with_what_it_has(failure: BaseException) -> Non
         assert found.stopped == "step 3, t = 0.75 s: the sets do not settle"
 
 
+def test_ctrl_c_goes_on_to_a_caller_who_does_not_ask_for_a_part() -> None:
+    model = _Failing(block().pad, block().skin)
+    object.__setattr__(model, "failure", KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        march(model, TIMES, [Drive(0.5 * i, 0.0) for i in range(5)], [Friction(coefficient=0.5)])
+
+
 class Softer(Law):
     """A law that makes every compliance larger."""
 

@@ -9,11 +9,13 @@ import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from skincad import simulation
+from skincad.errors import ExhaustedError
 from skincad.levels import LEVELS, Level
 from skincad.scene import load_scene
 from skincad.simulation import Simulation, simulate
@@ -338,3 +340,44 @@ def test_ctrl_c_leaves_what_is_done(whole_first: bool, monkeypatch: pytest.Monke
     found = simulate(scene, tick=tick, partial=True)
     assert found.march.interrupted
     assert found.as_json()["steps"] == (5 if whole_first else 3)
+
+
+@pytest.mark.parametrize("moment", [0, 3])
+def test_ctrl_c_between_two_meshes_or_in_the_second(moment: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the first mesh gave is there for who asks for it; a Python caller gets the interrupt."""
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:2])
+    stages: set[str] = set()
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        stages.add(stage)
+        if len(stages) == 2 and step == moment:
+            raise KeyboardInterrupt
+
+    scene = load_scene("yamada-2002-press", ["history.steps=5"])
+    found = simulate(scene, tick=tick, partial=True)
+    assert found.march.interrupted
+    assert found.as_json()["steps"] == 5
+    stages.clear()
+    with pytest.raises(KeyboardInterrupt):
+        simulate(scene, tick=tick)
+
+
+def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:2])
+    meshed, most = simulation._meshed, 1
+
+    def without(part: Any, level: Any, meshes: Any) -> object:
+        if level in LEVELS[most:]:
+            raise MemoryError
+        return meshed(part, level, meshes)
+
+    monkeypatch.setattr(simulation, "_meshed", without)
+    scene = load_scene("yamada-2002-press", ["history.steps=5"])
+    found = simulate(scene)
+    assert found.as_json()["steps"] == 5
+    assert any("a finer mesh is left out" in w and "needs more memory" in w for w in found.warnings)
+    most = 0
+    with pytest.raises(ExhaustedError, match="needs more memory than there is"):
+        simulate(scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import subprocess
@@ -10,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from netgen.meshing import NgException
 
 from skincad.catalog import load, template_names
-from skincad.errors import InputError, RefusedError
+from skincad.errors import ExhaustedError, InputError, RefusedError
 from skincad.mechanics import check as check_module
 from skincad.mechanics import prices, tiers
 from skincad.mechanics.check import check
@@ -386,6 +388,45 @@ def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.Monke
     assert any("the corrected tier" in w and "does not balance" in w for w in found.warnings)
     with pytest.raises(RefusedError, match="does not balance"):
         check(reference(), tol=0.1)  # corrected comes first: there is none before
+
+
+NOTHING_LEFT = {
+    "Python's": MemoryError,
+    "numpy's": lambda: np.empty(2**60),
+    "NGSolve's": lambda: NgException("Could not allocate localheap, heapsize = 200000000"),
+    "C++'s": lambda: RuntimeError("std::bad_alloc"),
+    "the linker's": lambda: ImportError("libngfem.so: failed to map segment from shared object"),
+    "the system's": lambda: OSError(errno.ENOMEM, "Cannot allocate memory"),
+}
+
+
+@pytest.mark.parametrize("kind", NOTHING_LEFT)
+def test_a_tier_that_runs_out_of_memory_leaves_what_it_builds_on(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def too_large(*_: object) -> Answer:
+        raise NOTHING_LEFT[kind]()
+
+    load_tier, lacking = tiers.load, {"corrected"}
+    small = filleted().with_(ridge={"count": 2}, skin={"width": 3.0}, contact={"force": 1.0})
+    monkeypatch.setattr(tiers, "load", lambda name: too_large if name in lacking else load_tier(name))
+    found = check(small, tol=0.1)  # begins with corrected
+    assert found.tier == "linear"
+    assert any("the corrected tier needs more memory" in w for w in found.warnings)
+    lacking.add("linear")
+    with pytest.raises(ExhaustedError, match="the linear tier needs more memory than there is"):
+        check(small)
+
+
+def test_a_climb_that_runs_out_of_memory_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_large(*_: object) -> Answer:
+        raise MemoryError
+
+    load_tier = tiers.load
+    monkeypatch.setattr(tiers, "load", lambda name: too_large if name == "corrected" else load_tier(name))
+    found = check(reference())
+    assert found.tier == "linear"
+    assert any("the corrected tier needs more memory" in w for w in found.warnings)
 
 
 def test_a_tier_is_priced_by_its_unknowns() -> None:

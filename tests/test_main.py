@@ -1,0 +1,358 @@
+"""The process as a shell meets it: closed and full descriptors, encodings, limits, signals."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import FunctionType
+
+import pytest
+
+from skincad import __main__ as process
+from skincad import cli
+from skincad.design import Design
+from skincad.errors import ExhaustedError, InputError, RefusedError
+from skincad.job import make
+
+CHECK = "check plain-ridges --tier winkler"  # numpy alone: no library that takes long to load
+FAILS = f"{CHECK} --force 1"
+SKINCAD = f"{sys.executable} -m skincad"
+
+
+def shell(line: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    """Run a line in bash, as a user writes it."""
+    return subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {line}"],
+        cwd=cwd, env={**os.environ, **environment}, capture_output=True, check=False, timeout=300,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "status"),
+    [("templates 2>&-", 0), (f"{FAILS} >&-", 1), ("templates <&- >&- 2>&-", 0), ("new x.pdf 2>&-", 2)],
+)
+def test_closed_descriptors_change_no_status(line: str, status: int, tmp_path: Path) -> None:
+    done = shell(f"{SKINCAD} {line}", tmp_path)
+    assert (done.returncode, done.stderr) == (status, b"")
+    assert bool(done.stdout) == (line == "templates 2>&-")
+
+
+def test_a_file_never_takes_the_place_of_a_closed_descriptor(tmp_path: Path) -> None:
+    """The files are written, and what is printed to the closed stdout goes into none of them."""
+    assert shell(f"{SKINCAD} new open/mine.toml", tmp_path).returncode == 0
+    assert shell(f"{SKINCAD} new closed/mine.toml <&- >&- 2>&-", tmp_path).returncode == 0
+    for path in (tmp_path / "open").iterdir():
+        assert path.read_bytes() == (tmp_path / "closed" / path.name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("command", "status", "buffered"),
+    [(CHECK, 0, ""), (CHECK, 0, "1"), (FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")],
+)
+def test_a_reader_who_has_had_enough_changes_no_status(
+    command: str, status: int, buffered: str, tmp_path: Path
+) -> None:
+    done = shell(f"{SKINCAD} {command} | true", tmp_path, PYTHONUNBUFFERED=buffered)
+    assert (done.returncode, done.stderr) == (status, b"")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+@pytest.mark.parametrize(
+    ("command", "buffered"), [(f"{CHECK} --json", ""), ("templates", "1"), ("--help", "")]
+)
+def test_a_result_that_cannot_be_written_has_status_3(command: str, buffered: str, tmp_path: Path) -> None:
+    done = shell(f"{SKINCAD} {command} >/dev/full", tmp_path, PYTHONUNBUFFERED=buffered)
+    assert done.returncode == 3
+    assert done.stderr.startswith(b"skincad: out of space on the disk")
+    assert done.stderr.count(b"\n") == 1
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_a_message_that_cannot_be_written_changes_no_status(tmp_path: Path) -> None:
+    assert shell(f"{SKINCAD} new x.pdf 2>/dev/full", tmp_path).returncode == 2
+
+
+ENCODINGS = {
+    "ascii": {"PYTHONIOENCODING": "ascii"},
+    "latin-1": {"PYTHONIOENCODING": "latin-1"},
+    "strict": {"PYTHONIOENCODING": "ascii:strict"},
+    "C": {"LC_ALL": "C"},
+    "POSIX alone": {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+}
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Path) -> None:
+    """A name that the terminal's encoding lacks is escaped, in the result and in a message."""
+    settings = ENCODINGS[encoding]
+    done = shell(f"{SKINCAD} new é日.toml", tmp_path, **settings)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count(b"\n") == 2
+    assert (tmp_path / "é日.toml").is_file()
+    done = shell(f"{SKINCAD} new é日.toml", tmp_path, **settings)
+    assert done.returncode == 2
+    assert done.stderr.startswith(b"skincad: ")
+    assert done.stderr.count(b"\n") == 1
+
+
+def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> None:
+    done = shell(f"{SKINCAD} new é日.pdf", tmp_path, PYTHONIOENCODING="latin-1")
+    assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
+
+
+def test_a_folder_that_the_kernel_cannot_name_is_refused_before_any_work(
+    yamada: Design, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match="-o: must be UTF-8"):
+        make(yamada, tmp_path / os.fsdecode(b"\xff"))
+
+
+def left(
+    arguments: str, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> tuple[int, str, str]:
+    """Status, stdout and stderr of a command run in this process."""
+    monkeypatch.setattr(sys, "argv", ["skincad", *arguments.split()])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    told = capsys.readouterr()
+    return int(end.value.code or 0), told.out, told.err
+
+
+FAILURES = {
+    "memory": (MemoryError(), 3, "out of memory (MemoryError)"),
+    "a library's memory": (RuntimeError("std::bad_alloc"), 3, "out of memory (std::bad_alloc)"),
+    "exhausted": (ExhaustedError("the solid tier needs more memory"), 3, "the solid tier needs more memory"),
+    "refused": (RefusedError("does not balance"), 1, "does not balance"),
+    "a fault": (
+        ZeroDivisionError("by\nzero"),
+        3,
+        "internal error: ZeroDivisionError: by zero; please report",
+    ),
+}
+
+
+@pytest.mark.parametrize("json_asked", [False, True])
+@pytest.mark.parametrize("failure", FAILURES)
+def test_every_failure_is_one_line_and_with_json_an_object(
+    failure: str, json_asked: bool, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    raised, expected, words = FAILURES[failure]
+
+    def broken(*_: object, **__: object) -> None:
+        raise raised
+
+    monkeypatch.setattr("skincad.mechanics.check.check", broken)
+    status, out, err = left(CHECK + " --json" * json_asked, capsys, monkeypatch)
+    assert status == expected
+    assert err.startswith(f"skincad: {words}")
+    assert err.count("\n") == 1
+    if json_asked:
+        assert json.loads(out) == {"passed": False, "error": err.removeprefix("skincad: ").rstrip("\n")}
+    else:
+        assert out == ""
+
+
+def test_a_traceback_is_shown_to_who_asks_for_it(
+    capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("skincad.mechanics.check.check", broken)
+    monkeypatch.setenv(cli.TRACEBACK, "1")
+    status, _, err = left(CHECK, capsys, monkeypatch)
+    assert status == 3
+    assert "Traceback" in err
+    assert cli.TRACEBACK in err.splitlines()[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "limit", [600, 1000]
+)  # MB: the import of the finite elements fails, and their solution
+def test_too_little_memory_is_one_object_and_status_3(limit: int, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "skincad", "check", "plain-ridges", "--tier", "linear", "--json"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit << 20, limit << 20)),
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr
+    assert done.returncode == 3, done.stderr
+    assert "memory" in json.loads(done.stdout)["error"]
+
+
+MISSING = "cannot open shared object file: No such file or directory"
+
+
+def test_a_kernel_that_does_not_load_for_another_reason_is_no_missing_library(tmp_path: Path) -> None:
+    """Only the linker's word that a file is missing leads to the advice to install it."""
+    broken = tmp_path / "cadquery"
+    broken.mkdir()
+    program = "import skincad.solids.occ"
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+    for words, kind in (("initialization failed", "ImportError"), ("libGL.so.1: " + MISSING, "InputError")):
+        (broken / "__init__.py").write_text(f"raise ImportError({words!r})")
+        done = subprocess.run(
+            [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False
+        )
+        assert kind in done.stderr.splitlines()[-1]
+        assert ("apt-get" in done.stderr) == (kind == "InputError")
+
+
+def working(text: str, **names: object) -> FunctionType:
+    """A function that a signal may break, as the command line's own: same module, same name."""
+    module: dict[str, object] = {"__name__": process.BREAKS_IN[0], **names}
+    exec(f"def {process.BREAKS_IN[1]}():\n{text}", module)
+    found = module[process.BREAKS_IN[1]]
+    assert isinstance(found, FunctionType)
+    return found
+
+
+@pytest.fixture
+def _listening() -> object:
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, process._received)
+    yield
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    for each, handler in before.items():
+        signal.signal(each, handler)
+
+
+@pytest.mark.usefixtures("_listening")
+@pytest.mark.parametrize(
+    ("signum", "kind"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)]
+)
+def test_a_signal_waits_for_an_import_to_be_through(
+    signum: int, kind: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """C extensions turn whatever is raised in their import into an ImportError, as this module would."""
+    (tmp_path / "half_made.py").write_text(
+        f"import os, time\ntry:\n    os.kill(os.getpid(), {int(signum)})\n    time.sleep(0.1)\n"
+        "except BaseException as failure:\n    raise ImportError('initialization failed') from failure\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(kind):
+        working("    import half_made\n    import time\n    time.sleep(60)")()
+    assert "half_made" in sys.modules
+
+
+@pytest.mark.usefixtures("_listening")
+def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the two renames and in the removal of the old folder too."""
+    from skincad import outfolder
+
+    rename, removed = Path.rename, outfolder.shutil.rmtree
+
+    def struck(self: Path, target: Path) -> Path:
+        moved = rename(self, target)
+        os.kill(os.getpid(), signal.SIGINT)
+        return moved
+
+    def rmtree(*arguments: object, **more: object) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        removed(*arguments, **more)
+
+    monkeypatch.setattr(Path, "rename", struck)
+    monkeypatch.setattr(outfolder.shutil, "rmtree", rmtree)
+
+    def write() -> None:
+        with outfolder.replaced(tmp_path / "here") as staging:
+            (staging / "a").write_text("new")
+            (staging / outfolder.MANIFEST).write_text('{"files": ["a"]}')
+
+    for _ in range(2):  # the second time there is one to be replaced
+        with pytest.raises(KeyboardInterrupt):
+            working("    write()\n    time.sleep(60)", write=write, time=time)()
+    assert [p.name for p in tmp_path.iterdir()] == ["here"]
+    assert (tmp_path / "here" / "a").read_text() == "new"
+
+
+@pytest.mark.usefixtures("_listening")
+def test_a_signal_outside_the_command_breaks_nothing() -> None:
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(3 * process.SOON)
+
+
+AT = """
+import os, signal, sys
+class At:
+    def find_spec(self, name, path=None, target=None):
+        if name == AT:
+            SEND
+sys.meta_path.insert(0, At())
+sys.argv = ["skincad", *sys.argv[1:]]
+from skincad.__main__ import main
+main()
+"""
+NAMES = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
+def assert_ended(status: int, out: str, err: str, signum: int, cwd: Path) -> None:
+    assert (status, out) == (128 + signum, ""), err
+    assert err == f"skincad: {NAMES[signal.Signals(signum)]}\n"
+    assert not [p for p in cwd.rglob("*") if p.is_file() or p.name.startswith(".")]
+
+
+@pytest.mark.parametrize(
+    ("module", "command"),
+    [
+        ("typer", "templates"),
+        ("pydantic_core", CHECK),
+        ("numpy.linalg", CHECK),
+        pytest.param("PIL.Image", "circuit yamada-2002", marks=pytest.mark.slow),
+        pytest.param("ngsolve", "check plain-ridges", marks=pytest.mark.slow),
+        pytest.param("OCP.gp", "make plain-ridges --format dxf", marks=pytest.mark.slow),
+    ],
+)
+def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_path: Path) -> None:
+    for signum in NAMES:
+        text = AT.replace("== AT", f"== {module!r}").replace("SEND", f"os.kill(os.getpid(), {int(signum)})")
+        done = subprocess.run(
+            [sys.executable, "-c", text, *command.split()],
+            cwd=tmp_path, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert_ended(done.returncode, done.stdout, done.stderr, signum, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["make plain-ridges --format dxf", "circuit yamada-2002"])
+def test_signals_at_random_moments(command: str, tmp_path: Path) -> None:
+    """In the first seconds, from when skincad listens: the handlers are set before it is imported itself."""
+    dice = random.Random(2002)
+    text = AT.replace("== AT", "== 'skincad.cli'").replace("SEND", "os.write(2, b'.')")
+    for i in range(8):
+        signum = (signal.SIGINT, signal.SIGTERM)[i % 2]
+        running = subprocess.Popen(
+            [sys.executable, "-c", text, *command.split(), "-o", f"{i}"],
+            cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert running.stderr is not None
+        assert running.stderr.read(1) == "."
+        time.sleep(dice.uniform(0.0, 3.0))
+        running.send_signal(signum)
+        out, err = running.communicate(timeout=300)
+        if running.returncode == 0:  # it was faster: a whole result
+            assert (tmp_path / f"{i}").is_dir()
+            assert not list(tmp_path.glob(".*"))
+            continue
+        assert_ended(running.returncode, out, err, signum, tmp_path / f"{i}")
+        assert not list(tmp_path.glob(".*"))
+
+
+def test_a_signal_that_was_ignored_stays_so(tmp_path: Path) -> None:
+    """As a script has it for what it runs in the background."""
+    text = AT.replace("== AT", "== 'typer'").replace("SEND", "os.kill(os.getpid(), signal.SIGINT)")
+    done = subprocess.run(
+        [sys.executable, "-c", text, "templates"],
+        cwd=tmp_path, capture_output=True, check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )  # fmt: skip
+    assert done.returncode == 0
