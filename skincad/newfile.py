@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from pydantic.fields import FieldInfo
 
 from skincad.catalog import load, processes_text, template_text
 from skincad.design import Design
+from skincad.errors import InputError
 from skincad.freshfile import checked_fresh, fresh
 from skincad.process import Process
 from skincad.tables import Ranged, table_of
@@ -28,9 +30,13 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
+    try:
+        link = os.fsencode(schema.name).decode("utf-8")  # a poor locale leaves what it cannot read escaped
+    except UnicodeDecodeError:
+        raise InputError("FILE", "must be UTF-8", path.name, "name another file") from None
     with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
         first.write_text(design_schema(), encoding="utf-8")
-        second.write_text(commented_toml(template, path.stem, schema.name), encoding="utf-8")
+        second.write_text(commented_toml(template, path.stem, link), encoding="utf-8")
     load(path)
     return [path, schema]
 

@@ -20,6 +20,7 @@ from skincad import cli
 from skincad.design import Design
 from skincad.errors import ExhaustedError, InputError, RefusedError
 from skincad.job import make
+from skincad.newfile import write_new
 
 CHECK = "check plain-ridges --tier winkler"  # numpy alone: no library that takes long to load
 FAILS = f"{CHECK} --force 1"
@@ -107,11 +108,12 @@ def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> N
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
 
 
-def test_a_folder_that_the_kernel_cannot_name_is_refused_before_any_work(
-    yamada: Design, tmp_path: Path
-) -> None:
+def test_a_name_that_is_not_utf_8_is_refused_before_any_work(yamada: Design, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="-o: must be UTF-8"):
         make(yamada, tmp_path / os.fsdecode(b"\xff"))
+    with pytest.raises(InputError, match="FILE: must be UTF-8"):
+        write_new(tmp_path / os.fsdecode(b"\xff.toml"))
+    assert not list(tmp_path.iterdir())
 
 
 def left(
@@ -239,8 +241,9 @@ def test_a_signal_waits_for_an_import_to_be_through(
         "except BaseException as failure:\n    raise ImportError('initialization failed') from failure\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "half_made", raising=False)
     with pytest.raises(kind):
-        working("    import half_made\n    import time\n    time.sleep(60)")()
+        working("    import half_made\n    import time\n    time.sleep(10)")()
     assert "half_made" in sys.modules
 
 
@@ -270,7 +273,7 @@ def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch:
 
     for _ in range(2):  # the second time there is one to be replaced
         with pytest.raises(KeyboardInterrupt):
-            working("    write()\n    time.sleep(60)", write=write, time=time)()
+            working("    write()\n    time.sleep(10)", write=write, time=time)()
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
     assert (tmp_path / "here" / "a").read_text() == "new"
 
@@ -278,7 +281,7 @@ def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch:
 @pytest.mark.usefixtures("_listening")
 def test_a_signal_outside_the_command_breaks_nothing() -> None:
     os.kill(os.getpid(), signal.SIGTERM)
-    time.sleep(3 * process.SOON)
+    time.sleep(10 * process.SOON)
 
 
 AT = """
