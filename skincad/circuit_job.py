@@ -10,9 +10,10 @@ from skincad.circuit.film import PICO, capacitance
 from skincad.circuit.gain import CircuitGain, circuit_gain
 from skincad.circuit.model import Circuit
 from skincad.circuit.netlist import netlist
-from skincad.outfolder import CIRCUIT_MANIFEST, checked_folder, replaced
+from skincad.outfolder import checked_folder, replaced
 from skincad.stopwatch import Progress
-from skincad.strictjson import strict_json
+
+NAMES = ("gain.csv", "netlist.cir", "gain.png", "calibrated.toml")  # the last one with measured data
 
 
 def circuit_job(
@@ -28,12 +29,11 @@ def circuit_job(
     InputError for bad input.
     """
     target = Path("out") / circuit.name if folder is None else Path(folder)
-    checked_folder(target)
+    checked_folder(target, "circuit", NAMES if measured is not None else NAMES[:-1])
     from skincad.circuit_figures import gain_picture
 
     found = circuit_gain(circuit, measured, progress)
-    strict_json(found.as_json())  # before anything is written
-    with replaced(target, (CIRCUIT_MANIFEST,)) as staging:
+    with replaced(target, "circuit", {"name": found.name}) as staging:
         (staging / "gain.csv").write_text(gain_csv(found), encoding="utf-8")
         sweep = circuit.sweep
         deck = netlist(found.constants, found.name, sweep.low, sweep.high)
@@ -42,8 +42,6 @@ def circuit_job(
         if found.measured:
             (staging / "calibrated.toml").write_text(calibrated_toml(found), encoding="utf-8")
         sizes = {path.name: path.stat().st_size for path in sorted(staging.iterdir())}
-        manifest = {"name": found.name, "files": list(sizes)}
-        (staging / CIRCUIT_MANIFEST).write_text(strict_json(manifest, indent=1) + "\n", encoding="utf-8")
     return found, [{"path": str(target / name), "bytes": size} for name, size in sizes.items()]
 
 

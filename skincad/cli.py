@@ -338,7 +338,6 @@ def simulate(
     Only the effects that the scene names are computed. Signals as CSV and a picture appear in the out folder;
     after Ctrl-C what is done by then.
     """
-    from skincad.outfolder import checked_folder
     from skincad.scene import load_scene
     from skincad.wording import scene_lines
 
@@ -350,8 +349,9 @@ def simulate(
             raise
         raise InputError("--at", failure.rule, failure.value, failure.remedy) from None
     target = Path("out") / loaded.name if out is None else out
-    checked_folder(target)
-    from skincad.scene_files import write_scene
+    from skincad.scene_files import checked_scene_folder, write_scene
+
+    checked_scene_folder(loaded, target)
     from skincad.simulation import simulate as run
 
     with step_bar(loaded.history.steps) as tick:

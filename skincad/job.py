@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import tomlkit
-
-import skincad
 from skincad.design import Design
 from skincad.errors import InputError, did_you_mean
-from skincad.outfolder import MANIFEST, checked_folder, replaced
+from skincad.make_files import Job, writers
+from skincad.outfolder import checked_folder, replaced
 from skincad.solids.mold import Mold, mold
 from skincad.stopwatch import Progress, Stopwatch
-from skincad.strictjson import strict_json
 
 if TYPE_CHECKING:
     from skincad.fabrication.findings import Finding
@@ -122,20 +118,24 @@ def make(
     if unknown:
         raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))
     target = Path("out") / design.name if folder is None else Path(folder)
-    real = checked_folder(target)
-    if (text := str(real)).encode("utf-8", "replace").decode(
-        "utf-8"
-    ) != text:  # the CAD kernel takes no other
-        raise InputError("-o", "must be UTF-8", text, "name another folder, or set LC_ALL=C.UTF-8")
     closed = mold(design)  # bad input is told before the CAD kernel loads
+    chosen = {n: write for n, write in writers(design, closed).items() if _kind(n) in formats}
+    place = str(checked_folder(target, "make", chosen))
+    if place.encode("utf-8", "replace").decode("utf-8") != place:  # the CAD kernel takes no other
+        raise InputError("-o", "must be UTF-8", place, "name another folder, or set LC_ALL=C.UTF-8")
     _import_everything()
     watch = Stopwatch(progress)
-    job = _build(design, closed, watch)
-    with replaced(target) as staging:
-        _write(job, formats, staging, watch)
-        result = _result(job, target, staging, strict, watch)
-        _write_text(_manifest(result), staging / MANIFEST)
-    return result
+    job, reports = _build(design, closed, watch)
+    with replaced(target, "make", _told(job, strict)) as staging:
+        for stage, names in groupby(chosen, lambda name: "picture" if _kind(name) == "png" else "files"):
+            with watch.stage(stage):
+                for name in names:
+                    chosen[name](job, staging / name)
+        return _result(job, reports, target, staging, strict, watch)
+
+
+def _kind(name: str) -> str:
+    return name.rpartition(".")[2]
 
 
 def _import_everything() -> None:
@@ -146,24 +146,7 @@ def _import_everything() -> None:
     import skincad.report  # noqa: F401
 
 
-@dataclass(frozen=True)
-class _Job:
-    design: Design
-    closed: Mold
-    solids: dict[str, Any]
-    meshes: dict[str, Any]
-    skin: tuple[Any, Any]  # solid and mesh as designed; in `solids` and `meshes` it is as poured
-    reports: tuple[PartReport, ...]
-    findings: tuple[Finding, ...]
-    check: ContactCheck
-
-    def passed(self, strict: bool) -> bool:
-        """Whether contact and findings hold; warnings count where `strict`."""
-        bad = {"error", "warning"} if strict else {"error"}
-        return self.check.passed and not any(f.severity in bad for f in self.findings)
-
-
-def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
+def _build(design: Design, closed: Mold, watch: Stopwatch) -> tuple[Job, list[PartReport]]:
     from skincad.catalog import processes
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
@@ -195,7 +178,7 @@ def _build(design: Design, closed: Mold, watch: Stopwatch) -> _Job:
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
         findings = [*design_findings(design, closed), *mesh_findings(reports), *interference(closed, fine)]
         findings += [*filling_findings(design, closed), *strip_findings(design)]
-    return _Job(design, closed, solids, meshes, skin, tuple(reports), tuple(findings), verdict)
+    return Job(design, closed, solids, meshes, skin, tuple(findings), verdict), reports
 
 
 def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> PartReport:
@@ -216,110 +199,25 @@ def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> Pa
     )
 
 
-def _writers(job: _Job) -> dict[str, dict[str, Callable[[Path], None]]]:
-    """File name to writer, by format."""
-    from skincad import export
-    from skincad.fabrication.drawing import drawing
-    from skincad.fabrication.inspection import inspection
-    from skincad.fabrication.meshes import laid
-    from skincad.fabrication.page import page
-    from skincad.fabrication.rules_of_layers import laid_on_end
-    from skincad.fabrication.sheet import casting_sheet
-    from skincad.report import write_picture
-    from skincad.wording import verdict
-
-    design, closed = job.design, job.closed
-    printed = {p.name: p for p in closed.parts if p.made == "made"}
-    flat = {name: laid(job.meshes[name], laid_on_end(design, part), part) for name, part in printed.items()}
-    coloured = {name: (flat[name], part.colour) for name, part in printed.items()}
-    turned, colour = job.skin[1], closed.part("skin").colour
-    stl = {"skin": turned, **flat}
-    measures = inspection(design, closed.part("skin"), _allowed_drops(job.check))
-    sheet = casting_sheet(design, closed, list(job.findings), verdict(job.check), job.passed(False), measures)
-    drawn = drawing(design, closed)
-    title = f"Casting sheet: {design.name}"
-    text = tomlkit.dumps(design.model_dump(exclude_none=True))
-    pattern = {"strips.dxf": lambda p: export.write_strips_dxf(design, p)} if design.film else {}
-    pattern_svg = {"strips.svg": lambda p: export.write_strips_svg(design, p)} if design.film else {}
+def _told(job: Job, strict: bool) -> dict[str, Any]:
+    """What the manifest says of a result: without times, so that it is the same again."""
     return {
-        "step": {
-            **{f"{n}.step": _step_writer(job, n) for n in ("skin", *printed)},
-            "assembly.step": lambda p: export.write_assembly(
-                export.assembly(closed, job.solids, design.name), p
-            ),
-        },
-        "stl": {f"{name}.stl": _stl_writer(shape) for name, shape in stl.items()},
-        "3mf": {
-            "mold.3mf": lambda p: export.write_3mf(coloured, p),
-            "skin.3mf": lambda p: export.write_3mf({"skin": (turned, colour)}, p),
-        },
-        "dxf": {"section.dxf": lambda p: export.write_section_dxf(design, p), **pattern},
-        "svg": {
-            "section.svg": lambda p: export.write_section_svg(design, p),
-            "drawing.svg": lambda p: _write_text(drawn, p),
-            **pattern_svg,
-        },
-        "toml": {"design.toml": lambda p: _write_text(text, p)},
-        "md": {"casting-sheet.md": lambda p: _write_text(sheet, p)},
-        "html": {"casting-sheet.html": lambda p: _write_text(page(sheet, drawn, title), p)},
-        "png": {"picture.png": lambda p: write_picture(design, closed, job.meshes, p)},
+        "name": job.design.name,
+        "passed": job.passed(strict),
+        "all_touch_force_N": job.check.all_touch_force.as_json(),
+        "findings": [finding.as_json() for finding in job.findings],
     }
 
 
-def _allowed_drops(check: ContactCheck) -> tuple[float, ...]:
-    """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
-    made, margin = check.manufacture, check.margin
-    if made is None or margin is None or not check.passed:
-        return ()
-    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
-
-
-def _manifest(result: MakeResult) -> str:
-    """What was made, by which version, and whether it passed: without times, so that it is the same again."""
-    check = result.check
-    data = {
-        "skincad": skincad.__version__,
-        "name": result.name,
-        "passed": result.passed,
-        "all_touch_force_N": check.all_touch_force.as_json(),
-        "findings": [finding.as_json() for finding in result.findings],
-        "files": [name for name, _ in result.files],
-    }
-    return strict_json(data, indent=1) + "\n"
-
-
-def _step_writer(job: _Job, name: str) -> Callable[[Path], None]:
-    from skincad.export import write_step
-
-    solid = job.skin[0] if name == "skin" else job.solids[name]
-    return lambda path: write_step(solid, path)
-
-
-def _stl_writer(mesh: Any) -> Callable[[Path], None]:
-    from skincad.export import write_stl
-
-    return lambda path: write_stl(mesh, path)
-
-
-def _write_text(text: str, path: Path) -> None:
-    path.write_text(text, encoding="utf-8")
-
-
-def _write(job: _Job, formats: tuple[str, ...], staging: Path, watch: Stopwatch) -> None:
-    for kind, files in _writers(job).items():
-        if kind in formats:
-            with watch.stage("picture" if kind == "png" else "files"):
-                for name, write in files.items():
-                    write(staging / name)
-
-
-def _result(job: _Job, target: Path, staging: Path, strict: bool, watch: Stopwatch) -> MakeResult:
+def _result(
+    job: Job, reports: list[PartReport], target: Path, staging: Path, strict: bool, watch: Stopwatch
+) -> MakeResult:
     return MakeResult(
         name=job.design.name,
         folder=target,
         passed=job.passed(strict),
         files=tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir())),
-        parts=job.reports,
+        parts=tuple(reports),
         findings=job.findings,
         check=job.check,
         cavity_volume=job.closed.part("skin").volume,

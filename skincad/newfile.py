@@ -25,8 +25,11 @@ _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "
 def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     """Write a commented design after a template, and its schema beside it; return both paths.
 
-    Raises InputError for an unknown template, a file that is there already or cannot be written.
+    Raises InputError for an unknown template, a file that is there already or cannot be written, and a name
+    that a TOML comment can't hold.
     """
+    if not path.name.isprintable():
+        raise InputError("FILE", "must have a name of printable characters", path.name)
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
@@ -37,7 +40,7 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
         first.write_text(design_schema(), encoding="utf-8")
         second.write_text(commented_toml(template, path.stem, link), encoding="utf-8")
-    load(path)
+        load(second)  # before it takes its place: what we write is a design
     return [path, schema]
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from skincad.effects.kinds import Showing
 from skincad.errors import RefusedError
+from skincad.manifest import manifest_name
 from skincad.moments import frames
-from skincad.outfolder import SCENE_MANIFEST, replaced
+from skincad.outfolder import checked_folder, replaced
+from skincad.scene import Scene
 from skincad.simulation import Simulation
-from skincad.strictjson import strict_json
 
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
@@ -25,25 +26,30 @@ def write_scene(found: Simulation, folder: Path) -> list[str]:
     from skincad.recording_figures import recording, recording_picture
     from skincad.scene_figures import scene_picture
 
-    told = found.as_json()
-    strict_json(told)
-    with replaced(folder) as staging:
+    with replaced(folder, "simulate", found.as_json()) as staging:
         write_table(found, staging / TABLE)
         scene_picture(found, staging / PICTURE)
-        files = [TABLE, PICTURE, *_sections(found, staging)]
+        _sections(found, staging)
         if seen := recording(found):
             recording_picture(found, seen, staging / RECORDING)
-            files.append(RECORDING)
-        result = {"files": files, **told}
-        (staging / SCENE_MANIFEST).write_text(strict_json(result, indent=1) + "\n", encoding="utf-8")
-    return [*files, SCENE_MANIFEST]
+        return [*sorted(path.name for path in staging.iterdir()), manifest_name("simulate")]
 
 
-def _sections(found: Simulation, folder: Path) -> list[str]:
-    """Draw the section at the steps asked for and reached, and animate it; return the files' names."""
+def checked_scene_folder(scene: Scene, folder: Path) -> None:
+    """Raise InputError, before the march, for an out folder that cannot take what will be written."""
+    drawn = [_section_name(step) for step in scene.readout.steps]
+    checked_folder(folder, "simulate", [TABLE, PICTURE, *drawn, *[ANIMATION] * bool(scene.readout.frames)])
+
+
+def _section_name(step: int) -> str:
+    return f"section-{step:04d}.png"
+
+
+def _sections(found: Simulation, folder: Path) -> None:
+    """Draw the section at the steps asked for and reached, and animate it."""
     march, scene = found.march, found.scene
     if not scene.readout.steps and not scene.readout.frames:
-        return []
+        return
     from skincad.section_figures import Moment, section_animation, section_picture
 
     def moment(step: int) -> Moment:
@@ -53,15 +59,11 @@ def _sections(found: Simulation, folder: Path) -> list[str]:
         title = f"{scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
         return Moment(title, march.model.shown(march.states[step]))
 
-    names = []
     for step in sorted({step for step in scene.readout.steps if step in march.states}):
-        names.append(f"section-{step:04d}.png")
-        section_picture(moment(step), folder / names[-1])
+        section_picture(moment(step), folder / _section_name(step))
     reached = [step for step in frames(scene) if step in march.states]
     if reached:
-        names.append(ANIMATION)
         section_animation([moment(step) for step in reached], folder / ANIMATION)
-    return names
 
 
 def write_table(found: Simulation, path: Path) -> None:

@@ -21,6 +21,8 @@ from pathlib import Path
 import pytest
 
 import skincad
+from skincad.errors import InputError
+from skincad.outfolder import checked_folder, replaced
 from tests.conftest import run_skincad
 
 JOBS = {
@@ -45,10 +47,11 @@ def command(job: str, other: bool) -> list[str]:
 
 
 def contents(folder: Path) -> Contents:
-    """File name to hash; of a file that tells the time, that it is whole."""
+    """File name to hash; of a file that tells the time, that it is whole. Without what is being written."""
     return {
         p.name: "whole" if p.name in TIMED and p.read_bytes().endswith(b"}\n") else _hash(p)
         for p in folder.iterdir()
+        if not p.name.startswith(".skincad-")
     }
 
 
@@ -90,61 +93,141 @@ def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
         running.kill()
         running.wait()
         there = tmp_path / "here"
-        if there.exists():
-            assert contents(there) in results
-        else:  # killed between two renames: the earlier result lies beside, whole
-            (beside,) = tmp_path.glob(".here.*.old")
-            assert contents(beside) in results
+        if not (there / f"{job}.json").exists():  # killed between two renames: the next run puts it right
+            assert list(there.glob(".skincad-*/old"))
+            assert any(contents(there).items() <= result.items() for result in results)  # never a mixture
+            checked_folder(there, job)
+        assert contents(there) in results
     assert started(job, True, tmp_path).wait(timeout=300) in (0, 1)
     assert contents(tmp_path / "here") == results[1]
-    assert [p.name for p in tmp_path.iterdir()] == ["here"]  # what killed runs left is gone
+    assert [p.name for p in tmp_path.iterdir()] == ["here"]
+    assert not list((tmp_path / "here").glob(".*"))  # what killed runs left is gone
 
 
-def killed_within(folder: Path, program: str) -> None:
-    """Run a Python program that kills itself while it replaces `here`."""
-    head = "import os, signal\nfrom pathlib import Path\nfrom skincad import outfolder\n"
-    die = "def die(*_, **__): os.kill(os.getpid(), signal.SIGKILL)\n"
-    run = "with outfolder.replaced(Path('here')) as staging:\n    (staging / 'a').write_text('new')\n"
-    run += "    (staging / 'make.json').write_text('{\"files\": [\"a\"]}')\n"
-    done = subprocess.run([sys.executable, "-c", head + die + program + run], cwd=folder, check=False)
-    assert done.returncode == -signal.SIGKILL
+OLD = {"a": "old", "same": "same", "gone": "old"}
+NEW = {"a": "new", "same": "same", "come": "new"}
+MOVES = 8  # four out, with the manifest, and four in
+KILL = f"""
+import os, signal
+from pathlib import Path
+from skincad.outfolder import checked_folder, replaced
+
+def killed(work, function, count, after=False):
+    # run `work` in a child that kills itself at its count-th call of a Path's function; tell whether it did
+    child = os.fork()
+    if child:
+        return os.waitpid(child, 0)[1] == signal.SIGKILL
+    real, calls = getattr(Path, function), [0]
+    def dying(self, *rest):
+        calls[0] += 1
+        if calls[0] == count and not after:
+            os.kill(os.getpid(), signal.SIGKILL)
+        real(self, *rest)
+        if calls[0] == count:
+            os.kill(os.getpid(), signal.SIGKILL)
+    setattr(Path, function, dying)
+    work()
+    os._exit(0)
+
+def write(files):
+    with replaced(Path("here")) as staging:
+        for name, text in files.items():
+            (staging / name).write_text(text)
+
+def there():
+    return {{p.name: p.read_text() for p in Path("here").iterdir() if p.is_file() and p.suffix != ".json"}}
+
+OLD, NEW = {OLD}, {NEW}
+"""
+
+
+def run_program(program: str, folder: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", KILL + program], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
 
 
 PLACES = {
-    "before the first rename": "outfolder._swap = die\n",
-    "between the renames": (
-        "rename = Path.rename\n"
-        "Path.rename = lambda self, to: die() if self.suffix == '.new' else rename(self, to)\n"
-    ),
-    "before the old one is removed": "outfolder.shutil.rmtree = die\n",
+    **{f"before move {n}": ("rename", n, False, OLD) for n in range(1, MOVES + 1)},
+    "after the last move": ("rename", MOVES, True, NEW),
+    **{f"as old file {n} is removed": ("unlink", n, False, NEW) for n in range(1, 5)},
+    **{
+        f"as folder {n} is removed": ("rmdir", n + 1, False, NEW) for n in range(1, 4)
+    },  # the probe's is first
 }
 
 
 @pytest.mark.parametrize("place", PLACES)
 def test_killed_at_each_place_of_the_swap(place: str, tmp_path: Path) -> None:
-    from skincad.outfolder import MANIFEST, replaced
-
-    with replaced(tmp_path / "here") as staging:
-        (staging / "a").write_text("old")
-        (staging / MANIFEST).write_text('{"files": ["a"]}')
-    (tmp_path / "here" / "notes").write_text("mine")
-    killed_within(tmp_path, PLACES[place])
+    function, count, after, expected = PLACES[place]
+    run_program(
+        "write(OLD)\nPath('here/notes').write_text('mine')\n"
+        f"assert killed(lambda: write(NEW), {function!r}, {count}, {after})\n",
+        tmp_path,
+    )
     with pytest.raises(RuntimeError), replaced(tmp_path / "here"):
         raise RuntimeError  # the next run, which fails, has put all right nevertheless
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
-    expected = "new" if place == "before the old one is removed" else "old"
-    assert (tmp_path / "here" / "a").read_text() == expected
-    assert (tmp_path / "here" / "notes").read_text() == "mine"
+    there = {p.name: p.read_text() for p in (tmp_path / "here").iterdir() if p.name != "make.json"}
+    assert there == {**expected, "notes": "mine"}
+    assert (tmp_path / "here" / "make.json").is_file()
+
+
+def test_files_of_two_results_are_never_mixed(tmp_path: Path) -> None:
+    """At every moment a manifest says that all is there, and without one the files are of one result."""
+    run_program(
+        f"for n in range(1, {MOVES} + 1):\n"
+        "    write(OLD)\n"
+        "    assert killed(lambda: write(NEW), 'rename', n, True)\n"
+        "    left, whole = there(), Path('here/make.json').exists()\n"
+        "    assert left.items() <= OLD.items() or left.items() <= NEW.items(), (n, left)\n"
+        "    assert not whole or left in (OLD, NEW), (n, left)\n",
+        tmp_path,
+    )
+
+
+def test_killed_again_while_it_is_put_right(tmp_path: Path) -> None:
+    """A kill as files leave, between, and before the last comes; each with another at every place of the run
+    that puts it right."""
+    run_program(
+        "pairs = 0\n"
+        f"for n in (2, 5, {MOVES}):\n"
+        "  for function in ('rename', 'unlink', 'rmdir'):\n"
+        "    for m in range(1, 20):\n"
+        "        write(OLD)\n"
+        "        assert killed(lambda: write(NEW), 'rename', n)\n"
+        "        again = killed(lambda: checked_folder(Path('here')), function, m)\n"
+        "        checked_folder(Path('here'))\n"
+        "        assert there() == OLD, (n, function, m, there())\n"
+        "        assert not list(Path('here').glob('.skincad*/old')), (n, function, m)\n"
+        "        if not again:\n"
+        "            break\n"
+        "        pairs += 1\n"
+        "assert pairs > 20, pairs\n",
+        tmp_path,
+    )
+
+
+@pytest.mark.parametrize(("kill", "file"), [(5, "gone"), (7, "a")])  # all are out; `a` and `come` are in
+def test_what_a_person_wrote_after_a_kill_is_not_written_over(tmp_path: Path, kill: int, file: str) -> None:
+    """An old file can't go back where a person's lies, nor a changed new one be taken away: it says so."""
+    run_program(f"write(OLD)\nassert killed(lambda: write(NEW), 'rename', {kill})", tmp_path)
+    (tmp_path / "here" / file).write_text("mine")
+    with pytest.raises(InputError, match=f"{file} is not as skincad wrote it there; move it away"):
+        checked_folder(tmp_path / "here")
+    assert (tmp_path / "here" / file).read_text() == "mine"
+    (tmp_path / "here" / file).unlink()
+    checked_folder(tmp_path / "here")
+    assert {p.name: p.read_text() for p in (tmp_path / "here").iterdir() if not p.suffix} == OLD
 
 
 def test_what_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
-    from skincad.outfolder import replaced
-
     with replaced(tmp_path / "here") as one:
         (one / "a").write_text("one")
         done = subprocess.run(
             [sys.executable, "-c", "from pathlib import Path\nfrom skincad.outfolder import replaced\n"
-             "with replaced(Path('here')) as two: (two / 'make.json').write_text('{\"files\": []}')"],
+             "with replaced(Path('here')) as two: (two / 'b').write_text('two')"],
             cwd=tmp_path, check=False,
         )  # fmt: skip
         assert done.returncode == 0
@@ -160,6 +243,7 @@ def test_two_runs_into_one_folder_at_once(tmp_path: Path) -> None:
         assert [run.wait(timeout=300) for run in runs] == [0, 0]
         assert contents(tmp_path / "here") in results
         assert [p.name for p in tmp_path.iterdir()] == ["here"]
+        assert not list((tmp_path / "here").glob(".*"))
 
 
 @pytest.mark.parametrize("job", SLOW)
@@ -176,6 +260,7 @@ def test_a_full_disk(job: str, tmp_path: Path) -> None:
     assert done.stderr.count("\n") == 1
     assert contents(tmp_path / "here") == earlier
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
+    assert not list((tmp_path / "here").glob(".*"))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
@@ -209,7 +294,7 @@ def test_ctrl_c(job: str, tmp_path: Path) -> None:
     earlier = contents(tmp_path / "here")
     long = command(job, True) + (["--set", "history.steps=200000"] if job == "simulate" else [])
     running = subprocess.Popen(long, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    busy: Callable[[], bool] = lambda: bool(list(tmp_path.glob(".here.*.new")))  # noqa: E731
+    busy: Callable[[], bool] = lambda: bool(list(tmp_path.glob("here/.skincad-*")))  # noqa: E731
     deadline = time.monotonic() + 60
     while job == "make" and not busy() and running.poll() is None and time.monotonic() < deadline:
         time.sleep(0.01)
@@ -220,6 +305,7 @@ def test_ctrl_c(job: str, tmp_path: Path) -> None:
     assert running.returncode == 130, err
     assert "Traceback" not in err
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
+    assert not list((tmp_path / "here").glob(".*"))
     if job == "make":
         assert contents(tmp_path / "here") == earlier
     else:

@@ -52,3 +52,23 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
 def test_a_name_that_is_no_design_name_is_made_one(tmp_path: Path) -> None:
     path, _ = write_new(tmp_path / "my skin.v2.toml")
     assert skincad.load(path).name == "my-skin-v2"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ['n\nname="evil"\n.toml', "a\rb.toml", "a\x1b[31m.toml", "a\x00.toml", "\u202egnp.toml", "a\udcff.toml"],
+)
+def test_a_name_that_no_comment_can_hold_is_refused_and_nothing_is_written(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"^FILE: must have a name of printable characters") as told:
+        write_new(tmp_path / name)
+    assert str(told.value).isprintable()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_would_be_no_design_never_takes_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skincad.newfile.commented_toml", lambda *_: "name = 'x'\n[ridge]\nheight = -1\n")
+    with pytest.raises(InputError):
+        write_new(tmp_path / "mine.toml")
+    assert not list(tmp_path.iterdir())

@@ -14,11 +14,11 @@ from skincad.accuracy.ladder import LADDERS, Ladder, ladder_of
 from skincad.accuracy.machine import machine
 from skincad.design import Design
 from skincad.errors import InputError
-from skincad.outfolder import ACCURACY_MANIFEST, checked_folder, replaced
+from skincad.outfolder import checked_folder, replaced
 from skincad.stopwatch import Progress
-from skincad.strictjson import strict_json
 
 MOST_REPEATS = 100
+TABLE = "accuracy.csv"
 COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "repeats")
 
 
@@ -79,18 +79,20 @@ def accuracy_job(
     accuracy.csv and a diagram a ladder, whole or not at all. Raises InputError for bad input.
     """
     target = Path("out") / design.name if folder is None else Path(folder)
-    checked_folder(target)
+    checked_folder(target, "accuracy", [TABLE, *map(_picture, names or LADDERS)])
     found = accuracy(design, names, repeats=repeats, progress=progress)
     from skincad.accuracy.figures import diagram
 
-    with replaced(target, (ACCURACY_MANIFEST,)) as staging:
-        (staging / "accuracy.csv").write_text(table(found), encoding="utf-8")
+    with replaced(target, "accuracy", found.as_json()) as staging:
+        (staging / TABLE).write_text(table(found), encoding="utf-8")
         for ladder in found.ladders:
-            diagram(ladder, found.machine, staging / f"accuracy-{ladder.name}.png")
+            diagram(ladder, found.machine, staging / _picture(ladder.name))
         sizes = {path.name: path.stat().st_size for path in sorted(staging.iterdir())}
-        data = {"files": list(sizes), **found.as_json()}
-        (staging / ACCURACY_MANIFEST).write_text(strict_json(data, indent=1) + "\n", encoding="utf-8")
     return found, [{"path": str(target / name), "bytes": size} for name, size in sizes.items()]
+
+
+def _picture(ladder: str) -> str:
+    return f"accuracy-{ladder}.png"
 
 
 def table(found: Accuracy) -> str:

@@ -14,6 +14,7 @@ from PIL import Image
 from skincad.accuracy.figures import SIZE, STYLES, diagram
 from skincad.accuracy.ladder import Ladder, Measure, Rung
 from skincad.accuracy.machine import machine
+from skincad.outfolder import replaced
 from tests.conftest import run_skincad
 
 NUMBER, TEXT = {"type": "number"}, {"type": "string"}
@@ -78,9 +79,8 @@ def test_no_host_and_no_user_is_told() -> None:
 
 def test_another_jobs_files_stay(tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    folder.mkdir()
-    (folder / "make.json").write_text('{"files": ["skin.step"]}')
-    (folder / "skin.step").write_text("solid")
+    with replaced(folder, "make") as staging:
+        (staging / "skin.step").write_text("solid")
     done = run_skincad(
         "accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "-o", "out", cwd=tmp_path
     )
