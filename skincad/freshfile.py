@@ -34,6 +34,7 @@ def fresh(path: Path, key: str) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield staging
+        checked_fresh(path, path.suffix, key)  # a person may have written it meanwhile
         staging.replace(path)
     except OSError as failure:
         raise _unwritable(path, key, failure) from None

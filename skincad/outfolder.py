@@ -12,7 +12,6 @@ from __future__ import annotations
 import os
 import re
 import secrets
-import stat
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping
@@ -28,7 +27,8 @@ try:
 except ImportError:  # no POSIX: runs into one folder at once are not kept apart
     fcntl = None  # type: ignore[assignment]
 
-RUN = re.compile(rf"\.skincad-({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
+OURS = ".skincad-"  # so begins the name of whatever lies in the folder only while runs write there
+RUN = re.compile(rf"{re.escape(OURS)}({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
 NOBODYS = "lost+found"  # what a new volume holds
 PATIENCE, POLL = 1.0, 0.05  # s: until a wait is told; between two tries
 
@@ -50,12 +50,12 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
             with _locked(real):
                 _put_right(real)
                 _earlier(real, command, names)
-        for part in real.relative_to(there).parts:
-            with suppress(FileNotFoundError):
-                os.lstat(there / part)  # tells a name that is too long
-        probe = there / _run_name(command)
-        probe.mkdir()  # only trying tells: permissions are not all that can stand in the way
-        probe.rmdir()
+                _try_to_write(real, command)
+        else:
+            for part in real.relative_to(there).parts:
+                with suppress(FileNotFoundError):
+                    os.lstat(there / part)  # tells a name that is too long
+            _try_to_write(there, command)
     except OSError as failure:
         raise _unwritable(folder, failure) from None
     return real
@@ -94,15 +94,22 @@ def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None
                 path.rmdir()
 
 
+def _try_to_write(folder: Path, command: str) -> None:
+    """Raise OSError where no folder can be made: permissions are not all that can stand in the way."""
+    probe = folder / _run_name(command)  # if this run is killed here, the next one removes it
+    probe.mkdir()
+    with suppress(FileNotFoundError):  # a run in this folder may have taken it for a killed one's
+        probe.rmdir()
+
+
 def _run_name(command: str) -> str:
-    return f".skincad-{command}-{secrets.token_hex(4)}"
+    return f"{OURS}{command}-{secrets.token_hex(4)}"
 
 
 def _runs(folder: Path) -> list[Path]:
     """Folders of runs that are under way or were killed."""
-    return [
-        path for path in folder.iterdir() if RUN.fullmatch(path.name) and stat.S_ISDIR(path.lstat().st_mode)
-    ]
+    found = [path for path in folder.iterdir() if RUN.fullmatch(path.name)]
+    return [path for path in found if path.is_dir() and not path.is_symlink()]
 
 
 def _unwritable(folder: Path, failure: OSError) -> InputError:
@@ -118,7 +125,9 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     manifest, told = manifest_name(command), listed(folder, command)
     if told is None and os.path.lexists(folder / manifest):
         raise _in_the_way(folder / manifest)
-    others = {item.name for item in folder.iterdir()} - {run.name for run in _runs(folder)} - {NOBODYS}
+    others = [
+        item.name for item in folder.iterdir() if not item.name.startswith(OURS) and item.name != NOBODYS
+    ]
     if others and all(listed(folder, each) is None for each in COMMANDS):
         raise InputError(
             "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"

@@ -246,6 +246,32 @@ def test_two_runs_into_one_folder_at_once(tmp_path: Path) -> None:
         assert not list((tmp_path / "here").glob(".*"))
 
 
+def test_many_runs_into_one_folder_at_once(tmp_path: Path) -> None:
+    """Four processes, two commands, each again and again, the first ones into no folder: nobody is refused,
+    and each command's last result is there, whole."""
+    run_program(
+        "def many(me):\n"
+        "    for n in range(8):\n"
+        "        command = ('make', 'circuit')[me % 2]\n"
+        "        with replaced(Path('here'), command) as staging:\n"
+        "            for name in 'xyz':\n"
+        "                (staging / f'{command}-{name}').write_text(f'{me} {n}')\n"
+        "children = []\n"
+        "for me in range(4):\n"
+        "    child = os.fork()\n"
+        "    if not child:\n"
+        "        many(me)\n"
+        "        os._exit(0)\n"
+        "    children.append(child)\n"
+        "assert [os.waitpid(child, 0)[1] for child in children] == [0] * 4\n"
+        "for command in ('make', 'circuit'):\n"
+        "    texts = {Path(f'here/{command}-{name}').read_text() for name in 'xyz'}\n"
+        "    assert len(texts) == 1 and texts.pop().endswith(' 7'), command\n"
+        "assert len(list(Path('here').iterdir())) == 8, list(Path('here').iterdir())\n",
+        tmp_path,
+    )
+
+
 @pytest.mark.parametrize("job", SLOW)
 def test_a_full_disk(job: str, tmp_path: Path) -> None:
     """No file above 2 kB can be written: one line, status 2, the earlier result as it was."""

@@ -8,6 +8,7 @@ import pytest
 import skincad
 from skincad.catalog import template_names
 from skincad.errors import InputError
+from skincad.freshfile import fresh
 from skincad.newfile import design_schema, write_new
 
 
@@ -72,3 +73,13 @@ def test_a_file_that_would_be_no_design_never_takes_its_place(
     with pytest.raises(InputError):
         write_new(tmp_path / "mine.toml")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_appears_meanwhile_is_not_written_over(tmp_path: Path) -> None:
+    with (
+        pytest.raises(InputError, match="is there already"),
+        fresh(tmp_path / "a.png", "--stress") as staging,
+    ):
+        staging.write_text("ours")
+        (tmp_path / "a.png").write_text("mine")
+    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a.png": "mine"}
