@@ -147,7 +147,9 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
 
 def _in_the_way(path: Path) -> InputError:
     return InputError(
-        "-o", f"{path} is not as skincad wrote it there", remedy="move it away or name another folder"
+        "-o",
+        f"{path} is another's or was changed since it was written",
+        remedy="move it away or name another folder",
     )
 
 
@@ -174,7 +176,7 @@ def _settle(run: Path) -> None:
     folder, new, old = run.parent, run / "new", run / "old"
     command = run.name.split("-")[1]
     manifest = manifest_name(command)
-    if (new / manifest).exists():  # it comes last
+    if (new / manifest).exists() and old.exists():  # it comes last
         for name, digest in (listed(new, command) or {}).items():
             if not (new / name).exists() and os.path.lexists(folder / name):
                 if not unchanged(folder / name, digest):

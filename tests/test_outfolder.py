@@ -109,6 +109,43 @@ def test_an_interruption_between_two_renames_brings_the_earlier_result_back(
     assert contents(tmp_path / "x") == {"a.txt": "3"}
 
 
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("function", ["mkdir", "rename", "unlink", "rmdir"])
+def test_an_interruption_anywhere_leaves_the_old_or_the_new_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, function: str, after: bool
+) -> None:
+    """Ctrl-C before or after each change of the disk; what it leaves over, the next run puts right."""
+    real = getattr(Path, function)
+    for count in range(1, 20):
+        folder = tmp_path / f"{count}"
+        write(folder, a="1")
+        calls = 0
+
+        def interrupted(self: Path, *rest: Path, at: int = count, **options: bool) -> object:
+            nonlocal calls
+            calls += 1
+            if calls == at and not after:
+                raise KeyboardInterrupt
+            done = real(self, *rest, **options)
+            if calls == at:
+                raise KeyboardInterrupt
+            return done
+
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, function, interrupted)
+            try:
+                write(folder, a="2", b="2")
+            except KeyboardInterrupt:
+                pass
+            else:
+                assert count > 1
+                return
+        checked_folder(folder)
+        assert contents(folder) in ({"a.txt": "1"}, {"a.txt": "2", "b.txt": "2"})
+        assert not list(folder.glob(".*"))
+    raise AssertionError("it never ends")
+
+
 def test_a_folder_keeps_its_mode(tmp_path: Path) -> None:
     write(tmp_path / "x", a="1")
     (tmp_path / "x").chmod(0o700)
@@ -165,7 +202,9 @@ def test_each_command_replaces_its_own_files_only(tmp_path: Path, first: str, se
 def test_a_file_of_another_command_is_not_written_over(tmp_path: Path) -> None:
     write(tmp_path / "x", "make", a="1")
     for names in (["a.txt"], []):  # known before any work, and else before anything is put in place
-        with pytest.raises(InputError, match=r"a\.txt is not as skincad wrote it there; move it away"):
+        with pytest.raises(
+            InputError, match=r"a\.txt is another's or was changed since it was written; move it away"
+        ):
             checked_folder(tmp_path / "x", "circuit", names) if names else write(
                 tmp_path / "x", "circuit", a="2"
             )

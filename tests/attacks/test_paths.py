@@ -132,7 +132,9 @@ def test_a_foreign_manifest_gives_nothing_away(tmp_path: Path, command: str, tex
     (out / "src" / "main.c").write_text("mine")
     (out / "README").write_text("mine")
     (out / f"{command}.json").write_text(foreign(command)[text], encoding="utf-8", errors="surrogateescape")
-    refused_and_nothing_changed(out, command, f"{command}.json is not as skincad wrote it there")
+    refused_and_nothing_changed(
+        out, command, f"{command}.json is another's or was changed since it was written"
+    )
     for other in set(COMMANDS) - {command}:
         refused_and_nothing_changed(out, other, "holds files and no earlier result")
 
@@ -143,7 +145,7 @@ def test_a_manifest_that_is_no_plain_file_gives_nothing_away(tmp_path: Path, kin
     write(out, a="1")
     (out / "make.json").rename(tmp_path / "real.json")
     other_kind(out / "make.json", kind, tmp_path / "real.json")
-    refused_and_nothing_changed(out, "make", "make.json is not as skincad wrote it there")
+    refused_and_nothing_changed(out, "make", "make.json is another's or was changed since it was written")
 
 
 def other_kind(path: Path, kind: str, like: Path) -> None:
@@ -192,7 +194,9 @@ def test_what_became_of_a_listed_file_is_a_persons(tmp_path: Path, kind: str) ->
         (out / "a").write_text("1 and more")
     else:
         other_kind(out / "a", kind, tmp_path / "other")
-    refused_and_nothing_changed(out, "make", "/a is not as skincad wrote it there; move it away")
+    refused_and_nothing_changed(
+        out, "make", "/a is another's or was changed since it was written; move it away"
+    )
     if kind != "folder":
         (out / "a").rename(out / "mine")  # the remedy
         write(out, a="2", b="2")
@@ -302,7 +306,7 @@ def test_a_link_in_the_out_folder_is_not_written_through(tmp_path: Path) -> None
     done = run_skincad("make", "plain-ridges", "--format", "dxf", "-o", "out", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
-    assert "section.dxf is not as skincad wrote it there; move it away" in done.stderr
+    assert "section.dxf is another's or was changed since it was written; move it away" in done.stderr
     assert (tmp_path / "victim").read_text() == "mine"
     assert (out / "section.dxf").readlink() == tmp_path / "victim"
 
