@@ -12,6 +12,7 @@ from skincad.circuit.model import Circuit
 from skincad.circuit.netlist import netlist
 from skincad.outfolder import checked_folder, replaced
 from skincad.stopwatch import Progress
+from skincad.strictjson import strict_json
 
 NAMES = ("gain.csv", "netlist.cir", "gain.png", "calibrated.toml")  # the last one with measured data
 
@@ -33,6 +34,7 @@ def circuit_job(
     from skincad.circuit_figures import gain_picture
 
     found = circuit_gain(circuit, measured, progress)
+    strict_json(found.as_json())  # before anything is written: the manifest tells its name alone
     with replaced(target, "circuit", {"name": found.name}) as staging:
         (staging / "gain.csv").write_text(gain_csv(found), encoding="utf-8")
         sweep = circuit.sweep

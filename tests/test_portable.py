@@ -15,11 +15,17 @@ from typing import Any
 import pytest
 
 import skincad
+from skincad.accuracy.job import Accuracy
+from skincad.accuracy.ladder import Ladder, Measure, Rung
 from skincad.circuit.gain import circuit_gain
 from skincad.circuit.model import load_circuit
 from skincad.errors import InputError, RefusedError
+from skincad.fabrication.finding import Finding
+from skincad.job import MakeResult, PartReport
 from skincad.levels import LEVELS
 from skincad.march import March
+from skincad.material.fit import fit_material
+from skincad.mechanics.film.stress import film_stress
 from skincad.mechanics.grip import GrossSlip
 from skincad.mechanics.problem import LateError
 from skincad.quantities import Estimate
@@ -34,6 +40,7 @@ WAYS: tuple[Callable[[Any], Any], ...] = (
     *(lambda each, p=p: pickle.loads(pickle.dumps(each, p)) for p in range(2, pickle.HIGHEST_PROTOCOL + 1)),
 )
 WORDS = {"key": "ridge.height", "rule": "must be below 1", "value": 1.5, "remedy": "take less"}
+FILMED = ("ridge.count=1", "skin.width=3.0")
 FEW = ("history.steps=2", "readout.ridges=[2]", THIRD)
 VALUES: dict[str, Any] = {"str": "words", "float": 2.5, "object": 1.5, "Any": (1, 2)}
 
@@ -88,13 +95,26 @@ def results(folder: Path) -> dict[str, Any]:
     design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})
     scene = small_scene(folder, "yamada-2002-press", *FEW)
     circuit = load_circuit("yamada-2002")
+    check = skincad.check(design, force=1.0, tier="linear", tol=0.3)
+    rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
+    (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
+    part = PartReport("skin", 1.0, 2.0, 6, True, True, 0, 1e-3, 2e-3)
+    finding = Finding("sag", "strip 1", 0.2, 0.1, "mm", "warning", "take a thicker film")
+    measure = Measure("rms", "of the gain", "1", "the finest", "by a closed form")
+    ladder = Ladder("circuit", "a title", (Rung("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,))
     return {
         "estimate": Estimate(1.0, 0.1, "N"),
         "design": design,
         "scene": load_scene("hold"),
         "circuit": circuit,
         "gain": circuit_gain(circuit),
-        "check": skincad.check(design, force=1.0, tier="linear", tol=0.3),
+        "check": check,
+        "make": MakeResult(
+            "a", folder, True, (("skin.stl", 84),), (part,), (finding,), check, 1.0, {"total": 1.0}
+        ),
+        "accuracy": Accuracy("a", (ladder,), {"cores": 2}, 2, 0.3),
+        "fit": fit_material(folder / "bar.csv"),
+        "film stress": film_stress(skincad.load("yamada-2002", FILMED), 0.4, tol=0.5),
         "simulation": at_level(scene, LEVELS[0]),
     }
 

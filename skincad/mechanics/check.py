@@ -9,7 +9,7 @@ from time import perf_counter
 
 from skincad.catalog import processes, silicone
 from skincad.design import Design
-from skincad.errors import InputError, RefusedError
+from skincad.errors import ExhaustedError, InputError, RefusedError, needing
 from skincad.measurements import crest_drops, shift_warnings
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.prices import LAWS, expected
@@ -194,8 +194,9 @@ class _Climb:
         made = None
         if not self.drops and name != "winkler":
             try:
-                made = self._manufacture(found)
-            except ContactError as failure:  # the yield's model has no say in the verdict
+                with needing("the yield"):
+                    made = self._manufacture(found)
+            except (ContactError, ExhaustedError) as failure:  # the yield has no say in the verdict
                 found = replace(found, warnings=(*found.warnings, no_yield(failure)))
         verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made)
         self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
