@@ -28,8 +28,6 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     Raises InputError for an unknown template, a file that is there already or cannot be written, and a name
     that a TOML comment can't hold.
     """
-    if not path.name.isprintable():
-        raise InputError("FILE", "must have a name of printable characters", path.name)
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
@@ -37,6 +35,8 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
         link = os.fsencode(schema.name).decode("utf-8")  # a poor locale leaves what it cannot read escaped
     except UnicodeDecodeError:
         raise InputError("FILE", "must be UTF-8", path.name, "name another file") from None
+    if not link.isprintable():
+        raise InputError("FILE", "must have a name of printable characters", path.name)
     with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
         first.write_text(design_schema(), encoding="utf-8")
         second.write_text(commented_toml(template, path.stem, link), encoding="utf-8")

@@ -249,32 +249,32 @@ def test_a_signal_waits_for_an_import_to_be_through(
 
 @pytest.mark.usefixtures("_listening")
 def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Between the two renames and in the removal of the old folder too."""
+    """Between any two files that are moved, and in the removal of the old ones too."""
     from skincad import outfolder
 
-    rename, removed = Path.rename, outfolder.shutil.rmtree
+    rename, unlink = Path.rename, Path.unlink
 
-    def struck(self: Path, target: Path) -> Path:
-        moved = rename(self, target)
+    def moved(self: Path, target: Path) -> Path:
+        found = rename(self, target)
         os.kill(os.getpid(), signal.SIGINT)
-        return moved
+        return found
 
-    def rmtree(*arguments: object, **more: object) -> None:
+    def removed(self: Path, missing_ok: bool = False) -> None:
         os.kill(os.getpid(), signal.SIGINT)
-        removed(*arguments, **more)
+        unlink(self, missing_ok)
 
-    monkeypatch.setattr(Path, "rename", struck)
-    monkeypatch.setattr(outfolder.shutil, "rmtree", rmtree)
+    monkeypatch.setattr(Path, "rename", moved)
+    monkeypatch.setattr(Path, "unlink", removed)
 
     def write() -> None:
-        with outfolder.replaced(tmp_path / "here") as staging:
+        with outfolder.replaced(tmp_path / "here", "make") as staging:
             (staging / "a").write_text("new")
-            (staging / outfolder.MANIFEST).write_text('{"files": ["a"]}')
 
     for _ in range(2):  # the second time there is one to be replaced
         with pytest.raises(KeyboardInterrupt):
             working("    write()\n    time.sleep(10)", write=write, time=time)()
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
+    assert sorted(p.name for p in (tmp_path / "here").iterdir()) == ["a", "make.json"]
     assert (tmp_path / "here" / "a").read_text() == "new"
 
 

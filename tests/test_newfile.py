@@ -57,7 +57,7 @@ def test_a_name_that_is_no_design_name_is_made_one(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ['n\nname="evil"\n.toml', "a\rb.toml", "a\x1b[31m.toml", "a\x00.toml", "\u202egnp.toml", "a\udcff.toml"],
+    ['n\nname="evil"\n.toml', "a\rb.toml", "a\x1b[31m.toml", "a\x00.toml", "\u202egnp.toml"],
 )
 def test_a_name_that_no_comment_can_hold_is_refused_and_nothing_is_written(tmp_path: Path, name: str) -> None:
     with pytest.raises(InputError, match=r"^FILE: must have a name of printable characters") as told:

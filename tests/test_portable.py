@@ -39,7 +39,7 @@ WAYS: tuple[Callable[[Any], Any], ...] = (
     copy.deepcopy,
     *(lambda each, p=p: pickle.loads(pickle.dumps(each, p)) for p in range(2, pickle.HIGHEST_PROTOCOL + 1)),
 )
-WORDS = {"key": "ridge.height", "rule": "must be below 1", "value": 1.5, "remedy": "take less"}
+WORDS = {"key": "ridge.height", "rule": "must be below 1", "value": 1.5, "remedy": "take less", "others": ()}
 FILMED = ("ridge.count=1", "skin.width=3.0")
 FEW = ("history.steps=2", "readout.ridges=[2]", THIRD)
 VALUES: dict[str, Any] = {"str": "words", "float": 2.5, "object": 1.5, "Any": (1, 2)}

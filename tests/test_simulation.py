@@ -377,7 +377,7 @@ def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
     scene = load_scene("yamada-2002-press", ["history.steps=5"])
     found = simulate(scene)
     assert found.as_json()["steps"] == 5
-    assert any("a finer mesh is left out" in w and "needs more memory" in w for w in found.warnings)
+    assert any("a finer mesh is refused" in w and "needs more memory" in w for w in found.warnings)
     most = 0
     with pytest.raises(ExhaustedError, match="needs more memory than there is"):
         simulate(scene)

@@ -100,13 +100,26 @@ class Condensed:
     def fault(self, state: Grip) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
         is known to."""
-        return None if self.pad.whole is None else self.pad.whole.fault(*self._placed(state))
+        return (
+            None if self.pad.whole is None else self.pad.whole.fault(*self._placed(state), self._give(state))
+        )
 
     @property
     def _whole(self) -> WholeState:
         if self.pad.whole is None:
             raise RefusedError("a pad that was not condensed from a mesh has no field to show")
         return self.pad.whole
+
+    def _give(self, state: Grip) -> tuple[Array, Array]:
+        """Where the ridges are and how much more free ends let them down, `(ridges,)` mm: the mesh's field is
+        that of an endless pad."""
+        whole = self._whole.part.whole
+        numbers = np.array(whole.ridges)
+        at = np.searchsorted(numbers, self.pad.ridge)
+        x = np.bincount(at, self.pad.x) / np.bincount(at)
+        if not whole.ends:
+            return x, np.zeros_like(x)
+        return x, np.asarray(np.array(whole.ends) @ np.bincount(at, state.normal))
 
     def _placed(self, state: Grip) -> tuple[Array, float, float]:
         """Forces on the skin, and the plate: its height over x = 0, mm, and its angle."""

@@ -129,7 +129,8 @@ def half_widths(design: Design, line: Array, approach: float, carrying: float, l
     doubly = design.skin.curvature_radius_y is not None
     base, column = compliances(design)
     most, give = int(np.argmax(line)), base + column
-    tips = tip_approach(design, most, float(line[most])) / approach
+    # a force of the smallest number there is moves nothing
+    tips = tip_approach(design, most, float(line[most])) / approach if approach > 0 else 0.0
     at_last = tip_approach(design, most, last / give) / last if last > 0 else 0.0
     stiffer = stiffening(design, at_last * give, design.ridge.count)
     usual = DOUBLY_THRESHOLD_ERROR if doubly else THRESHOLD_ERROR

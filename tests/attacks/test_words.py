@@ -139,7 +139,6 @@ COMMANDS = [
 
 def run(monkeypatch: pytest.MonkeyPatch, arguments: list[str]) -> object:
     """The status of a command in this process."""
-    monkeypatch.setattr(cli.signal, "signal", lambda *_: None)
     monkeypatch.setattr(sys, "argv", ["skincad", *arguments])
     with pytest.raises(SystemExit) as left:
         cli.main()
@@ -158,7 +157,9 @@ def test_no_argument_is_printed_raw(
     assert plain(err[:-1])
 
 
-@pytest.mark.parametrize("arguments", [["new", "é\u202e\u200f.toml"], ["circuit", "yamada-2002", "-o", EVIL]])
+@pytest.mark.parametrize(
+    "arguments", [["new", "é\u202e\u200f/mine.toml"], ["circuit", "yamada-2002", "-o", EVIL]]
+)
 def test_no_path_of_a_result_is_printed_raw(
     arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

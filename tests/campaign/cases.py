@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import tomlkit
 
+from skincad.catalog import load
 from skincad.design import Design
 from skincad.tables import parse
 
@@ -34,6 +35,8 @@ class Case:
 
     @property
     def design(self) -> Design:
+        if self.skin is None and self.kind == "simulate":
+            return load(self.tables["skin"])
         return parse(Design, self.tables if self.skin is None else self.skin)
 
     def toml(self) -> str:

@@ -374,19 +374,24 @@ def test_a_force_out_of_a_better_tiers_range_has_no_verdict() -> None:
 
 
 def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = ["corrected"]
+
     def refuse(name: str) -> Any:
         def answer(*_: object) -> Answer:
             raise RefusedError("it does not balance")
 
-        return answer if name == "corrected" else load_tier(name)
+        return answer if name in refused else load_tier(name)
 
     load_tier = tiers.load
     monkeypatch.setattr(tiers, "load", refuse)
-    found = check(reference())
-    assert found.tier == "linear"
-    assert any("the corrected tier" in w and "does not balance" in w for w in found.warnings)
+    for asked in ({}, {"tol": 0.1}):  # with the tolerance corrected comes first, built on linear
+        found = check(reference(), **asked)
+        assert found.tier == "linear"
+        assert any("the corrected tier" in w and "does not balance" in w for w in found.warnings)
+        assert any("not met" in w for w in found.warnings) == bool(asked)
+    refused.append("linear")
     with pytest.raises(RefusedError, match="does not balance"):
-        check(reference(), tol=0.1)  # corrected comes first: there is none before
+        check(reference())  # there is none before
 
 
 NOTHING_LEFT = {

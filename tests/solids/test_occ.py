@@ -52,7 +52,16 @@ def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.
     import importlib
     import sys
 
-    monkeypatch.setitem(sys.modules, "cadquery", None)
+    class Lacking:
+        """As the dynamic linker has it on a bare Linux."""
+
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "cadquery":
+                words = "libGL.so.1: cannot open shared object file: No such file or directory"
+                raise ImportError(words)
+
+    monkeypatch.setattr(sys, "meta_path", [Lacking(), *sys.meta_path])
+    monkeypatch.delitem(sys.modules, "cadquery")
     monkeypatch.delitem(sys.modules, "skincad.solids.occ")
     with pytest.raises(skincad.InputError, match="libgl1 libx11-6"):
         importlib.import_module("skincad.solids.occ")

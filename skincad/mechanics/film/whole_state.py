@@ -64,9 +64,14 @@ class WholeState:
         place, shift = found.place * unit, found.shift * unit
         return Shown(place, shift, found.stress * modulus, found.triangles, found.film, plate, angle)
 
-    def fault(self, force: Array, plate: float, angle: float) -> str | None:
-        """Return what would collide in this state although the model knows no contact there, or None."""
-        return collision(self.part, self.body, self._moved(force), plate, angle)
+    def fault(
+        self, force: Array, plate: float, angle: float, give: tuple[Array, Array] | None = None
+    ) -> str | None:
+        """Return what would collide in this state although the model knows no contact there, or None.
+
+        `give` is at which x and by how much, mm, the skin has come down beside what its field says.
+        """
+        return collision(self.part, self.body, self._moved(force), plate, angle, give)
 
     def _field(self, moved: Array) -> Patch:
         strip_field.set_state(self.body, moved)
@@ -93,15 +98,23 @@ def on_sides(found: list[Array]) -> list[Array]:
     return [even + odd, even - odd]
 
 
-def collision(part: Part, body: Body, moved: list[Array], plate: float, angle: float) -> str | None:
+def collision(
+    part: Part,
+    body: Body,
+    moved: list[Array],
+    plate: float,
+    angle: float,
+    give: tuple[Array, Array] | None = None,
+) -> str | None:
     """Return what would collide although the models know no contact there, or None.
 
     `moved` are displacements `(n,)`, in units, of the part and, of a mirrored pad, of its image; the plate is
-    the line through (0, `plate`) mm at `angle` rad.
+    the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
     """
 
     def over(x: Array) -> Array:
-        return np.asarray(plate / part.unit + math.tan(angle) * x)
+        more = 0.0 if give is None else np.interp(x * part.unit, *give) / part.unit
+        return np.asarray(plate / part.unit + math.tan(angle) * x + more)
 
     def over_image(x: Array) -> Array:
         return over(-x)
