@@ -65,6 +65,7 @@ def test_a_failed_verdict_exits_with_1(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["passed"] is False
 
 
+@pytest.mark.slow
 def test_a_format_is_written_alone(tmp_path: Path) -> None:
     done = run_skincad("make", "plain-ridges", "--format", "dxf", "-o", "here", cwd=tmp_path)
     assert done.returncode == 0
@@ -182,6 +183,7 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path, kind: str) -> Non
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
 
 
+@pytest.mark.slow
 def test_ctrl_c_exits_with_130_and_leaves_no_half_result(tmp_path: Path) -> None:
     running = subprocess.Popen(
         [sys.executable, "-c", "from skincad.cli import main; main()", "make", "yamada-2002"],

@@ -104,7 +104,7 @@ BASES: dict[
 }
 
 
-@pytest.mark.parametrize("kind", BASES)
+@pytest.mark.parametrize("kind", ["design", pytest.param("circuit", marks=pytest.mark.slow)])
 def test_each_number_at_its_ends(kind: str) -> None:
     model, base, told = BASES[kind]
     assert finite(lambda: told(base()))

@@ -237,6 +237,7 @@ def test_what_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
     assert (tmp_path / "here" / "a").read_text() == "one"
 
 
+@pytest.mark.slow
 def test_two_runs_into_one_folder_at_once(tmp_path: Path) -> None:
     """Both start together, twice: one of the two results is there, whole, and nothing beside it."""
     results = [dict(whole("circuit", other)[0]) for other in (False, True)]

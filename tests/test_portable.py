@@ -77,6 +77,7 @@ def load_bad(height: float) -> object:
     return skincad.load("yamada-2002", [f"ridge.height={height}"])
 
 
+@pytest.mark.slow
 def test_a_bad_design_in_a_process_is_an_input_error_in_the_parent() -> None:
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool, pytest.raises(InputError, match=r"ridge\.height"):

@@ -34,7 +34,13 @@ def test_every_file_of_a_make_is_explained(made: MakeResult) -> None:
         assert f"`{name}`" in table or (kind in ("step", "stl") and f".{kind}`" in table), name
 
 
-@pytest.mark.parametrize("line", re.findall(r"^    (skincad (?:make|check|new) .+?)(?:  .*)?$", README, re.M))
+LINES = re.findall(r"^    (skincad (?:make|check|new) .+?)(?:  .*)?$", README, re.M)
+DEAR = re.compile(r"skincad make|--stress|--tol")  # the first command of all is a fast test's, by `made`
+
+
+@pytest.mark.parametrize(
+    "line", [pytest.param(each, marks=[pytest.mark.slow] * bool(DEAR.search(each))) for each in LINES]
+)
 def test_the_commands_shown_work(tmp_path: Path, line: str) -> None:
     run_skincad("new", "mine.toml", cwd=tmp_path)
     arguments = line.split()[1:]

@@ -342,7 +342,7 @@ def test_ctrl_c_leaves_what_is_done(whole_first: bool, monkeypatch: pytest.Monke
     assert found.as_json()["steps"] == (5 if whole_first else 3)
 
 
-@pytest.mark.parametrize("moment", [0, 3])
+@pytest.mark.parametrize("moment", [0, pytest.param(3, marks=pytest.mark.slow)])
 def test_ctrl_c_between_two_meshes_or_in_the_second(moment: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the first mesh gave is there for who asks for it; a Python caller gets the interrupt."""
     monkeypatch.setattr(simulation, "LEVELS", LEVELS[:2])

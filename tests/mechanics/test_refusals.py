@@ -216,7 +216,7 @@ def test_a_yield_that_does_not_settle_is_no_veto(
     assert found.as_json()["yield"] is None
 
 
-@pytest.mark.parametrize(("ridges", "parts"), [(9, 10_000), (32, 10_000), (64, 2_500), (160, 400)])
+@pytest.mark.parametrize(("ridges", "parts"), [(9, 10_000), (33, 9_403), (48, 4_444)])
 def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int, parts: int) -> None:
     """Springs that do not feel each other, as high as each other: all touch in every part."""
     force = np.linspace(0.0, 1.0, 5)
