@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from threading import Lock
 
+import numpy as np
+from scipy.linalg import solve_triangular
 from threadpoolctl import threadpool_limits
 
 
@@ -20,6 +23,7 @@ class _Limit:
         """Set the limit, if nobody else has."""
         with self.lock:
             if self.limits is None:
+                _ask_for_memory()
                 self.limits = threadpool_limits(limits=1, user_api="blas")
             self.inside += 1
 
@@ -30,6 +34,14 @@ class _Limit:
             if self.limits is not None and self.inside == 0:
                 self.limits.restore_original_limits()
                 self.limits = None
+
+
+@cache
+def _ask_for_memory() -> None:
+    """Let BLAS allocate what it works in, once and before anything large: OpenBLAS asks again for ever for
+    memory that is not there, and no signal ends that."""
+    for solve in (solve_triangular, np.linalg.solve):  # scipy and numpy bring one each
+        solve(np.eye(2), np.ones(2))
 
 
 _LIMIT = _Limit()

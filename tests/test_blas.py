@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,6 +46,26 @@ def test_the_last_to_leave_restores_whatever_the_order(order: tuple[int, ...]) -
         assert blas_threads() == {1}
         blocks[number].__exit__(None, None, None)
         assert blas_threads() == ({BEFORE} if left == len(order) else {1})
+
+
+WITHOUT_MEMORY = """
+import resource
+import numpy as np
+from scipy.linalg import solve_triangular
+from skincad.blas import one_blas_thread
+with one_blas_thread():
+    pass
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (8 << 20), used + (8 << 20)))
+for solve in (solve_triangular, np.linalg.solve):
+    assert np.allclose(solve(np.eye(100), np.ones(100)), 1.0)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux how much memory is used")
+def test_blas_has_what_it_works_in_before_memory_runs_out() -> None:
+    """Else it would ask again for ever, deaf to signals: hence the timeout, of a run that takes a second."""
+    subprocess.run([sys.executable, "-c", WITHOUT_MEMORY], check=True, timeout=120)
 
 
 def test_an_error_inside_restores_too() -> None:
