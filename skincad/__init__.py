@@ -10,31 +10,31 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from skincad.base.version import __version__ as __version__
+
 if TYPE_CHECKING:
-    from skincad.catalog import load as load
-    from skincad.catalog import template_names as template_names
-    from skincad.design import Design as Design
-    from skincad.errors import InputError as InputError
-    from skincad.errors import RefusedError as RefusedError
-    from skincad.job import make as make
-    from skincad.mechanics.check import check as check
-    from skincad.quantities import Estimate as Estimate
+    from skincad.base.errors import InputError as InputError
+    from skincad.base.errors import RefusedError as RefusedError
+    from skincad.base.estimate import Estimate as Estimate
+    from skincad.inputs.catalog import load as load
+    from skincad.inputs.catalog import template_names as template_names
+    from skincad.inputs.design import Design as Design
+    from skincad.mechanics.touching import check as check
+    from skincad.outputs.making import make as make
     from skincad.solids.mold import mold_solids as mold_solids
     from skincad.solids.skin import skin_solid as skin_solid
 
-__version__ = "0.1.0"
-
 _HOMES = {
-    "Design": "skincad.design",
-    "Estimate": "skincad.quantities",
-    "InputError": "skincad.errors",
-    "RefusedError": "skincad.errors",
-    "check": "skincad.mechanics.check",
-    "load": "skincad.catalog",
-    "make": "skincad.job",
+    "Design": "skincad.inputs.design",
+    "Estimate": "skincad.base.estimate",
+    "InputError": "skincad.base.errors",
+    "RefusedError": "skincad.base.errors",
+    "check": "skincad.mechanics.touching",
+    "load": "skincad.inputs.catalog",
+    "make": "skincad.outputs.making",
     "mold_solids": "skincad.solids.mold",
     "skin_solid": "skincad.solids.skin",
-    "template_names": "skincad.catalog",
+    "template_names": "skincad.inputs.catalog",
 }
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 

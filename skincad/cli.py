@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TextIO
 import typer
 
 import skincad
-from skincad.bars import stage_bar, step_bar
-from skincad.errors import ExhaustedError, InputError, RefusedError, exhausted, shown
-from skincad.strictjson import strict_json
+from skincad.base.bars import stage_bar, step_bar
+from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhausted, shown
+from skincad.base.strictjson import strict_json
 
 if TYPE_CHECKING:
-    from skincad.design import Design
+    from skincad.base.stopwatch import Progress
+    from skincad.inputs.design import Design
     from skincad.mechanics.film.answer import FilmStress
-    from skincad.stopwatch import Progress
 
 app = typer.Typer(
     name="skincad",
@@ -138,7 +138,7 @@ def root(
 @app.command()
 def templates(as_json: JsonOption = False) -> None:
     """List the designs and scenes that ship with skincad."""
-    from skincad.catalog import KINDS, template_names, template_text
+    from skincad.inputs.catalog import KINDS, template_names, template_text
 
     rows = [
         f"{kind[:-1]:8} {name:22} {template_text(name, kind).splitlines()[0].lstrip('# ')}"
@@ -159,7 +159,7 @@ def new(
 
     An editor that knows the schema completes and checks the file.
     """
-    from skincad.newfile import write_new
+    from skincad.outputs.newfile import write_new
 
     _print({}, False, [str(path) for path in write_new(file, template)])
 
@@ -187,9 +187,9 @@ def make(
 
     STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the out folder, whole or not at all.
     """
-    from skincad.job import FORMATS, STAGES
-    from skincad.job import make as run
-    from skincad.wording import make_lines
+    from skincad.outputs.making import FORMATS, STAGES
+    from skincad.outputs.making import make as run
+    from skincad.outputs.wording import make_lines
 
     loaded = skincad.load(design, settings, printer=printer)
     with stage_bar(len(STAGES)) as progress:
@@ -238,9 +238,9 @@ def check(
 
     Also the approach and the force of each ridge, each with its error.
     """
-    from skincad.freshfile import checked_fresh
-    from skincad.mechanics.check import check as run
-    from skincad.wording import check_lines, stress_lines
+    from skincad.base.freshfile import checked_fresh
+    from skincad.mechanics.touching import check as run
+    from skincad.outputs.wording import check_lines, stress_lines
 
     if pull is not None and stress is None:
         raise InputError("--pull", "needs --stress", pull, "name the picture with --stress")
@@ -265,9 +265,9 @@ def _stress(
     design: Design, force: float, pull: float | None, file: Path, progress: Progress | None
 ) -> list[FilmStress]:
     """Draw the films' stress under the normal force and under normal and tangential force (Fig 8)."""
-    from skincad.figures import film_stress_picture
-    from skincad.freshfile import fresh
+    from skincad.base.freshfile import fresh
     from skincad.mechanics.film.stress import film_stresses
+    from skincad.pictures.film_figures import film_stress_picture
 
     middle = (design.ridge.count + 1) // 2
     show = sorted({min(3, middle), middle})
@@ -301,8 +301,8 @@ def circuit(
     Writes gain.csv, gain.png and netlist.cir; with --measured also the calibrated circuit.
     """
     from skincad.circuit.model import load_circuit
-    from skincad.circuit_job import circuit_job
-    from skincad.wording import circuit_lines
+    from skincad.outputs.circuit_job import circuit_job
+    from skincad.outputs.wording import circuit_lines
 
     loaded = load_circuit(source, settings)
     with stage_bar(2) as progress:
@@ -338,8 +338,8 @@ def simulate(
     Only the effects that the scene names are computed. Signals as CSV and a picture appear in the out folder;
     after Ctrl-C what is done by then.
     """
-    from skincad.scene import load_scene
-    from skincad.wording import scene_lines
+    from skincad.outputs.wording import scene_lines
+    from skincad.scenes.scene import load_scene
 
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
     try:
@@ -349,10 +349,10 @@ def simulate(
             raise
         raise InputError("--at", failure.rule, failure.value, failure.remedy) from None
     target = Path("out") / loaded.name if out is None else out
-    from skincad.scene_files import checked_scene_folder, write_scene
+    from skincad.outputs.scene_files import checked_scene_folder, write_scene
 
     checked_scene_folder(loaded, target)
-    from skincad.simulation import simulate as run
+    from skincad.scenes.simulation import simulate as run
 
     with step_bar(loaded.history.steps) as tick:
         found = run(loaded, tol=tol, budget=budget, tick=tick, partial=True)
@@ -387,8 +387,8 @@ def accuracy(
 
     Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
     """
-    from skincad.accuracy.job import accuracy_job
-    from skincad.accuracy.words import accuracy_lines
+    from skincad.outputs.accuracy_job import accuracy_job
+    from skincad.outputs.accuracy_words import accuracy_lines
 
     loaded = skincad.load(design, settings)
     with stage_bar(1) as progress:
@@ -431,10 +431,10 @@ def fit_material(
 
     The test is force against approach of a cast pad, or the stress of a bar pulled or squeezed.
     """
-    from skincad.designcopy import write_with_modulus
-    from skincad.freshfile import checked_fresh
+    from skincad.base.freshfile import checked_fresh
     from skincad.material.fit import fit_material as run
-    from skincad.wording import material_lines
+    from skincad.outputs.designcopy import write_with_modulus
+    from skincad.outputs.wording import material_lines
 
     for option, given in (("--set", settings), ("-o", out)):
         if given and design is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import skincad
-from skincad.design import Design
+from skincad.inputs.design import Design
 
 
 def bent(name: str, radius: float, *settings: str) -> Design:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.design import Design
-from skincad.job import MakeResult
+from skincad.inputs.design import Design
+from skincad.outputs.making import MakeResult
 
 
 @pytest.fixture(scope="session")

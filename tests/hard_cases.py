@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from skincad.catalog import overridden, read_table
-from skincad.design import Design
-from skincad.tables import table_of, unit_of
-from tests.campaign.cases import Case, Figures, figures
+from bench.campaign.cases import Case, Figures, figures
+from skincad.base.tables import table_of, unit_of
+from skincad.inputs.catalog import overridden, read_table
+from skincad.inputs.design import Design
 
 FILE = Path(__file__).parent / "hard_cases.toml"
 FOLDERS = {"simulate": "scenes", "circuit": "circuits"}

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from skincad.catalog import silicone, silicones
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
+from skincad.base.tables import parse
+from skincad.inputs.catalog import silicone, silicones
+from skincad.inputs.design import Design
+from skincad.inputs.process import PROCESSES
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.winkler import crest_gaps, ridge_stiffness
-from skincad.process import PROCESSES
+from skincad.mechanics.tiers.winkler import crest_gaps, ridge_stiffness
 from skincad.solids.mold import mold
-from skincad.tables import parse
 
 MOST_DRAWS = 200  # of one seed; every second draw or so is a design
 

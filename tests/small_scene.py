@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from skincad.catalog import template_text
-from skincad.scene import Scene, load_scene
+from skincad.inputs.catalog import template_text
+from skincad.scenes.scene import Scene, load_scene
 
 
 def small_skin(text: str) -> str:

@@ -18,13 +18,13 @@ import numpy as np
 import tomlkit
 from manifold3d import Manifold
 
-from skincad.catalog import silicone
-from skincad.design import Design
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold, mesh
 from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
 from skincad.solids.mold import Mold, mold
 from tests.poured_by_solids import Kit, poured_by_solids
 from tests.random_designs import drawn

@@ -10,9 +10,9 @@ from pathlib import Path
 import matplotlib
 import pytest
 
-from skincad.circuit.gain import circuit_gain
+from skincad.circuit.bode import circuit_gain
 from skincad.circuit.model import load_circuit
-from skincad.circuit_figures import gain_picture
+from skincad.pictures.circuit_figures import gain_picture
 
 FILES = {
     "matplotlibrc": "savefig.dpi: 30\ntext.usetex: True\nfont.size: 20\nbackend: nonsense\n",
@@ -22,10 +22,10 @@ FILES = {
 WRITERS = """
 from pathlib import Path
 import skincad
-from skincad.circuit.gain import circuit_gain
+from skincad.circuit.bode import circuit_gain
 from skincad.circuit.model import load_circuit
-from skincad.circuit_figures import gain_picture
-from skincad.export import write_section_dxf, write_step
+from skincad.pictures.circuit_figures import gain_picture
+from skincad.outputs.export import write_section_dxf, write_step
 from skincad.solids.occ import workplane
 from skincad.solids.skin import skin_part
 design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})

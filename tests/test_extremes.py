@@ -15,21 +15,21 @@ import numpy as np
 import pytest
 import tomlkit
 
-from skincad.catalog import overridden, read_table, template_text
-from skincad.circuit.gain import circuit_gain
+from bench.campaign.strategies import numbers
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.tables import Table, parse, table_of
+from skincad.circuit.bode import circuit_gain
 from skincad.circuit.model import Circuit, constants, noise_sources
-from skincad.design import Design
 from skincad.effects import EFFECTS, effect
 from skincad.effects.piezo import Chain
-from skincad.errors import InputError, RefusedError
-from skincad.levels import LEVELS
-from skincad.mechanics.check import check
+from skincad.inputs.catalog import overridden, read_table, template_text
+from skincad.inputs.design import Design
 from skincad.mechanics.film.stress import filled_pad
-from skincad.scene import Readout, ScenePlate, load_scene
-from skincad.scene_files import write_scene
-from skincad.simulation import at_level
-from skincad.tables import Table, parse, table_of
-from tests.campaign.strategies import numbers
+from skincad.mechanics.touching import check
+from skincad.outputs.scene_files import write_scene
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.scene import Readout, ScenePlate, load_scene
+from skincad.scenes.simulation import at_level
 from tests.small_scene import small_skin
 
 HUGE, TINY = 1e300, 5e-324  # where a field has no limit of its own

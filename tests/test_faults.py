@@ -21,8 +21,8 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.errors import InputError
-from skincad.outfolder import checked_folder, replaced
+from skincad.base.errors import InputError
+from skincad.base.outfolder import checked_folder, replaced
 from tests.conftest import run_skincad
 
 JOBS = {
@@ -110,7 +110,7 @@ MOVES = 8  # four out, with the manifest, and four in
 KILL = f"""
 import os, signal
 from pathlib import Path
-from skincad.outfolder import checked_folder, replaced
+from skincad.base.outfolder import checked_folder, replaced
 
 def killed(work, function, count, after=False):
     # run `work` in a child that kills itself at its count-th call of a Path's function; tell whether it did
@@ -228,7 +228,7 @@ def test_what_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
     with replaced(tmp_path / "here") as one:
         (one / "a").write_text("one")
         done = subprocess.run(
-            [sys.executable, "-c", "from pathlib import Path\nfrom skincad.outfolder import replaced\n"
+            [sys.executable, "-c", "from pathlib import Path\nfrom skincad.base.outfolder import replaced\n"
              "with replaced(Path('here')) as two: (two / 'b').write_text('two')"],
             cwd=tmp_path, check=False,
         )  # fmt: skip

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.errors import InputError, RefusedError
-from tests.campaign.cases import figures
-from tests.campaign.invariants import sane
+from bench.campaign.cases import figures
+from bench.campaign.invariants import sane
+from skincad.base.errors import InputError, RefusedError
 from tests.hard_cases import Entry, entries, watched
 
 ALL = tuple(entries())

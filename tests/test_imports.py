@@ -40,10 +40,11 @@ def run(*arguments: str) -> str:
         # pydantic comes by typer itself, for the help of any command with typed options
         (run("simulate", "--help"), (*CAD, *FE, *MESHES, "scipy", "numpy")),
         (run("accuracy", "--help"), (*CAD, *FE, *MESHES, "scipy", "numpy")),
-        ("from skincad.scene import load_scene; load_scene('yamada-2002-slip')", (*CAD, *FE, *MESHES)),
+        ("from skincad.scenes.scene import load_scene; load_scene('yamada-2002-slip')", (*CAD, *FE, *MESHES)),
         ("import skincad", (*CAD, *FE, *MESHES, "scipy", "numpy", "pydantic")),
         (
-            "import skincad; from skincad.section import section; section(skincad.load('yamada-2002'))",
+            "from skincad.shape.cross_section import section; import skincad; "
+            "section(skincad.load('yamada-2002'))",
             (*CAD, *FE),
         ),
         ("import skincad; skincad.skin_solid(skincad.load('yamada-2002'))", FE),

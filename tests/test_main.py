@@ -16,10 +16,10 @@ import pytest
 
 from skincad import __main__ as process
 from skincad import cli
-from skincad.design import Design
-from skincad.errors import ExhaustedError, InputError, RefusedError
-from skincad.job import make
-from skincad.newfile import write_new
+from skincad.base.errors import ExhaustedError, InputError, RefusedError
+from skincad.inputs.design import Design
+from skincad.outputs.making import make
+from skincad.outputs.newfile import write_new
 
 CHECK = "check plain-ridges --tier winkler"  # numpy alone: no library that takes long to load
 FAILS = f"{CHECK} --force 1"
@@ -149,7 +149,7 @@ def test_every_failure_is_one_line_and_with_json_an_object(
     def broken(*_: object, **__: object) -> None:
         raise raised
 
-    monkeypatch.setattr("skincad.mechanics.check.check", broken)
+    monkeypatch.setattr("skincad.mechanics.touching.check", broken)
     status, out, err = left(CHECK + " --json" * json_asked, capsys, monkeypatch)
     assert status == expected
     assert err.startswith(f"skincad: {words}")
@@ -166,7 +166,7 @@ def test_a_traceback_is_shown_to_who_asks_for_it(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("skincad.mechanics.check.check", broken)
+    monkeypatch.setattr("skincad.mechanics.touching.check", broken)
     monkeypatch.setenv(cli.TRACEBACK, "1")
     status, _, err = left(CHECK, capsys, monkeypatch)
     assert status == 3
@@ -176,8 +176,8 @@ def test_a_traceback_is_shown_to_who_asks_for_it(
 
 TOO_LITTLE = """
 import resource, sys
-import skincad.mechanics.linear
-from skincad.blas import one_blas_thread
+import skincad.mechanics.tiers.linear
+from skincad.base.blas import one_blas_thread
 from skincad.cli import main
 with one_blas_thread():
     pass
@@ -262,7 +262,7 @@ def test_a_signal_waits_for_an_import_to_be_through(
 @pytest.mark.usefixtures("_listening")
 def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Between any two files that are moved, and in the removal of the old ones too."""
-    from skincad import outfolder
+    from skincad.base import outfolder
 
     rename, unlink = Path.rename, Path.unlink
 

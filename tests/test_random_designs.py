@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from skincad.design import Design
+from skincad.inputs.design import Design
 from skincad.solids.mold import Mold
 from tests import soundness
 from tests.random_designs import drawn

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from skincad.cli import app
-from skincad.job import MakeResult
+from skincad.outputs.making import MakeResult
 from tests.conftest import run_skincad
 
 ROOT = Path(__file__).parent.parent

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+from skincad.base.errors import InputError, RefusedError
 from skincad.circuit.closed_form import exact_response
 from skincad.circuit.network import Constants, Real, checked_frequencies, decibels
-from skincad.errors import InputError, RefusedError
 
 FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", "feedback_capacitance"))
 PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2

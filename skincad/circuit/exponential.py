@@ -11,8 +11,8 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 
+from skincad.base.errors import RefusedError
 from skincad.circuit.network import Real
-from skincad.errors import RefusedError
 
 DIGITS = 120
 MOST_SQUARINGS = 200  # 2^200 is 1e60: half of the digits

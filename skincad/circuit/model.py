@@ -7,12 +7,12 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from skincad.catalog import overridden, read_table
+from skincad.base.errors import InputError
+from skincad.base.tables import Table, parse, quantity
 from skincad.circuit.film import capacitance
 from skincad.circuit.network import Constants
 from skincad.circuit.noise import NoiseSources
-from skincad.errors import InputError
-from skincad.tables import Table, parse, quantity
+from skincad.inputs.catalog import overridden, read_table
 
 PICO = 1e-12
 SHORT = 1e-12  # ohm; less is no resistor, and what it conducts is more than a number holds

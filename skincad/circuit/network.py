@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.errors import InputError
+from skincad.base.errors import InputError
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.constants import Boltzmann
 
+from skincad.base.errors import InputError
 from skincad.circuit.closed_form import output_factor
 from skincad.circuit.network import Constants, Real, angular, feedback_impedance, motional_impedance
-from skincad.errors import InputError
 
 
 @dataclass(frozen=True)

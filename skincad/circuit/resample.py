@@ -8,8 +8,8 @@ from fractions import Fraction
 import numpy as np
 from scipy.signal import firwin, kaiserord, resample_poly
 
+from skincad.base.errors import InputError
 from skincad.circuit.network import Real
-from skincad.errors import InputError
 
 PASS = 0.8  # of the Nyquist frequency: kept within 0.01 %; from there to Nyquist the filter falls
 ATTENUATION = 80.0  # dB beyond the Nyquist frequency: what folds back is below 1e-4

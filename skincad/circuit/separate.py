@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import schur
 
+from skincad.base.errors import InputError, RefusedError
 from skincad.circuit.exponential import exponential
 from skincad.circuit.low_pass import band_limited
 from skincad.circuit.network import Complex, Constants, Real
 from skincad.circuit.state import recursion, sizes, state_space
-from skincad.errors import InputError, RefusedError
 
 SETTLED = 1e-10  # relative change of the filter's gain in a step
 MOST_STEPS = 100_000

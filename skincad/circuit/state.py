@@ -15,9 +15,9 @@ import numpy as np
 from scipy.linalg import schur
 from scipy.signal import lfilter
 
+from skincad.base.errors import InputError, RefusedError
 from skincad.circuit.exponential import exponential
 from skincad.circuit.network import Complex, Constants, Real
-from skincad.errors import InputError, RefusedError
 
 ROUNDING = 1e-12  # of a step's largest factor above 1
 

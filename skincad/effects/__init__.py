@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from skincad.errors import InputError, did_you_mean
+from skincad.base.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
     from skincad.effects.kinds import Effect

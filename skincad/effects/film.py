@@ -14,9 +14,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from skincad.design import Design
+from skincad.base.errors import InputError
 from skincad.effects.kinds import Body
-from skincad.errors import InputError
+from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 
 

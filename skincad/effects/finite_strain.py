@@ -5,7 +5,7 @@ angle. Where the skin's surface folds the march stops and says so (mechanics/cre
 the body several times, so it costs some hundred times one of small strain. The whole pad is meshed: mirrored
 loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it then lies
 (mechanics/film/large_field.py). Reference: the finite-strain tier without friction, simple shear with, and
-small strain at small loads (tests/mechanics/test_dragged.py).
+small strain at small loads (tests/mechanics/contact/test_dragged.py).
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from skincad.blas import one_blas_thread
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Law, Reading, Share, Step, Term
-from skincad.errors import RefusedError
-from skincad.mechanics.grip import Cone, Grip, GrossSlip
+from skincad.mechanics.contact.grip import Cone, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 if TYPE_CHECKING:
-    from skincad.mechanics.dragged import Dragged, State
-    from skincad.mechanics.film.large_field import StripStress
+    from skincad.mechanics.bodies.large_field import StripStress
+    from skincad.mechanics.contact.dragged import Dragged, State
     from skincad.mechanics.film.stick import Part
 
 Array = NDArray[np.float64]
@@ -51,8 +51,9 @@ class FiniteStrain(Law):
         terms: Sequence[Term] = (),
     ) -> Large:
         """Return the model of a meshed whole pad; RefusedError for terms that ask for more than friction."""
-        from skincad.mechanics import dragged, elements
-        from skincad.mechanics.film.large_field import strip_stress
+        from skincad.mechanics.bodies import elements
+        from skincad.mechanics.bodies.large_field import strip_stress
+        from skincad.mechanics.contact import dragged
 
         asked = frozenset[str]().union(*(term.asks for term in terms))
         if asked:
@@ -93,13 +94,13 @@ class Large:
 
     def start(self) -> State:
         """The unloaded state."""
-        from skincad.mechanics.dragged import unloaded
+        from skincad.mechanics.contact.dragged import unloaded
 
         return unloaded(self.pad)
 
     def advanced(self, state: State, step: Step, shares: Sequence[Share]) -> State:
         """Return the converged state at the step's end."""
-        from skincad.mechanics.stride import to
+        from skincad.mechanics.contact.stride import to
 
         if any(share.more for share in shares):
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
@@ -115,7 +116,7 @@ class Large:
 
     def _check(self, state: State) -> None:
         """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
-        from skincad.mechanics.creasing import fault
+        from skincad.mechanics.contact.creasing import fault
 
         wrong = fault(self.pad, state, self.stops)
         if wrong is not None:

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import ClassVar
 
-from skincad.design import Design
+from skincad.base.errors import InputError
 from skincad.effects.kinds import Body
-from skincad.errors import InputError
+from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 
 
@@ -29,6 +29,6 @@ class FreeEnds(Body):
 
     def changed(self, pad: Pad, design: Design) -> Pad:
         """Return the pad with what its ends add."""
-        from skincad.mechanics.ends import added_compliance
+        from skincad.mechanics.tiers.ends import added_compliance
 
         return replace(pad, ends=tuple(map(tuple, added_compliance(design).tolist())))

@@ -3,7 +3,7 @@
 A point sticks where |t| <= coefficient * p, without creep, and slips at `kinetic` times p. Range: dry contact
 whose coefficient hangs neither on pressure nor on speed; for silicone both are simplifications. Coulomb 1785;
 the algorithm and its sources are in mechanics/frictional.py. Reference cases: a block on a plate, and
-Cattaneo-Mindlin (tests/mechanics/test_frictional.py).
+Cattaneo-Mindlin (tests/mechanics/contact/test_frictional.py).
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Self
 
 from pydantic import model_validator
 
+from skincad.base.errors import InputError
+from skincad.base.tables import quantity
 from skincad.effects.kinds import Share, Step, Term
-from skincad.errors import InputError
-from skincad.mechanics.grip import Cone
-from skincad.tables import quantity
+from skincad.mechanics.contact.grip import Cone
 
 
 class Friction(Term):

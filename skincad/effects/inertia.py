@@ -9,7 +9,7 @@ posed (Renardy, J. Elasticity 27 (1992) 281), that is no surprise, but no other 
 [effects.viscosity] too. With it a pad of three ridges that is
 dragged at 0.8 m/s keeps its energy to 3e-4 of the work at 2e-5 s and to 1e-5 at 2e-6 s; without it to 5e-3 at
 1e-5 s and 2e-2 at 5e-6 s. Chung and Hulbert, J. Appl. Mech. 60 (1993) 371. Reference cases: a clamped layer's
-frequency, an oscillator with friction, a plate that strikes a bar (tests/mechanics/test_dynamics.py).
+frequency, an oscillator with friction, a plate that strikes a bar (tests/mechanics/dynamics/test_steps.py).
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
+from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, Share, Step, Term
-from skincad.tables import quantity
 
 
 class Inertia(Term):

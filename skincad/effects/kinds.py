@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.design import Design
-from skincad.mechanics.grip import Cone, Drive, Grip
+from skincad.base.tables import Table
+from skincad.inputs.design import Design
+from skincad.mechanics.contact.grip import Cone, Drive, Grip
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
-from skincad.tables import Table
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
-from skincad.errors import RefusedError
-from skincad.mechanics.dynamics import Dynamics
-from skincad.mechanics.dynamics_state import Moved, at_rest_on
-from skincad.mechanics.grip import Cone, Grip
-from skincad.mechanics.time_scheme import Matter
+from skincad.mechanics.contact.grip import Cone, Grip
+from skincad.mechanics.dynamics.state import Moved, at_rest_on
+from skincad.mechanics.dynamics.steps import Dynamics
+from skincad.mechanics.dynamics.time_scheme import Matter
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import Part
@@ -24,7 +24,7 @@ FRICTIONLESS = Cone(0.0, 0.0)
 
 def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
     """Return the model of a meshed pad."""
-    from skincad.mechanics.dynamics_pad import linear
+    from skincad.mechanics.dynamics.pad import linear
 
     return Moving(Dynamics(linear(part, mesh, order, films)), part)
 

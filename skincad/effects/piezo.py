@@ -19,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.tables import quantity
 from skincad.circuit.film import charge
 from skincad.circuit.low_pass import band_limited, corner, delay
 from skincad.circuit.model import Circuit, constants, load_circuit, noise_sources
@@ -26,11 +28,9 @@ from skincad.circuit.network import Constants
 from skincad.circuit.noise import NoiseSources, noise_samples, total_density
 from skincad.circuit.resample import PASS
 from skincad.circuit.state import Stepper, run, stepper
-from skincad.design import Design
-from skincad.design import Film as Strip
 from skincad.effects.kinds import Reading, Readout, Watched
-from skincad.errors import InputError, RefusedError
-from skincad.tables import quantity
+from skincad.inputs.design import Design
+from skincad.inputs.design import Film as Strip
 
 Array = NDArray[np.float64]
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12

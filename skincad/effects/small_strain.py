@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.design import Design
+from skincad.base.errors import RefusedError
 from skincad.effects.kinds import MASS, RATE, Law, Model, Reading, Share, Step, Term
-from skincad.errors import RefusedError
-from skincad.mechanics import turning
-from skincad.mechanics.grip import Cone, Drive, Grip, Pressed, at_rest
-from skincad.mechanics.halving import halved
+from skincad.inputs.design import Design
+from skincad.mechanics.contact.grip import Cone, Drive, Grip, Pressed, at_rest
+from skincad.mechanics.contact.halving import halved
+from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
+    from skincad.mechanics.film.sliding import Sliding
     from skincad.mechanics.film.stick import Part
     from skincad.mechanics.film.whole_state import Shown, WholeState
-    from skincad.mechanics.sliding import Sliding
 
 Array = NDArray[np.float64]
 FRICTIONLESS = Cone(0.0, 0.0)
@@ -47,7 +47,7 @@ class SmallStrain(Law):
             from skincad.effects.moving import moving
 
             return moving(part, mesh, order, films)
-        from skincad.mechanics.sliding import sliding
+        from skincad.mechanics.film.sliding import sliding
 
         return condensed(sliding(part, mesh, order, films))
 

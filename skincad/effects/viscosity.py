@@ -5,7 +5,7 @@ G(t) = G (1 + sum of g exp(-t / tau)), and a dashpot whose stress is G `retardat
 strain rate. Volume changes stay elastic, and so do films. Range: small strain. FACTS.md's 2.4e-5 s is an
 assumption that keeps a pad from chattering; a silicone's own series is to be measured. Taylor, Pister,
 Goudreau, IJNME 2 (1970) 45; Simo and Hughes, Computational Inelasticity, 1998, sec. 10.3. Reference cases:
-creep and relaxation of a sheared layer, closed form (tests/mechanics/test_dynamics.py).
+creep and relaxation of a sheared layer, closed form (tests/mechanics/dynamics/test_steps.py).
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from skincad.base.errors import InputError
+from skincad.base.tables import quantity
 from skincad.effects.kinds import RATE, Share, Step, Term
-from skincad.errors import InputError
-from skincad.tables import quantity
 
 RETARDATION = 2.4e-5  # s; assumption, FACTS.md
 MOST_BRANCHES = 20

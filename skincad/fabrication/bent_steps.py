@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from skincad.design import Design
 from skincad.fabrication.rules import shim_bend
-from skincad.section import section
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
 from skincad.solids.layout import BOLT_RADIUS, end_angle
 from skincad.solids.mold import Mold
 from skincad.solids.plan import bores

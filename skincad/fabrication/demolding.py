@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from skincad.catalog import silicone
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
 from skincad.solids.undercut import (
     SAFE_SHARE,
     VISIBLE,

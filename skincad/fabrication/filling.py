@@ -15,11 +15,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 import shapely
 
-from skincad.curves import polygon
-from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, vertical
 from skincad.fabrication.void import Void, alone, open_trough, void
+from skincad.inputs.design import Design
+from skincad.shape.curves import polygon
 from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import Mold, mold

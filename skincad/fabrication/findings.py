@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from skincad.catalog import processes
-from skincad.design import Design
 from skincad.fabrication.demolding import undercut_findings, undercuts
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, label, maker, shim_findings
 from skincad.fabrication.rules_of_layers import LAYER_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
+from skincad.inputs.catalog import processes
+from skincad.inputs.design import Design
 from skincad.solids.mold import Mold, mold
 
 __all__ = ["Finding", "design_findings", "judged", "process_findings", "undercuts"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from skincad.catalog import processes, silicone
-from skincad.design import Design
-from skincad.section import frame
+from skincad.inputs.catalog import processes, silicone
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import frame
 from skincad.solids.plan import Part
 
 SHARE_OF_WALL = 3.0  # standard deviations: what the process itself lets a crest differ by

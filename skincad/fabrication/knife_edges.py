@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from skincad.curves import Loop, Point, Segment
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule
+from skincad.shape.curves import Loop, Point, Segment
 from skincad.solids.plan import Prism
 
 LEAST_ANGLE = 30.0  # deg, assumption: a more pointed edge of metal or resin chips within a few castings

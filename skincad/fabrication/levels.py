@@ -21,9 +21,9 @@ import shapely
 from manifold3d import Manifold, triangulate
 from numpy.typing import NDArray
 
-from skincad import curves
-from skincad.errors import RefusedError
+from skincad.base.errors import RefusedError
 from skincad.fabrication.void import Void
+from skincad.shape import curves
 from skincad.solids.plan import Bore, Prism
 
 Points = NDArray[np.float64]

@@ -12,13 +12,13 @@ import trimesh
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from skincad.curves import polygon
 from skincad.fabrication.findings import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
+from skincad.shape.curves import polygon
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Body, Part, Prism, Reaching, Revolved, Turned
-from skincad.solids.sweep import Way, swept
+from skincad.solids.swept import Way, swept
 
 FINER = 10.0  # the reference mesh's chords are this many times finer
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library

@@ -10,8 +10,8 @@ import trimesh
 from manifold3d import Manifold, Mesh64, OpType, triangulate
 from numpy.typing import NDArray
 
-from skincad import curves
-from skincad.errors import needing
+from skincad.base.errors import needing
+from skincad.shape import curves
 from skincad.solids.grid import turn_steps
 from skincad.solids.plan import (
     Body,

@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from skincad.curves import Loop, Point, Segment, rectangle
-from skincad.design import Design, Film
-from skincad.section import SlotPlace, section
+from skincad.inputs.design import Design, Film
+from skincad.shape.cross_section import SlotPlace, section
+from skincad.shape.curves import Loop, Point, Segment, rectangle
 from skincad.solids.inserts import stands_out
 from skincad.solids.shrinkage import poured
 

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from skincad.curves import Loop, polygon
+from skincad.shape.curves import Loop, polygon
 
 CHORD = 2e-5  # mm, of the polygons that stand for arcs; depths below are exact to `ERROR`
 ERROR = 5 * CHORD  # two buffers and the outline's own chords, and one in reserve

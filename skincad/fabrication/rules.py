@@ -15,12 +15,12 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from skincad.catalog import silicone
-from skincad.curves import polygon
-from skincad.design import Design
 from skincad.fabrication.finding import Finding
-from skincad.process import Process
-from skincad.section import GUARD_TOLERANCE, section
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
+from skincad.inputs.process import Process
+from skincad.shape.cross_section import GUARD_TOLERANCE, section
+from skincad.shape.curves import polygon
 from skincad.solids.plan import Part, bores, own
 from skincad.solids.split import notch_rise
 

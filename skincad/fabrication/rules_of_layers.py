@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skincad.catalog import processes
-from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule, maker
-from skincad.process import Process
+from skincad.inputs.catalog import processes
+from skincad.inputs.design import Design
+from skincad.inputs.process import Process
 from skincad.solids.plan import Part, bores, own
 
 if TYPE_CHECKING:

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from functools import lru_cache
 
-from skincad.curves import Segment
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.reach import ERROR, corner, left_standing
 from skincad.fabrication.rules import Case, Rule, grooves
-from skincad.section import section
+from skincad.shape.cross_section import section
+from skincad.shape.curves import Segment
 from skincad.solids.layout import end_angle
 from skincad.solids.plan import Prism
 

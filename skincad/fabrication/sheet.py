@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from skincad.catalog import Silicone, silicone
-from skincad.design import Design
 from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, leave_steps, screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_buy
 from skincad.fabrication.void import alone, perforated, void
+from skincad.inputs.catalog import Silicone, silicone
+from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import BOLT_RADIUS, TAP_RADIUS, fits, is_clamped

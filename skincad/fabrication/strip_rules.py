@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from skincad.catalog import processes, silicone
-from skincad.design import Design
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strips import (
     PVDF_YIELD,
@@ -19,6 +17,8 @@ from skincad.fabrication.strips import (
     strip,
     weight,
 )
+from skincad.inputs.catalog import processes, silicone
+from skincad.inputs.design import Design
 
 MOST_PULL = 1 / 3  # assumption: of the yield stress; more creeps in the hours of a cure
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks

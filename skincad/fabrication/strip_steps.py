@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from skincad.catalog import silicone
-from skincad.design import Design
 from skincad.fabrication.strip_rules import misplaced
 from skincad.fabrication.strips import deflection, pour, released, strip, weight
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
 from skincad.solids.inserts import GRIP
 
 NUMBERS = (

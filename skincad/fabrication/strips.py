@@ -17,10 +17,10 @@ from typing import Literal
 
 import shapely
 
-from skincad.catalog import silicone
-from skincad.curves import polygon
-from skincad.design import Design
-from skincad.section import GUARD_TOLERANCE, SlotPlace, section
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import GUARD_TOLERANCE, SlotPlace, section
+from skincad.shape.curves import polygon
 from skincad.solids.shrinkage import poured
 
 GRAVITY = 9.81  # m/s2

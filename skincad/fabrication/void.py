@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad import curves
-from skincad.design import Design
+from skincad.inputs.design import Design
+from skincad.shape import curves
 from skincad.solids.bowl import gap_beside
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Body, Bore, Part, Prism, bores

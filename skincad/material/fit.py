@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from skincad.catalog import silicone
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
+from skincad.base.stopwatch import Progress, Stopwatch
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
+from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest, material_test
 from skincad.material.modulus import FIRM, MaterialFit, finished
 from skincad.material.regression import Regression, regression
-from skincad.measurements import FEWEST_ROWS, MaterialTest, material_test
-from skincad.stopwatch import Progress, Stopwatch
 
 UP_TO_STRAIN = 0.3  # assumption: silicones leave the neo-Hookean law beyond it
 LARGEST_UP_TO = 3.0  # strain, assumption: no casting silicone follows the law so far

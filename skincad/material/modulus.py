@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from skincad.errors import RefusedError
+from skincad.base.errors import RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.tables import Ranged
+from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest
 from skincad.material.regression import Regression
-from skincad.measurements import FEWEST_ROWS, MaterialTest
-from skincad.quantities import Estimate
-from skincad.tables import Ranged
 
 LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse is not this model's
 LARGEST_ERROR = 0.5  # of the modulus; a wider interval says nothing of use

@@ -7,9 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.catalog import silicone
-from skincad.design import Design
-from skincad.errors import InputError, RefusedError
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Stopwatch
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
+from skincad.inputs.material_test import MaterialTest
 from skincad.material.modulus import MaterialFit, finished
 from skincad.material.pad_curve import (
     APPROACH_ERROR,
@@ -19,9 +22,6 @@ from skincad.material.pad_curve import (
     small_strain_curve,
 )
 from skincad.material.regression import Regression, regression
-from skincad.measurements import MaterialTest
-from skincad.quantities import Estimate
-from skincad.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
 STRIPS_KNOW = 0.1  # relative change of E that moves the curve of a pad with strips by 1e-3 (measured)

@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from skincad.blas import one_blas_thread
-from skincad.design import Design
-from skincad.errors import InputError
-from skincad.mechanics import corrected, linear
-from skincad.mechanics.contact import Contact, press
-from skincad.mechanics.finite_strain import Levels
-from skincad.mechanics.mesh import default_sizes, triangles, unit_of
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import InputError
+from skincad.base.stopwatch import Stopwatch
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.problem import Pad, check_pad, pad_of
-from skincad.mechanics.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
-from skincad.mechanics.threshold import Ridges
+from skincad.mechanics.tiers import corrected, linear
+from skincad.mechanics.tiers.finite_strain import Levels
+from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
 from skincad.mechanics.validity import limits
-from skincad.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from skincad.errors import RefusedError
+from skincad.base.errors import RefusedError
 
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95

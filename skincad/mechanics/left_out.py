@@ -4,7 +4,7 @@ Each is a bound on the relative change, from numbers at hand. Calibrated on the 
 variants of plain-ridges and yamada-2002 (length 6 to 48 mm, thickness 2 to 7, R 40 to 150, nu 0.3 to 0.499,
 5 to 15 ridges, with and without strips): all lie inside. The median bound on F9 is 1.6 (free ends) and 1.8
 (finite strain) times the change, on the approach 2.2 and 1.9, on a share 3.3 and 1.7; at nu 0.3, where finite
-strain hardly changes F9, 50 times. Over 40 random designs (tests/benchmarks/error_bars.py), thick pads among
+strain hardly changes F9, 50 times. Over 40 random designs (bench/error_bars.py), thick pads among
 them, free ends change F9 within the bound in 97 %, the approach in all; medians 2.0 and 2.9 times the change.
 tests/mechanics/test_left_out.py holds a part of them against the tiers that compute the effect.
 """
@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from skincad.design import Design
+from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer
 from skincad.mechanics.validity import ridge_strain
 

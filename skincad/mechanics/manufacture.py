@@ -12,9 +12,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.base.estimate import Estimate
+from skincad.mechanics.contact.ridge_model import ridge_forces
 from skincad.mechanics.problem import FLOOR, Manufacture, RidgeModel, Spread
-from skincad.mechanics.ridge_model import ridge_forces
-from skincad.quantities import Estimate
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.design import Plate
+from skincad.inputs.design import Plate
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.catalog import silicone
-from skincad.curves import Loop, Point, Segment
-from skincad.design import Design, Plate
-from skincad.errors import InputError, RefusedError
-from skincad.quantities import Estimate
-from skincad.section import CONTACT_KINDS, Section, section
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design, Plate
+from skincad.shape.cross_section import CONTACT_KINDS, Section, section
+from skincad.shape.curves import Loop, Point, Segment
 
 Array = NDArray[np.float64]
 FLAT = Plate()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from skincad.catalog import silicone
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
 from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
 

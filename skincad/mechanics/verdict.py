@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skincad.errors import InputError
+from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, Manufacture
-from skincad.quantities import Estimate
 
 
 @dataclass(frozen=True)

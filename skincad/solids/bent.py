@@ -27,10 +27,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from skincad.curves import Point, flipped
-from skincad.design import Design
-from skincad.errors import InputError
-from skincad.section import Section
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import Section
+from skincad.shape.curves import Point, flipped
 from skincad.solids.bowl import across, height, rise, seat
 from skincad.solids.cavity import GREY, cavity
 from skincad.solids.ends import end_plates

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from skincad.curves import Loop, Point, Segment
+from skincad.shape.curves import Loop, Point, Segment
 from skincad.solids.grid import Grid
 from skincad.solids.plan import Prism
 from skincad.solids.split import path

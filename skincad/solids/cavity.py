@@ -13,10 +13,10 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
-from skincad.curves import Loop, Point, Segment
-from skincad.design import Design
-from skincad.errors import InputError
-from skincad.section import Section
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import Section
+from skincad.shape.curves import Loop, Point, Segment
 from skincad.solids.layout import (
     BASE_PIN,
     BOLT_RADIUS,

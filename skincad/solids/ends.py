@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from skincad.curves import Point, Segment, flipped, loop
-from skincad.design import Design
-from skincad.errors import InputError, refusals
-from skincad.section import Section, section
+from skincad.base.errors import InputError, refusals
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import Section, section
+from skincad.shape.curves import Point, Segment, flipped, loop
 from skincad.solids.layout import (
     BESIDE,
     BOLT_RADIUS,

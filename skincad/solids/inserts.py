@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from skincad.curves import flipped
-from skincad.design import Design
-from skincad.section import section
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
+from skincad.shape.curves import flipped
 from skincad.solids.plan import Bore, Part, Prism, Vector
 
 STEEL, SILVER = (0.62, 0.65, 0.70), (0.80, 0.80, 0.74)

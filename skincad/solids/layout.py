@@ -16,12 +16,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from skincad.catalog import processes
-from skincad.curves import Point, loop
-from skincad.design import Design
-from skincad.errors import InputError
-from skincad.process import Process
-from skincad.section import Section
+from skincad.base.errors import InputError
+from skincad.inputs.catalog import processes
+from skincad.inputs.design import Design
+from skincad.inputs.process import Process
+from skincad.shape.cross_section import Section
+from skincad.shape.curves import Point, loop
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.plan import Prism
 from skincad.solids.shrinkage import on_grid, shrinkage

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from skincad.design import Design
-from skincad.errors import InputError, refusals
+from skincad.base.errors import InputError, refusals
+from skincad.inputs.design import Design
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BOLT_RADIUS,

@@ -35,9 +35,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from skincad.design import Design
-from skincad.errors import InputError, refusals, together
-from skincad.section import section
+from skincad.base.errors import InputError, refusals, together
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
 from skincad.solids.cavity import base_pins, cavity, cavity_pieces, headings, parted
 from skincad.solids.ends import end_plates, refused_ends
@@ -47,7 +47,7 @@ from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
 from skincad.solids.plan import Part, Prism, moved
 from skincad.solids.shrinkage import on_grid, poured
 from skincad.solids.skin import cast_skin
-from skincad.solids.sweep import Way
+from skincad.solids.swept import Way
 from skincad.solids.undercut import split_ridges
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ import os
 import sys
 from dataclasses import replace
 
-from skincad import curves
-from skincad.curves import Loop, Segment
-from skincad.errors import InputError, RefusedError, needing
+from skincad.base.errors import InputError, RefusedError, needing
+from skincad.shape import curves
+from skincad.shape.curves import Loop, Segment
 from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Reaching, Revolved, Turned, own
 
 NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing

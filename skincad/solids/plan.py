@@ -16,8 +16,8 @@ from typing import ClassVar, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad import curves
-from skincad.curves import Loop, Point
+from skincad.shape import curves
+from skincad.shape.curves import Loop, Point
 from skincad.solids.grid import Grid
 
 Array = NDArray[np.float64]

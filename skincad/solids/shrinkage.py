@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from skincad.catalog import silicone
-from skincad.design import Design
-from skincad.tables import Table
+from skincad.base.tables import Table
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
 
 _GRID = 2.0**40  # per mm
 _HEIGHTS = ("floor", "end_plate", "cover", "carrier_thickness", "clearance")

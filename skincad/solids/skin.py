@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from skincad.curves import Loop, flipped
-from skincad.design import Design
-from skincad.section import Section, section
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import Section, section
+from skincad.shape.curves import Loop, flipped
 from skincad.solids.plan import Part, Prism, Revolved
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from skincad.curves import Loop, Point, Segment
-from skincad.design import Design
-from skincad.errors import InputError
-from skincad.section import Section, SlotPlace, concentric_hit
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import Section, SlotPlace, concentric_hit
+from skincad.shape.curves import Loop, Point, Segment
 
 _MEET = "neighbouring notches of the comb meet"
 _APART = "reduce it, or move the slots apart or tilt them less"

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.catalog import silicone
-from skincad.curves import polygon
-from skincad.design import Design
-from skincad.section import GUARD_TOLERANCE, section
+from skincad.inputs.catalog import silicone
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import GUARD_TOLERANCE, section
+from skincad.shape.curves import polygon
 
 SAFE_SHARE = 0.2  # assumption: a cast edge has nicks, from which it tears long before a test bar does
 VISIBLE = 10 * GUARD_TOLERANCE  # mm; less is the chords' own error

@@ -12,9 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skincad import load
-from skincad.circuit.gain import COLUMNS
-from skincad.errors import InputError
-from skincad.measurements import LARGEST_FILE, crest_drops, material_test, read_columns
+from skincad.base.columns import LARGEST_FILE, read_columns
+from skincad.base.errors import InputError
+from skincad.circuit.bode import COLUMNS
+from skincad.inputs.material_test import material_test
+from skincad.shape.crests import crest_drops
 from tests.attacks.test_tables import told
 
 DESIGN = load("plain-ridges")

@@ -8,8 +8,8 @@ from typing import get_args, get_type_hints
 import pytest
 import typer
 
+from skincad.base.errors import InputError
 from skincad.cli import PrinterOption, app
-from skincad.errors import InputError
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
 ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0")}
@@ -91,7 +91,7 @@ def test_so_is_a_pads_largest_force(number: str, folder: Path) -> None:
 
 
 def test_a_bad_pull_is_refused_before_the_verdict(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("skincad.mechanics.check.check", None)
+    monkeypatch.setattr("skincad.mechanics.touching.check", None)
     for wrong in (
         ["--pull", "nan"],
         ["--set", "slot=none"],

@@ -15,11 +15,11 @@ from pathlib import Path
 import pytest
 
 from skincad import load
+from skincad.base.errors import InputError
+from skincad.base.manifest import COMMANDS, manifest_text
+from skincad.base.outfolder import checked_folder, replaced
 from skincad.circuit.model import load_circuit
-from skincad.errors import InputError
-from skincad.manifest import COMMANDS, manifest_text
-from skincad.outfolder import checked_folder, replaced
-from skincad.scene import load_scene
+from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad
 
 NAMES = [
@@ -50,7 +50,7 @@ def test_a_name_is_no_path(name: str) -> None:
 
 @pytest.mark.parametrize("skin", ["/etc/passwd", "../../../etc/passwd", "/dev/zero", ".", "a\\u0000b.toml"])
 def test_a_scenes_skin_is_a_design_or_nothing(skin: str, tmp_path: Path) -> None:
-    from skincad.catalog import template_text
+    from skincad.inputs.catalog import template_text
 
     text = template_text("hold", "scenes").replace('skin = "yamada-2002"', f'skin = "{skin}"')
     (tmp_path / "scene.toml").write_text(text)

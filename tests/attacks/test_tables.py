@@ -18,11 +18,11 @@ import tomlkit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skincad.catalog import LARGEST_FILE, load, read_table, template_text
+from skincad.base.errors import InputError
+from skincad.base.reading import DEEPEST, MOST_PARTS, tables_of
 from skincad.circuit.model import load_circuit
-from skincad.errors import InputError
-from skincad.reading import DEEPEST, MOST_PARTS, tables_of
-from skincad.scene import load_scene
+from skincad.inputs.catalog import LARGEST_FILE, load, read_table, template_text
+from skincad.scenes.scene import load_scene
 
 LOADERS: dict[str, tuple[Callable[[Path], object], str, str]] = {
     "design": (load, "yamada-2002", "designs"),

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError
 from skincad.circuit.calibrate import (
     ANY_RATIO,
     BOUNDS,
@@ -21,7 +22,6 @@ from skincad.circuit.closed_form import exact_response
 from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.network import Constants, decibels
 from skincad.circuit.slopes import fit_slopes
-from skincad.errors import InputError
 
 
 def misfit(c: Constants) -> float:

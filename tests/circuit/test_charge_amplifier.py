@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError
+from skincad.circuit.bode import circuit_gain
 from skincad.circuit.closed_form import exact_response
-from skincad.circuit.gain import circuit_gain
 from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.netlist import element_lines
 from skincad.circuit.network import Constants, decibels, response
 from skincad.circuit.state import output, run, state_space, stepper
-from skincad.errors import InputError
 from tests.circuit.sets import random_sets
 from tests.circuit.spice import needs_ngspice, vectors
 

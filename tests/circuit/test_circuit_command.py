@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.catalog import template_names
-from skincad.circuit.gain import circuit_gain
+from skincad.base.errors import InputError
+from skincad.circuit.bode import circuit_gain
 from skincad.circuit.model import load_circuit
-from skincad.circuit_job import circuit_job
-from skincad.errors import InputError
+from skincad.inputs.catalog import template_names
+from skincad.outputs.circuit_job import circuit_job
 from tests.conftest import run_skincad
 
 KEYS = {

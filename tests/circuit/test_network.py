@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError
 from skincad.circuit.closed_form import departure, exact_response
 from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.netlist import element_lines, netlist
 from skincad.circuit.network import Constants, decibels, response
-from skincad.errors import InputError
 from tests.circuit.sets import random_sets
 from tests.circuit.spice import needs_ngspice, vectors
 

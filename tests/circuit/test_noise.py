@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.constants import Boltzmann
 
+from skincad.base.errors import InputError
 from skincad.circuit.model import constants, load_circuit, noise_sources
 from skincad.circuit.netlist import element_lines
 from skincad.circuit.network import Constants
@@ -20,7 +21,6 @@ from skincad.circuit.noise import (
     signal_to_noise,
     total_density,
 )
-from skincad.errors import InputError
 from tests.circuit.spice import needs_ngspice, vectors
 
 NAMES = ("yamada-2002", "transimpedance", "charge-amplifier")

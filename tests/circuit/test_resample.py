@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError
 from skincad.circuit.resample import recorded
-from skincad.errors import InputError
 
 RATE, WANTED = 1e5, 650.0
 TIME = np.arange(100_000) / RATE

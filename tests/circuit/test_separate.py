@@ -7,13 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError
 from skincad.circuit.low_pass import Limited, band_limited
 from skincad.circuit.model import constants, load_circuit, noise_sources
 from skincad.circuit.network import Constants
 from skincad.circuit.noise import noise_rms, noise_samples
 from skincad.circuit.separate import crossover, separated, separator
 from skincad.circuit.state import output
-from skincad.errors import InputError
 
 NAMES = ("yamada-2002", "transimpedance", "charge-amplifier")
 RATE, FINE, WIDTH = 1e5, 20, 3000.0

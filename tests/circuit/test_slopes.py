@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError
 from skincad.circuit.slopes import fit_slopes
-from skincad.errors import InputError
 
 F = np.geomspace(10.0, 20_000.0, 400)
 

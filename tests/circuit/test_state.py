@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skincad.base.errors import InputError, RefusedError
 from skincad.circuit.closed_form import exact_response
 from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.netlist import element_lines
 from skincad.circuit.network import Constants
 from skincad.circuit.state import output, run, state_space, stepper
-from skincad.errors import InputError, RefusedError
 from tests.circuit.sets import random_sets
 from tests.circuit.spice import needs_ngspice, vectors
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from skincad.design import Design
-from skincad.job import MakeResult, PartReport
+from skincad.inputs.design import Design
+from skincad.outputs.making import MakeResult, PartReport
 from skincad.solids.mold import mold
 
 CONSUMERS = ("prusaslicer", "gmsh", "lib_3mf", "dxf", "meshlab", "camlib", "steps")

@@ -12,10 +12,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from skincad.catalog import processes
-from skincad.curves import Loop, Segment
 from skincad.fabrication.reach import left_standing
 from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.inputs.catalog import processes
+from skincad.shape.curves import Loop, Segment
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part, Prism
 from tests.consumers import Job

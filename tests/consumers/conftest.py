@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.catalog import template_names
+from skincad.inputs.catalog import template_names
 from tests.consumers import Job
 
 

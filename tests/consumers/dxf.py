@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from ezdxf.path import make_path
 
-from skincad.curves import area
-from skincad.section import section
+from skincad.shape.cross_section import section
+from skincad.shape.curves import area
 from tests.consumers import Job
 
 CHORD = 1e-6  # mm, of the flattened arcs

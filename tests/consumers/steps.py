@@ -9,7 +9,7 @@ from pathlib import Path
 
 import cadquery as cq
 
-from skincad.catalog import silicone
+from skincad.inputs.catalog import silicone
 from skincad.solids.mold import mold
 from tests.consumers import Job
 from tests.poured_by_solids import Box, Kit, poured_by_solids

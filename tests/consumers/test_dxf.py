@@ -6,8 +6,8 @@ from pathlib import Path
 
 import shapely
 
-from skincad.job import MakeResult
-from skincad.section import section
+from skincad.outputs.making import MakeResult
+from skincad.shape.cross_section import section
 from tests.consumers import Job, dxf
 
 

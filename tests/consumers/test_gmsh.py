@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from skincad.job import MakeResult
+from skincad.outputs.making import MakeResult
 from tests.consumers import Job, gmsh
 
 pytestmark = pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())

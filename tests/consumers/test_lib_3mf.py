@@ -8,7 +8,7 @@ from pathlib import Path
 import lib3mf
 import pytest
 
-from skincad.job import MakeResult
+from skincad.outputs.making import MakeResult
 from tests.consumers import Job, lib_3mf
 
 

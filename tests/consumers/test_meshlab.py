@@ -6,7 +6,7 @@ from pathlib import Path
 
 import trimesh
 
-from skincad.job import MakeResult
+from skincad.outputs.making import MakeResult
 from tests.consumers import Job, meshlab
 
 

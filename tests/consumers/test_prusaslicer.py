@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from skincad.job import MakeResult
+from skincad.outputs.making import MakeResult
 from tests.consumers import Job, prusaslicer
 
 pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())

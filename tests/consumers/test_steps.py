@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skincad.job import MakeResult
+from skincad.outputs.making import MakeResult
 from tests.consumers import Job, steps
 from tests.consumers.test_dxf import skin_of
 

@@ -17,11 +17,11 @@ from skincad.effects.friction import Friction
 from skincad.effects.kinds import MASS, Reading, Step, Term
 from skincad.effects.moving import Moving, matter_of
 from skincad.effects.small_strain import SmallStrain
-from skincad.march import march
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.contact.grip import OPEN, RIGHT, STICK, Drive
 from skincad.mechanics.film.stick import Part, part_of
 from skincad.mechanics.film.stress import filled_pad
-from skincad.mechanics.grip import OPEN, RIGHT, STICK, Drive
-from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.scenes.march import march
 from tests.mechanics.designs import yamada
 
 MU, PLATE = 0.6, 0.2  # g

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.errors import InputError
-from skincad.levels import LEVELS
-from skincad.mechanics.check import check
-from skincad.simulation import at_level
+from skincad.base.errors import InputError
+from skincad.mechanics.touching import check
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.simulation import at_level
 from tests.small_scene import THIRD, small_scene
 
 LOOSE = ("effects.film.bond=loose", "readout.ridges=[]", "effects.friction=none")

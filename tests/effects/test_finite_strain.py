@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.catalog import template_text
+from skincad.base.errors import InputError
 from skincad.effects.finite_strain import FiniteStrain
 from skincad.effects.kinds import Step
-from skincad.errors import InputError
-from skincad.march import march
+from skincad.inputs.catalog import template_text
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.contact.grip import Drive
 from skincad.mechanics.film.stick import part_of
 from skincad.mechanics.film.stress import filled_pad
-from skincad.mechanics.grip import Drive
-from skincad.mechanics.mesh import default_sizes, triangles
 from skincad.mechanics.problem import ContactError
-from skincad.scene import load_scene
+from skincad.scenes.march import march
+from skincad.scenes.scene import load_scene
 from tests.mechanics.designs import yamada
 
 
@@ -67,7 +67,7 @@ def test_without_readout_no_film_is_looked_at() -> None:
 
 
 def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    from skincad.mechanics import creasing
+    from skincad.mechanics.contact import creasing
 
     monkeypatch.setattr(creasing, "WRINKLES", 0.99)  # a light load's stretch
     drives = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.6, 0.0)]
@@ -105,7 +105,7 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
 ) -> None:
     """Of the largest differential stress, within a factor of 2: the spread of the calibration's scenes."""
     from skincad.effects.small_strain import SmallStrain
-    from skincad.omitted import omitted
+    from skincad.scenes.omitted import omitted
 
     drives = [Drive(normal * min(i, 3) / 3, 0.3 * mu * normal * max(0, i - 3)) for i in range(7)]
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.errors import InputError
-from skincad.levels import LEVELS
-from skincad.mechanics.check import check
-from skincad.mechanics.ends import added_compliance
-from skincad.scene import load_scene
-from skincad.simulation import at_level
+from skincad.base.errors import InputError
+from skincad.mechanics.tiers.ends import added_compliance
+from skincad.mechanics.touching import check
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import at_level
 from tests.small_scene import THIRD, small_scene
 
 PRESS = ("yamada-2002-press", THIRD, "history.steps=2", "effects.friction=none", "readout.ridges=[]")

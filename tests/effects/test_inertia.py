@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.catalog import template_text
-from skincad.errors import InputError
-from skincad.levels import LEVELS
-from skincad.scene import load_scene
-from skincad.simulation import Simulation, at_level
+from skincad.base.errors import InputError
+from skincad.inputs.catalog import template_text
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import Simulation, at_level
 
 INERTIA = ("effects.inertia={}", "effects.viscosity={}")
 LONGER = (  # the pull goes on for 1 ms: masses are late

@@ -13,19 +13,19 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad import simulation
-from skincad.catalog import template_names, template_text
+from skincad.base.errors import InputError
 from skincad.circuit.low_pass import corner
 from skincad.circuit.model import load_circuit
 from skincad.effects.kinds import Reading, Watched
 from skincad.effects.piezo import Piezo, electrode, fitted, strip_charges
-from skincad.errors import InputError
 from skincad.fabrication.pattern import strip_patterns
-from skincad.levels import LEVELS
-from skincad.scene import load_scene
-from skincad.scene_files import write_table
-from skincad.section import area
-from skincad.simulation import Simulation, simulate
+from skincad.inputs.catalog import template_names, template_text
+from skincad.outputs.scene_files import write_table
+from skincad.scenes import simulation
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import Simulation, simulate
+from skincad.shape.cross_section import area
 from tests.conftest import run_skincad
 
 DESIGN = skincad.load("yamada-2002")

@@ -3,9 +3,9 @@ import math
 import pytest
 
 import skincad
-from skincad.design import Design
 from skincad.fabrication.demolding import SAFE_SHARE, drafted, safe_strain, squeezes, undercuts
 from skincad.fabrication.findings import design_findings
+from skincad.inputs.design import Design
 
 
 def upright(radius: float, **other: object) -> Design:

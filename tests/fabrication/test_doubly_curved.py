@@ -12,9 +12,7 @@ import pytest
 from manifold3d import Manifold, OpType
 
 import skincad
-from skincad.design import Design
 from skincad.fabrication.bent_steps import arc_radius
-from skincad.fabrication.drawing import PAGE, drawing
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings
@@ -24,6 +22,8 @@ from skincad.fabrication.meshes import laid, manifold, mesh
 from skincad.fabrication.pattern import pattern_notes, strip_patterns
 from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.inputs.design import Design
+from skincad.pictures.drawing import PAGE, drawing
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Part, Prism, Revolved, Turned, bores
 from tests.bent_skin import bent, three_ridges

@@ -10,14 +10,14 @@ import pytest
 from manifold3d import Manifold, OpType
 
 import skincad
-from skincad.catalog import template_names
-from skincad.curves import Point, loop, rectangle
-from skincad.design import Design
 from skincad.fabrication.filling import best_tilt, filling_findings, pockets
 from skincad.fabrication.levels import cells, trapped, vertical
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.fabrication.void import Space, Void, void
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Bore, Part, Prism
 

@@ -3,11 +3,11 @@ import math
 import pytest
 
 import skincad
-from skincad.catalog import template_names
-from skincad.design import Design
+from bench.table_processes import by
 from skincad.fabrication.findings import Finding, design_findings
-from skincad.process import PROCESSES
-from tests.benchmarks.table_processes import by
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.inputs.process import PROCESSES
 
 LARGEST_IS_BEST = {"tool reach", "slender", "tool depth", "overhang", "undercut", "cure inhibition"}
 

@@ -7,11 +7,11 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from skincad.catalog import load, template_names
-from skincad.design import Design
-from skincad.fabrication.drawing import PAGE, drawing
 from skincad.fabrication.inspection import inspection, inspection_lines
-from skincad.fabrication.page import page
+from skincad.inputs.catalog import load, template_names
+from skincad.inputs.design import Design
+from skincad.pictures.drawing import PAGE, drawing
+from skincad.pictures.page import page
 from skincad.solids.mold import mold
 
 

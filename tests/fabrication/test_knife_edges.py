@@ -3,10 +3,10 @@ import math
 import pytest
 
 import skincad
-from skincad.curves import Point, Segment, loop, rectangle
-from skincad.design import Design
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.knife_edges import LEAST_ANGLE, edges
+from skincad.inputs.design import Design
+from skincad.shape.curves import Point, Segment, loop, rectangle
 
 
 def test_a_rectangles_corners_are_right_and_a_notchs_are_reflex() -> None:

@@ -7,9 +7,9 @@ import pymeshlab
 import pytest
 import trimesh
 
-from skincad.design import Design
 from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import laid, mesh
+from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid
 

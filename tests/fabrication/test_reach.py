@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from skincad.curves import Loop, Point, Segment, loop
 from skincad.fabrication.reach import ERROR, corner, left_standing
+from skincad.shape.curves import Loop, Point, Segment, loop
 
 R = 0.25
 

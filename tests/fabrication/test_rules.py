@@ -7,17 +7,17 @@ import pytest
 import shapely
 
 import skincad
-from skincad.catalog import processes
-from skincad.curves import Point, loop
-from skincad.design import Design
+from bench.table_processes import by
 from skincad.fabrication import meshes
 from skincad.fabrication.findings import Finding, design_findings, judged
 from skincad.fabrication.reach import ERROR
 from skincad.fabrication.rules import Case, Feature, label, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
+from skincad.inputs.catalog import processes
+from skincad.inputs.design import Design
+from skincad.shape.curves import Point, loop
 from skincad.solids.mold import mold
 from skincad.solids.plan import Bore, Part, Prism
-from tests.benchmarks.table_processes import by
 
 
 @pytest.fixture

@@ -2,10 +2,10 @@ import re
 
 import pytest
 
-from skincad.catalog import load
-from skincad.design import Design
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
+from skincad.inputs.catalog import load
+from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part, box
 

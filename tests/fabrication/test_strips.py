@@ -7,9 +7,7 @@ import pytest
 from scipy.integrate import solve_bvp
 
 import skincad
-from skincad.catalog import template_names
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strip_rules import misplaced, strip_findings
 from skincad.fabrication.strips import (
@@ -22,6 +20,8 @@ from skincad.fabrication.strips import (
     strip,
     weight,
 )
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
 
 ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")
 LOAD = 1e-6  # N/mm

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.errors import InputError, RefusedError
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.stopwatch import Stopwatch
+from skincad.inputs.material_test import MaterialTest, material_test
 from skincad.material.fit import fit_material
 from skincad.material.modulus import MaterialFit
 from skincad.material.pad import fit_curve, fitted_to
 from skincad.material.pad_curve import PadCurve, finite_strain_curve, small_strain_curve
 from skincad.material.regression import regression
-from skincad.measurements import MaterialTest, material_test
-from skincad.stopwatch import Stopwatch
 from tests.mechanics.designs import yamada
 
 CURVES = 200

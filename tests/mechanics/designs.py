@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 from skincad import load
-from skincad.design import Design
-from skincad.mechanics.check import check
+from skincad.inputs.design import Design
+from skincad.mechanics.touching import check
 
 linear_check = partial(check, tier="linear")  # the verdict by one model, whatever it leaves out
 BARE = {"slot": None, "film": None, "contact": {"film": "ignored"}}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench import calculix
+from bench.bench_calculix import FORCE, SOFTER, own
 from skincad.mechanics.problem import pad_of
-from tests.benchmarks import calculix
-from tests.benchmarks.bench_calculix import FORCE, SOFTER, own
 from tests.mechanics.designs import filleted
 
 COARSE = 0.25  # fineness of CalculiX's mesh

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from skincad.design import Design
-from skincad.errors import InputError
-from skincad.mechanics import solid_level as level
-from skincad.mechanics.check import check
-from skincad.mechanics.contact import press
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.threshold import all_touch_force
+from skincad.mechanics.contact.under_plate import seen_by_plate
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.threshold import all_touch_force
-from skincad.mechanics.tiers import AUTO
-from skincad.mechanics.under_plate import seen_by_plate
-from skincad.mechanics.winkler import crest_gaps, line_forces, ridge_stiffness
+from skincad.mechanics.tiers import solid_level as level
+from skincad.mechanics.tiers.table import AUTO
+from skincad.mechanics.tiers.winkler import crest_gaps, line_forces, ridge_stiffness
+from skincad.mechanics.touching import check
 from tests.mechanics.designs import reference, yamada
 
 VARIANTS = {

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad.design import Design
-from skincad.mechanics import linear
-from skincad.mechanics.linear import Level, level
-from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Answer, Request, pad_of
+from skincad.mechanics.tiers import linear
+from skincad.mechanics.tiers.linear import Level, level
 from tests.mechanics.designs import filleted, reference, void_slots, yamada
 
 DESIGNS = {

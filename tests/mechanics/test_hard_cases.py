@@ -9,14 +9,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad.curves import Segment
-from skincad.design import Design
+from skincad.inputs.design import Design
 from skincad.mechanics import reference
-from skincad.mechanics.linear import Level, level
-from skincad.mechanics.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.solid_level import coarse_sizes
-from skincad.section import Section
+from skincad.mechanics.tiers.linear import Level, level
+from skincad.mechanics.tiers.solid_level import coarse_sizes
+from skincad.shape.cross_section import Section
+from skincad.shape.curves import Segment
 from tests.mechanics.designs import reference as sharp
 
 GAPS = [*((1e6, gap) for gap in (1e-2, 1e-4, 1e-5, 1e-6, 1e-7)), (120.0, 1e-3), (120.0, 3e-6)]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from skincad import load
-from skincad.mechanics import corrected, finite_strain, linear
 from skincad.mechanics.left_out import LeftOut, free_ends
 from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers import corrected, finite_strain, linear
 
 CASES: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     "plain-ridges": ("plain-ridges", {}),

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.mechanics import corrected
-from skincad.mechanics.contact import press
-from skincad.mechanics.linear import Level, level
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.ridge_model import ridge_forces, ridge_model
+from skincad.mechanics.contact.under_plate import seen_by_plate
 from skincad.mechanics.manufacture import MODEL_MISCLASSIFIES, SCALED_MISCLASSIFIES, all_touch, manufacture
-from skincad.mechanics.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.problem import Request, RidgeModel, Spread, pad_of
-from skincad.mechanics.ridge_model import ridge_forces, ridge_model
-from skincad.mechanics.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
-from skincad.mechanics.under_plate import seen_by_plate
+from skincad.mechanics.tiers import corrected
+from skincad.mechanics.tiers.linear import Level, level
+from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
 from tests.mechanics.designs import linear_check, reference
 
 
@@ -112,7 +112,7 @@ def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
 
 @pytest.mark.slow
 def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> None:
-    from skincad.section import frame
+    from skincad.shape.cross_section import frame
 
     design = load("yamada-2002")
     base = linear_check(design)
@@ -126,7 +126,7 @@ def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> Non
 
 @pytest.mark.slow
 def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
-    from skincad.section import frame
+    from skincad.shape.cross_section import frame
 
     design = load("yamada-2002")
     rows = [f"{r},{frame(design, r).at(0.0, 0.5).z!r}" for r in range(9, 0, -1)]

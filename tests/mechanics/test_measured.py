@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.design import Design
-from skincad.mechanics.check import check
+from skincad.inputs.design import Design
+from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
-from skincad.section import frame
+from skincad.shape.cross_section import frame
 
 ERRORS = (0.006, -0.004, 0.0, 0.003, -0.008)  # mm, of the crests: no two alike, none symmetric
 FORCE = 1.5  # N, at which the five touch

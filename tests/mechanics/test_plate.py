@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from skincad import check, load
-from skincad.design import Plate
-from skincad.errors import InputError
+from skincad.base.errors import InputError
+from skincad.inputs.design import Plate
 from skincad.mechanics.plate import rise
 from tests.mechanics.designs import linear_check
 

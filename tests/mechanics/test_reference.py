@@ -17,15 +17,16 @@ import pytest
 from scipy.integrate import quad
 from scipy.sparse.linalg import splu
 
-from skincad.curves import Loop, Point, Segment
-from skincad.design import Plate
-from skincad.mechanics import elements, neo_hooke, reference
-from skincad.mechanics.contact import press
-from skincad.mechanics.linear import level
-from skincad.mechanics.mesh import Sizes, triangles, unit_of
+from skincad.inputs.design import Plate
+from skincad.mechanics import reference
+from skincad.mechanics.bodies import elements, neo_hooke
+from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
+from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.problem import Pad
-from skincad.section import Section
-from tests.mechanics.test_elements import block, cylinder
+from skincad.mechanics.tiers.linear import level
+from skincad.shape.cross_section import Section
+from skincad.shape.curves import Loop, Point, Segment
+from tests.mechanics.bodies.test_elements import block, cylinder
 
 Array = np.ndarray
 STRAIN = np.array([[0.3, 0.7], [0.7, -0.9]])

@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.design import Design
-from skincad.mechanics import check as checking
-from skincad.mechanics import elements, linear, sliding, solid, solid_level
-from skincad.mechanics.check import check
-from skincad.mechanics.film import rungs
+from skincad.inputs.design import Design
+from skincad.mechanics import touching as checking
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.film import rungs, sliding
 from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.manufacture import manufacture
-from skincad.mechanics.mesh import default_sizes, triangles
 from skincad.mechanics.problem import ContactError, RidgeModel, SizeError, Spread, one_ridge, pad_of
-from skincad.simulation import simulate
+from skincad.mechanics.tiers import linear, solid, solid_level
+from skincad.mechanics.touching import check
+from skincad.scenes.simulation import simulate
 from tests.mechanics.designs import linear_check
 from tests.small_scene import THIRD, small_scene
 

@@ -5,11 +5,11 @@ import math
 import pytest
 
 import skincad
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
+from skincad.inputs.design import Design
 from skincad.solids.mold import Mold, Step, mold
 from skincad.solids.occ import solid
 from skincad.solids.undercut import safe_strain, split_ridges, squeezes

@@ -9,13 +9,13 @@ from itertools import islice
 import pytest
 
 import skincad
-from skincad.catalog import template_names
-from skincad.design import Design
-from skincad.errors import InputError
+from bench.table_molds import refusals, sections
+from skincad.base.errors import InputError
 from skincad.fabrication.sheet import casting_sheet
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.mold import Mold, mold
-from tests.benchmarks.table_molds import refusals, sections
 from tests.soundness import faults
 
 FEW, MANY = 120, 2000

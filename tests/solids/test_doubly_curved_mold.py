@@ -11,12 +11,12 @@ import pytest
 from manifold3d import Manifold
 from scipy.integrate import quad
 
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
 from skincad.fabrication.findings import undercuts
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
-from skincad.section import section
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import Mold, mold
 from skincad.solids.occ import solid, volume

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.design import Design
 from skincad.fabrication.filling import pockets
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import poured_volume
+from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid
 

@@ -7,9 +7,9 @@ import math
 import pytest
 
 import skincad
-from skincad.catalog import processes, template_names
-from skincad.design import Design
 from skincad.fabrication.meshes import manifold
+from skincad.inputs.catalog import processes, template_names
+from skincad.inputs.design import Design
 from skincad.solids.layout import NUT_FLATS, fits
 from skincad.solids.mold import mold
 from skincad.solids.plan import Bore, Part, Prism

@@ -3,15 +3,15 @@ import math
 import pytest
 
 import skincad
-from skincad.catalog import load, template_names
-from skincad.curves import area, rectangle
-from skincad.design import Design
-from skincad.errors import InputError
+from skincad.base.errors import InputError
 from skincad.fabrication.findings import undercuts
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.void import perforated
-from skincad.section import section
+from skincad.inputs.catalog import load, template_names
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
+from skincad.shape.curves import area, rectangle
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE
 from skincad.solids.mold import Mold, mold

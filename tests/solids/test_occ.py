@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 import skincad
-from skincad.catalog import template_names
-from skincad.design import Design
-from skincad.section import section
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
 from skincad.solids.mold import mold
 from skincad.solids.occ import KernelError, solid
 from skincad.solids.plan import Bore

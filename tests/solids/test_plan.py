@@ -3,11 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from skincad.curves import Point, loop
 from skincad.fabrication.meshes import manifold
+from skincad.shape.curves import Point, loop
 from skincad.solids.grid import Grid
 from skincad.solids.plan import Bore, Part, Prism, Revolved, Turned, box, own, turned
-from skincad.solids.sweep import swept
+from skincad.solids.swept import swept
 
 
 def test_volume_is_body_less_cuts() -> None:

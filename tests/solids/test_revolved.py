@@ -11,15 +11,15 @@ import pytest
 import trimesh
 
 import skincad
-from skincad import export
-from skincad.design import Design
 from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import mesh
-from skincad.section import section
+from skincad.inputs.design import Design
+from skincad.outputs import export
+from skincad.shape.cross_section import section
 from skincad.solids.occ import KernelError, solid
 from skincad.solids.plan import Part, Revolved
 from skincad.solids.skin import cast_skin, skin_part, skin_solid
-from skincad.solids.sweep import swept
+from skincad.solids.swept import swept
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]

@@ -1,10 +1,10 @@
 import pytest
 
 import skincad
-from skincad.catalog import template_names
-from skincad.curves import area
-from skincad.design import Design
-from skincad.section import section
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
+from skincad.shape.curves import area
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part

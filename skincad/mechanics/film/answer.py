@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from skincad.base.estimate import Estimate
 from skincad.mechanics.film.view import View
-from skincad.quantities import Estimate
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 from scipy import optimize
 
-from skincad.curves import Segment
 from skincad.mechanics.film.stick import Level, Part
-from skincad.section import CONTACT_KINDS
+from skincad.shape.cross_section import CONTACT_KINDS
+from skincad.shape.curves import Segment
 
 
 def with_fine_edges(part: Part, found: Level) -> Part:

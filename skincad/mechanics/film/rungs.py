@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.mechanics import elements
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress, Stopwatch
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.contact_edges import with_fine_edges
 from skincad.mechanics.film.stick import Level, Part, level, part_of
 from skincad.mechanics.film.view import view
 from skincad.mechanics.film.whole_state import collision, on_sides
-from skincad.mechanics.linear import MOST_CONTACT_UNKNOWNS
-from skincad.mechanics.mesh import Sizes, default_sizes, triangles
 from skincad.mechanics.problem import Pad, SizeError, check_pad
-from skincad.quantities import Estimate
-from skincad.stopwatch import Progress, Stopwatch
+from skincad.mechanics.tiers.linear import MOST_CONTACT_UNKNOWNS
 
 Array = NDArray[np.float64]
 FIRST = (0.5, 3)  # fineness and order of the run that finds where contact ends

@@ -18,17 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
 
-from skincad.blas import one_blas_thread
-from skincad.mechanics import elements
-from skincad.mechanics.condense import Condensed, condense
-from skincad.mechanics.contact import press
-from skincad.mechanics.film import strip_field
-from skincad.mechanics.film.strip_field import Body
-from skincad.mechanics.mesh import unit_of
+from skincad.base.blas import one_blas_thread
+from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.bodies.strip_field import Body
+from skincad.mechanics.bodies.symmetry import half_of
+from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import ContactError, Pad
-from skincad.mechanics.symmetry import half_of
-from skincad.section import SlotPlace
+from skincad.shape.cross_section import SlotPlace
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -10,14 +10,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from skincad.design import Design, Slot
-from skincad.errors import InputError, RefusedError
-from skincad.mechanics.check import LARGEST_FORCE
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design, Slot
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.rungs import solve
 from skincad.mechanics.problem import Pad, pad_of
+from skincad.mechanics.touching import LARGEST_FORCE
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
-from skincad.stopwatch import Progress
 
 DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (FACTS.md)
 LONG = "the pad is taken as long and strains as small: free ends and finite strain are left out"

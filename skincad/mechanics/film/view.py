@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.mechanics.film import strip_field
+from skincad.mechanics.bodies import strip_field
+from skincad.mechanics.bodies.strip_field import Patch
 from skincad.mechanics.film.stick import Level, Part, State
-from skincad.mechanics.film.strip_field import Patch
 
 Array = NDArray[np.float64]
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it

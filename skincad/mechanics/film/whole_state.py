@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from skincad.mechanics import elements
-from skincad.mechanics.condense import Condensed
-from skincad.mechanics.film import strip_field
+from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies.condense import Condensed
+from skincad.mechanics.bodies.folding import fault
+from skincad.mechanics.bodies.strip_field import Body, Patch
 from skincad.mechanics.film.stick import Part
-from skincad.mechanics.film.strip_field import Body, Patch
 from skincad.mechanics.film.view import as_image, joined
-from skincad.mechanics.folding import fault
 
 Array = NDArray[np.float64]
 

@@ -12,25 +12,25 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.curves import Point
-from skincad.design import Design
-from skincad.errors import InputError, RefusedError
-from skincad.mechanics import elements
-from skincad.mechanics.condense import condense
-from skincad.mechanics.contact import press
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies.condense import condense
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.film import rungs as film_rungs
-from skincad.mechanics.film import stick, strip_field
+from skincad.mechanics.film import stick
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.rungs import RUNGS, solve
 from skincad.mechanics.film.stress import filled_pad, film_stress, film_stresses
 from skincad.mechanics.film.view import View
-from skincad.mechanics.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.threshold import Ridges
-from skincad.quantities import Estimate
-from skincad.section import Section, SlotPlace
+from skincad.shape.cross_section import Section, SlotPlace
+from skincad.shape.curves import Point
+from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import yamada
-from tests.mechanics.test_elements import block
 
 OFF = 0.5  # of the thickness, from a film to the contour around it
 ROUNDING = 1e-9  # the issue's; the halves share one solution, so only sums are rounded

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.mechanics.contact import press
-from skincad.mechanics.film import strip_field
+from skincad.mechanics.bodies import strip_field
+from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.film.stick import on_whole, resolved
-from tests.mechanics.test_sliding import meshed
+from tests.mechanics.film.test_sliding import meshed
 
 
 def force() -> np.ndarray:

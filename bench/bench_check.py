@@ -1,0 +1,102 @@
+"""What each tier of `check` costs on yamada-2002, and where the linear tier's time goes.
+
+`python -m bench.bench_check [tier]...` prints, per tier, its time in times of the linear tier's (a
+median, without program start and imports), its peak memory in a process of its own, and what it finds; then
+the linear tier's stages in times of one sparse factorisation of its own finest matrix.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from bench.measure import REPEATS, alone, best, factorise, free_block, system
+from skincad import load
+from skincad.mechanics.tiers.table import TIERS
+
+DESIGN = "yamada-2002"
+LINEAR_GOAL = 8.0  # factorisations
+GOALS = {"corrected": 4.0, "finite-strain": 10.0, "solid": 50.0}  # times of the linear tier
+
+
+def ready(tier: str) -> bool:
+    """Whether a tier and all that it builds on are there."""
+    return find_spec(TIERS[tier].where.partition(":")[0]) is not None and all(map(ready, TIERS[tier].on))
+
+
+def measured(tier: str) -> dict[str, Any]:
+    """Return one tier's median time by stage, s, and what it finds."""
+    from skincad.mechanics.touching import check
+
+    for name in (tier, *TIERS[tier].on):
+        import_module(TIERS[name].where.partition(":")[0])
+    check(load(DESIGN), tier="winkler")
+    runs = [check(load(DESIGN), tier=tier) for _ in range(REPEATS)]
+    found = runs[0]
+    return {
+        "seconds": {s: statistics.median(run.seconds[s] for run in runs) for s in found.seconds},
+        "unknowns": found.unknowns,
+        "threshold": [found.all_touch_force.value, found.all_touch_force.error],
+        "approach": [found.approach.value, found.approach.error],
+    }
+
+
+def number(value: float | None, error: float | None) -> str:
+    """Return a value with its error."""
+    return "none" if value is None else f"{value:.4f} +- {error or 0.0:.4f}"
+
+
+def tiers(names: list[str]) -> dict[str, dict[str, Any]]:
+    """Print the tiers' table and return its rows."""
+    rows = {name: alone(measured, name) for name in dict.fromkeys(("linear", *names))}
+    unit = rows["linear"]["seconds"]["total"]
+    print(f"check {DESIGN}, times of the linear tier's {unit:.3f} s, medians of {REPEATS} runs")
+    print(f"{'tier':>24} {'time':>8} {'goal':>6} {'peak, MB':>9} {'unknowns':>9}  F9, N  /  approach, mm")
+    for name in names:
+        row, goal = rows[name], GOALS.get(name)
+        aim = "" if goal is None else f"<={goal:g}"
+        found = f"{number(*row['threshold'])}  /  {number(*row['approach'])}"
+        time = row["seconds"]["total"] / unit
+        print(f"{name:>24} {time:8.3g} {aim:>6} {row['peak_MB']:9.0f} {row['unknowns']:9d}  {found}")
+    return rows
+
+
+def stages(row: dict[str, Any]) -> None:
+    """Print the linear tier's stages against one factorisation of the matrix with its unknowns."""
+    from skincad.mechanics.tiers.linear import RUNGS
+
+    design = load(DESIGN)
+    for rung in RUNGS:
+        found = system(design, rung.fineness, rung.order)
+        if found.unknowns == row["unknowns"]:
+            break
+    else:
+        raise RuntimeError("no rung has the linear tier's unknowns")
+    block = free_block(found)
+    once = best(lambda: factorise(block))
+    print(
+        f"\nlinear tier in times of one factorisation of its own finest matrix (fineness {rung.fineness:g}, "
+        f"order {rung.order}, {once:.3f} s); goal: total <= {LINEAR_GOAL:g}"
+    )
+    for stage, seconds in row["seconds"].items():
+        print(f"{stage:>24} {seconds / once:8.2f}   ({seconds:.3f} s)")
+
+
+def main() -> None:
+    """Print both tables."""
+    asked = sys.argv[1:] or list(TIERS)
+    rows = tiers([name for name in asked if ready(name)])
+    for name in asked:
+        if not ready(name):
+            print(f"{name:>24} is not there")
+    stages(rows["linear"])
+
+
+if __name__ == "__main__":
+    with threadpool_limits(limits=1, user_api="blas"):
+        main()

@@ -1,0 +1,60 @@
+"""What a step costs, by the back-solve of the condensed system: `python -m bench.bench_march`.
+
+`yamada-2002-slip` on the coarse mesh, quasi-static, viscous, with masses: 100 steps of the pull each, without
+mesh and factorisation, medians of single steps. The back-solve is one solve with the quasi-static pad's
+factorisation, whose bubbles are condensed, of one half of the pad.
+"""
+
+from __future__ import annotations
+
+import statistics
+from itertools import pairwise
+from time import perf_counter
+
+from threadpoolctl import threadpool_limits
+
+from skincad.effects.kinds import Model
+from skincad.mechanics.bodies.mesh import triangles
+from skincad.mechanics.film.rungs import RUNGS
+from skincad.mechanics.film.sliding import sliding
+from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stress import filled_pad
+from skincad.scenes.march import march
+from skincad.scenes.scene import Scene, load_scene
+
+STEPS = 100
+ORDER = 2
+CASES: dict[str, list[str]] = {
+    "friction, quasi-static": [],
+    "viscosity": ["effects.viscosity={}"],
+    "Prony series": ["effects.viscosity.prony=[[0.5, 1e-4], [0.3, 1e-3]]"],
+    "inertia and viscosity": ["effects.inertia={}", "effects.viscosity={}", "plate.mass=0.1"],
+}
+
+
+def step_seconds(scene: Scene, model: Model) -> float:
+    """Return the median time of a step."""
+    marks = [perf_counter()]
+    drives = scene.history.drives()
+    pulled = [drives[0], *drives[150 : 150 + STEPS]]  # pressed, and pulled to near slip
+    times, mass = scene.history.times[: STEPS + 1], scene.plate.mass or 0.0
+    march(model, times, pulled, scene.terms, lambda _: marks.append(perf_counter()), mass=mass)
+    return statistics.median(b - a for a, b in list(pairwise(marks))[2:])
+
+
+def main() -> None:
+    """Print milliseconds a step and their ratio to the back-solve, case by case."""
+    design = load_scene("yamada-2002-slip").design.with_(contact={"film": "bonded"})
+    part = part_of(*filled_pad(design))
+    mesh = triangles(part.pad, RUNGS[0].sizes(part))
+    with threadpool_limits(limits=1, user_api="blas"):
+        back_solve = sliding(part, mesh, ORDER, True).back_solve
+        print(f"{'back-solve':26}{1e3 * back_solve:10.1f} ms")
+        for name, overrides in CASES.items():
+            scene = load_scene("yamada-2002-slip", overrides)
+            step = step_seconds(scene, scene.law.model(part, mesh, ORDER, True, scene.terms))
+            print(f"{name:26}{1e3 * step:10.1f} ms{step / back_solve:8.2f} back-solves", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,242 @@
+"""A pad's section in CalculiX: quads from gmsh, CPE8R, penalty contact with a rigid flat plate.
+
+Both are processes of their own (Debian packages `calculix-ccx` and `gmsh`), on files in a temporary folder
+and on one processor. The plate hangs on a spring too soft to carry a force, so that the load is a force.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.bodies.mesh import default_sizes
+from skincad.mechanics.problem import Pad
+from skincad.shape.cross_section import CONTACT_KINDS
+
+PACKAGES = ("calculix-ccx", "gmsh")
+PROGRAMS = ("ccx", "gmsh")
+GROWTH = 0.2  # of an edge per distance from the ridges and from the back's corners
+RIDGES_REACH = 0.3  # mm; edges grow beyond this distance from a ridge's points
+CORNER = 20  # times coarser at the back's corners than skincad: enough for 8-node quads, measured
+PENALTY = 3e3  # MPa/mm; 0.15 MPa sink in by 5e-5 mm, 3e-4 of the approach; 1e4 takes twice as long
+SOFT = 1e-6  # N/mm a mm of length, holds the plate while it is clear
+FIRST = 1 / 16  # of the approach in one increment; of 1/8 and 1/4 half were cut and repeated
+UNBALANCED = 1e-3  # of the force, what the contact forces may miss of it
+PLATE = 0.5  # mm, height of the plate's only element
+LINE, QUAD = 8, 16  # gmsh's numbers of a line of 3 nodes and a quad of 8
+
+
+@dataclass(frozen=True)
+class Quads:
+    """Nodes `(n, 2)` mm, elements `(m, 8)` counted from 0, and per ridge its (element, face) pairs."""
+
+    nodes: NDArray[np.float64]
+    elements: NDArray[np.int64]
+    back: NDArray[np.int64]
+    faces: dict[int, list[tuple[int, int]]]
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """What is found: shares `(ridges,)` N, approach mm, and processor time, s; `more` s of it went into what
+    only one program is asked."""
+
+    shares: NDArray[np.float64]
+    approach: float
+    unknowns: int
+    seconds: float
+    more: float = 0.0
+
+
+def missing() -> str:
+    """Return what to install, or "" where both programs are there."""
+    if all(shutil.which(program) for program in PROGRAMS):
+        return ""
+    return f"CalculiX is not compared: apt-get install {' '.join(PACKAGES)}"
+
+
+def quads(pad: Pad, fineness: float, folder: Path) -> Quads:
+    """Return gmsh's second-order quads of the pad's section, their edges on its lines and arcs."""
+    if pad.strips or pad.voids:
+        raise ValueError("only sections without slots and strips are compared")
+    (folder / "pad.geo").write_text("\n".join(_geometry(pad, fineness)))
+    _run(["gmsh", "-2", "-order", "2", "-format", "msh22", "-nt", "1", "pad.geo"], folder)
+    return _read_mesh((folder / "pad.msh").read_text())
+
+
+def _geometry(pad: Pad, fineness: float) -> Iterator[str]:
+    """Lines of gmsh's input: points, arcs by their centres, named curves, and the size of edges."""
+    sizes, outline = default_sizes(pad, fineness), pad.section.outline
+    for i, s in enumerate(outline, 1):
+        yield f"Point({i}) = {{{s.start.x!r}, {s.start.z!r}, 0}};"
+    for i, s in enumerate(outline, 1):
+        end = i % len(outline) + 1
+        if s.bulge == 0.0:
+            yield f"Line({i}) = {{{i}, {end}}};"
+            continue
+        aside = (1 - s.bulge**2) / (4 * s.bulge)  # of the chord, from its middle to the centre
+        x = (s.start.x + s.end.x) / 2 - aside * (s.end.z - s.start.z)
+        z = (s.start.z + s.end.z) / 2 + aside * (s.end.x - s.start.x)
+        yield f"Point({1000 + i}) = {{{x!r}, {z!r}, 0}}; Circle({i}) = {{{i}, {1000 + i}, {end}}};"
+    yield f"Curve Loop(1) = {{1:{len(outline)}}}; Plane Surface(1) = {{1}}; Physical Surface(1) = {{1}};"
+    back = [i for i, s in enumerate(outline, 1) if s.kind == "back"]
+    yield f"Physical Curve(1000) = {{{_list(back)}}};"
+    for ridge in pad.ridges:
+        own = [i for i, s in enumerate(outline, 1) if s.kind in CONTACT_KINDS and s.ridge == ridge]
+        yield f"Physical Curve({ridge}) = {{{_list(own)}}};"
+    corners = {i for b in back for i in (b, b % len(outline) + 1)}
+    crests = [i for i, s in enumerate(outline, 1) if s.ridge is not None]
+    yield f"Field[1] = Distance; Field[1].PointsList = {{{_list(corners)}}};"
+    yield f"Field[2] = Distance; Field[2].PointsList = {{{_list(crests)}}};"
+    beyond = f"0.5 * (F2 - {RIDGES_REACH} + Fabs(F2 - {RIDGES_REACH}))"
+    corner = CORNER * sizes.corner
+    yield f'Field[3] = MathEval; Field[3].F = "{corner!r} + {GROWTH} * F1";'
+    yield f'Field[4] = MathEval; Field[4].F = "{sizes.contact!r} + {GROWTH} * {beyond}";'
+    yield f'Field[5] = MathEval; Field[5].F = "{sizes.bulk!r}";'
+    yield "Field[6] = Min; Field[6].FieldsList = {3, 4, 5}; Background Field = 6;"
+    for option in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
+        yield f"Mesh.{option} = 0;"
+    yield "Mesh.RecombineAll = 1; Mesh.RecombinationAlgorithm = 3; Mesh.Algorithm = 6;"
+    yield "Mesh.SecondOrderIncomplete = 1;"
+
+
+def _list(numbers: object) -> str:
+    return ", ".join(str(n) for n in sorted(numbers))  # type: ignore[call-overload]
+
+
+def _read_mesh(text: str) -> Quads:
+    def block(name: str) -> list[str]:
+        return text.partition(f"${name}\n")[2].partition(f"$End{name}")[0].splitlines()[1:]
+
+    rows = [line.split() for line in block("Nodes")]
+    table = [[int(word) for word in line.split()] for line in block("Elements")]
+    # gmsh also writes the arcs' centres: only nodes of quads are kept
+    found = np.array([row[5:] for row in table if row[1] == QUAD])
+    if any(row[1] not in (LINE, QUAD) for row in table):
+        raise RuntimeError("gmsh left triangles in its mesh")
+    used, elements = np.unique(found, return_inverse=True)
+    elements = elements.reshape(found.shape)
+    place = {int(row[0]): (float(row[1]), float(row[2])) for row in rows}
+    nodes = np.array([place[int(n)] for n in used])
+    sides = {
+        frozenset((int(quad[j]), int(quad[(j + 1) % 4]))): (i, j + 1)
+        for i, quad in enumerate(found)
+        for j in range(4)
+    }
+    faces: dict[int, list[tuple[int, int]]] = {}
+    back = []
+    for row in table:
+        if row[1] == LINE and row[3] == 1000:
+            back += row[5:]
+        elif row[1] == LINE:
+            faces.setdefault(row[3], []).append(sides[frozenset(row[5:7])])
+    return Quads(nodes, elements, np.searchsorted(used, np.unique(back)), faces)
+
+
+def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[str]:
+    """Lines of CalculiX's input for a slice 1 mm long; with a `start`, mm, neo-Hooke and large strains."""
+    finite = start is not None
+    count, left, right = len(mesh.nodes), mesh.nodes[:, 0].min() - 1, mesh.nodes[:, 0].max() + 1
+    top, high = pad.top, pad.top + PLATE
+    middle, half = (left + right) / 2, (top + high) / 2
+    plate = [(left, top), (right, top), (right, high), (left, high)]
+    plate += [(middle, top), (right, half), (middle, high), (left, half)]
+    yield "*NODE, NSET=all"
+    for i, (x, z) in enumerate([*mesh.nodes.tolist(), *plate], 1):
+        yield f"{i}, {x:.12g}, {z:.12g}, 0."
+    yield "*ELEMENT, TYPE=CPE8R, ELSET=skin"
+    for i, quad in enumerate(mesh.elements + 1, 1):
+        yield ", ".join(str(n) for n in (i, *quad.tolist()))
+    last = len(mesh.elements) + 1
+    yield "*ELEMENT, TYPE=CPE8R, ELSET=plate"
+    yield ", ".join(str(n) for n in (last, *range(count + 1, count + 9)))
+    # rigid: its nodes sink together (*RIGID BODY does not go with the conditions of plane strain)
+    reference, others = count + 1, range(count + 2, count + 9)
+    yield from (f"*EQUATION\n2\n{n}, 2, 1., {reference}, 2, -1." for n in others)
+    yield f"*ELEMENT, TYPE=SPRING1, ELSET=soft\n{last + 1}, {reference}\n*SPRING, ELSET=soft\n2\n{SOFT:f}"
+    yield "*NSET, NSET=plate\n" + "\n".join(str(n) for n in (reference, *others))
+    yield "*NSET, NSET=back"
+    yield from (f"{n + 1}" for n in mesh.back)
+    yield f"*NSET, NSET=reference\n{reference}"
+    shear = pad.young_modulus / (2 * (1 + pad.poisson_ratio))
+    bulk = pad.young_modulus / (3 * (1 - 2 * pad.poisson_ratio))
+    yield "*MATERIAL, NAME=silicone"
+    if finite:  # C10 = G / 2, D1 = 2 / K
+        yield f"*HYPERELASTIC, NEO HOOKE\n{shear / 2!r}, {2 / bulk!r}"
+    else:
+        yield f"*ELASTIC\n{pad.young_modulus!r}, {pad.poisson_ratio!r}"
+    yield "*MATERIAL, NAME=steel\n*ELASTIC\n2e5, 0.3"
+    yield "*SOLID SECTION, ELSET=skin, MATERIAL=silicone\n1.\n*SOLID SECTION, ELSET=plate, MATERIAL=steel\n1."
+    yield f"*SURFACE, NAME=under\n{last}, S1"
+    yield f"*SURFACE INTERACTION, NAME=smooth\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{PENALTY:f}"
+    for ridge, faces in sorted(mesh.faces.items()):
+        yield f"*SURFACE, NAME=ridge{ridge}"
+        yield from (f"{element + 1}, S{face}" for element, face in faces)
+        yield "*CONTACT PAIR, INTERACTION=smooth, TYPE=SURFACE TO SURFACE"
+        yield f"ridge{ridge}, under"
+    held = "back, 1, 2\nplate, 1, 1"
+    yield f"*BOUNDARY\n{held}"
+    step = "*STEP, INC=1000"
+    if finite:  # from open contact a force diverges: first to an approach near the end, in small steps
+        yield f"{step}, NLGEOM\n*STATIC\n{FIRST}, 1., 1e-4, {FIRST}"
+        yield f"*BOUNDARY\n{reference}, 2, 2, {-start!r}\n*END STEP"
+        step = f"{step}, NLGEOM, AMPLITUDE=STEP"
+    yield f"{step}\n*STATIC\n1., 1.\n*BOUNDARY, OP=NEW\n{held}"
+    yield f"*CLOAD\n{reference}, 2, {-force / pad.length!r}"
+    yield "*NODE PRINT, NSET=reference, FREQUENCY=1000\nU"
+    for ridge in sorted(mesh.faces):
+        yield f"*CONTACT PRINT, SLAVE=ridge{ridge}, MASTER=under, FREQUENCY=1000\nCF"
+    yield "*END STEP\n"
+
+
+def press(pad: Pad, fineness: float, force: float, start: float | None = None) -> Pressed:
+    """Return CalculiX's contact of the pad with the plate at `force` N.
+
+    Small strain, or neo-Hookean where `start` is given: an approach near the answer, mm, from where it
+    changes from a driven plate to a loaded one. Raises RuntimeError when a program fails.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        mesh = quads(pad, fineness, folder)
+        (folder / "pad.inp").write_text("\n".join(_deck(pad, mesh, force, start)))
+        before = _children()
+        _run(["ccx", "-i", "pad"], folder)
+        seconds = _children() - before
+        shares, approach = read((folder / "pad.dat").read_text(), len(mesh.faces))
+    if abs(shares.sum() * pad.length / force - 1) > UNBALANCED:
+        raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * pad.length:.4g} N of {force:g} N")
+    return Pressed(shares * pad.length, approach, 2 * len(mesh.nodes), seconds)
+
+
+def read(printed: str, ridges: int) -> tuple[NDArray[np.float64], float]:
+    """Return the ridges' forces of the last step, N per mm of length, and the approach, mm."""
+    number = r"([-+.\dE]+)"
+    moved = re.findall(rf"for set REFERENCE.*\n\n +\d+ +{number} +{number}", printed)
+    forces = re.findall(rf"surface force .*\n\n +{number} +{number}", printed)[-ridges:]
+    if len(forces) != ridges or not moved:
+        raise RuntimeError("CalculiX printed no contact forces")
+    return np.array([-float(upward) for _, upward in forces]), -float(moved[-1][1])
+
+
+def _children() -> float:
+    """Processor time of all ended child processes, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _run(command: list[str], folder: Path) -> str:
+    settings = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(command, cwd=folder, env=settings, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{command[0]} failed: {done.stdout[-2000:]}{done.stderr[-500:]}")
+    return done.stdout

@@ -1,0 +1,210 @@
+"""A case: tables as a person writes them, what is asked of them, and the figures that come out.
+
+The campaign makes cases up, the catalogue (tests/hard_cases.toml) lists them; both run them here.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+
+from skincad.base.tables import parse
+from skincad.inputs.catalog import load
+from skincad.inputs.design import Design
+
+CHORD = 2e-3  # mm, asked of print meshes
+ONE_MESH = 1e-3  # s; a budget that buys the coarsest mesh alone
+
+
+@dataclass(frozen=True)
+class Case:
+    """`kind` is a key of FIGURES; `tables` are of a design, scene or circuit, `skin` of a scene's design;
+    `arguments` are those of the function that the kind calls."""
+
+    kind: str
+    tables: dict[str, Any]
+    skin: dict[str, Any] | None = None
+    arguments: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def design(self) -> Design:
+        if self.skin is None and self.kind == "simulate":
+            return load(self.tables["skin"])
+        return parse(Design, self.tables if self.skin is None else self.skin)
+
+    def toml(self) -> str:
+        found = {"kind": self.kind, "arguments": self.arguments, "tables": self.tables, "skin": self.skin}
+        return tomlkit.dumps({key: value for key, value in found.items() if value})
+
+
+Figures = dict[str, Any]
+
+
+def section_figures(case: Case) -> Figures:
+    """The exact section alone: area by Green's theorem and of a polygon within 1e-6 mm, slots."""
+    import shapely
+
+    from skincad.shape.cross_section import section
+    from skincad.shape.curves import area, polygon
+
+    found = section(case.design)
+    outline = shapely.Polygon(polygon(found.outline, 1e-6))
+    slots = sum(area(slot.loop()) for slot in found.slots)
+    return {
+        "area": area(found.outline),
+        "polygon_area": outline.area,
+        "perimeter": outline.length,
+        "simple": bool(outline.is_valid),
+        "slots": len(found.slots),
+        "slot_area": abs(slots),
+        "bounds": list(outline.bounds),
+    }
+
+
+def solid_figures(case: Case) -> Figures:
+    """The skin's exact solid and its print mesh."""
+    from skincad.fabrication.meshes import mesh
+    from skincad.solids.occ import solid
+    from skincad.solids.skin import skin_part
+
+    part = skin_part(case.design)
+    exact, printed = solid(part), mesh(part, CHORD)  # KernelError unless valid, of the formula's volume
+    return {
+        "volume": exact.Volume(),
+        "formula": part.volume,
+        "faces": len(exact.Faces()),
+        "mesh_volume": float(printed.volume),
+        "mesh_area": float(printed.area),
+        "watertight": bool(printed.is_watertight and printed.is_winding_consistent),
+        "triangles": len(printed.faces),
+    }
+
+
+def mold_figures(case: Case) -> Figures:
+    """All parts of the mold, exact and as meshes, closed and while it opens: what is wrong with them."""
+    from tests.soundness import faults
+
+    return {"faults": list(faults(case.design, **case.arguments))}
+
+
+def check_figures(case: Case) -> Figures:
+    """What `check` says; ridges' forces as a list, `mesh_error` what of the error is not the model's."""
+    from skincad.mechanics.touching import check
+
+    found = check(case.design, **case.arguments)
+    threshold, approach = found.all_touch_force, found.approach
+    mesh = None if threshold.error is None else threshold.error - found.model_error
+    return {
+        "passed": found.passed,
+        "force": found.force,
+        "ridges": found.ridges,
+        "touching": found.touching,
+        "all_touch_force": threshold.value,
+        "all_touch_error": threshold.error,
+        "mesh_error": mesh,
+        "approach": approach.value,
+        "approach_error": approach.error,
+        "ridge_force": [f.value for f in found.ridge_force],
+        "share_error": max(f.error or 0.0 for f in found.ridge_force),
+        "sum": sum(f.value or 0.0 for f in found.ridge_force),
+        "tier": found.tier,
+        "unknowns": found.unknowns,
+        "residual": found.residual,
+        "yield": None if found.manufacture is None else found.manufacture.passing.value,
+        "beyond": found.beyond,
+        "warnings": list(found.warnings),
+    }
+
+
+@contextmanager
+def scene_file(case: Case) -> Iterator[Path]:
+    """A scene's file with its skin's beside it, where it has one of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        tables = dict(case.tables)
+        if case.skin is not None:
+            (Path(folder) / "skin.toml").write_text(tomlkit.dumps(case.skin), "utf-8")
+            tables["skin"] = "skin.toml"
+        file = Path(folder) / "scene.toml"
+        file.write_text(tomlkit.dumps(tables), "utf-8")
+        yield file
+
+
+def scene_figures(case: Case) -> Figures:
+    """What `simulate` says, by default on the coarsest mesh; lists over steps, entry 0 unloaded."""
+    from skincad.scenes.scene import load_scene
+    from skincad.scenes.simulation import simulate
+
+    with scene_file(case) as file:
+        scene = load_scene(file)
+    found = simulate(scene, **{"budget": ONE_MESH, **case.arguments})
+    march, drives = found.march, scene.history.drives()
+    mu = getattr(scene.parts.get("friction"), "coefficient", 0.0)
+    return {
+        "steps": len(march.readings) - 1,
+        "stopped": march.stopped,
+        "failed": march.failed,
+        "coefficient": mu,
+        "driven": drives[0].tangential is None,
+        "asked_normal": [d.normal for d in drives][: len(march.readings)],
+        "normal": march.column("normal").tolist(),
+        "tangential": march.column("tangential").tolist(),
+        "approach": march.column("approach").tolist(),
+        "travel": march.column("travel").tolist(),
+        "touching": march.column("touches").sum(axis=1).tolist(),
+        "elastic": march.column("elastic").tolist(),
+        "dissipated": march.column("dissipated").tolist(),
+        "residual": float(march.column("residual").max()),
+        "stress": {str(r): np.asarray(v).tolist() for r, v in found.raw.items()},
+        "last_stress": [float(v[-1]) for v in found.raw.values()],
+        "slip_steps": found.slip_steps,
+        "gross_slip_step": found.gross_slip_step,
+        "imbalance": found.energy["imbalance"],
+        "work": found.energy["work_mJ"],
+        "json": found.as_json(),
+    }
+
+
+def circuit_figures(case: Case) -> Figures:
+    """What `circuit` says, beside the gain in fractions at three frequencies, both in dB."""
+    from bench.campaign import rational
+    from skincad.circuit.bode import circuit_gain, indenter_response
+    from skincad.circuit.model import Circuit
+    from skincad.circuit.network import decibels
+
+    circuit = parse(Circuit, case.tables)
+    found = circuit_gain(circuit)
+    some = found.frequency[[0, found.frequency.size // 2, -1]]
+    passed = decibels(indenter_response(circuit.indenter, some)) if circuit.indenter else np.zeros(3)
+    return {
+        "gain": found.gain.tolist(),
+        "some": found.gain[[0, found.frequency.size // 2, -1]].tolist(),
+        "in_fractions": [
+            rational.gain(found.constants, float(f)) + p for f, p in zip(some, passed, strict=True)
+        ],
+        "cutoff": found.slopes.cutoff.value,
+        "below": found.slopes.below.value,
+        "above": found.slopes.above.value,
+        "json": found.as_json(),
+    }
+
+
+FIGURES: dict[str, Callable[[Case], Figures]] = {
+    "section": section_figures,
+    "solid": solid_figures,
+    "mold": mold_figures,
+    "check": check_figures,
+    "simulate": scene_figures,
+    "circuit": circuit_figures,
+}
+
+
+def figures(case: Case) -> Figures:
+    """Return what comes out of a case; raises InputError or RefusedError as skincad does."""
+    return FIGURES[case.kind](case)

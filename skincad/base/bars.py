@@ -1,0 +1,102 @@
+"""Bars on stderr while a job runs, on a terminal only: what is done, for how long, and how long still."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+from typing import Any
+
+from skincad.base.stopwatch import Progress, Tick, clock
+
+LATE = "longer than expected"
+WIDTH = 40
+
+
+@contextmanager
+def stage_bar(stages: int) -> Iterator[Progress | None]:
+    """Show a bar while the block runs: by the seconds left where they are told, else by its stages."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.progress import TextColumn, TimeElapsedColumn
+
+    columns = TextColumn("{task.description:14}"), _time_bar(), TimeElapsedColumn(), _seconds_left()
+    with _shown(columns, stages + 1) as (bar, task):
+
+        def told(stage: str, left: float | None = None, /) -> None:
+            ends = {} if left is None else {"ends": perf_counter() + left}
+            done = bar.tasks[task].completed + 1
+            bar.update(task, description=stage, completed=done, total=max(stages, done) + 1, **ends)
+
+        yield told
+
+
+@contextmanager
+def step_bar(steps: int) -> Iterator[Tick | None]:
+    """Show a march's steps, and the seconds left, while the block runs."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description:24}"),
+        BarColumn(WIDTH),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        _seconds_left(),
+    )
+    with _shown(columns, steps) as (bar, task):
+
+        def told(stage: str, step: int, left: float | None = None, /) -> None:
+            ends = {} if left is None else {"ends": perf_counter() + left}
+            bar.update(task, description=stage, completed=step, **ends)
+
+        yield told
+
+
+@contextmanager
+def _shown(columns: tuple[Any, ...], total: int) -> Iterator[tuple[Any, Any]]:
+    from rich.console import Console
+    from rich.progress import Progress as Bars
+
+    with Bars(*columns, console=Console(stderr=True), transient=True, get_time=perf_counter) as bar:
+        yield bar, bar.add_task("starting", total=total, ends=None)
+
+
+def left_in_words(ends: float | None, now: float) -> str:
+    """Return how long until `ends`, both s of one clock: "1:05 left"; "" where that is not known."""
+    if ends is None:
+        return ""
+    return LATE if ends < now else f"{clock(ends - now)} left"
+
+
+def _seconds_left() -> Any:
+    from rich.progress import ProgressColumn, Task
+    from rich.text import Text
+
+    class Left(ProgressColumn):
+        """The seconds left, which run down between two tellings."""
+
+        def render(self, task: Task) -> Text:
+            return Text(left_in_words(task.fields["ends"], task.get_time()))
+
+    return Left()
+
+
+def _time_bar() -> Any:
+    from rich.progress import BarColumn, Task
+    from rich.progress_bar import ProgressBar
+
+    class TimeBar(BarColumn):
+        """Elapsed against expected seconds; stages done against all where none are told."""
+
+        def render(self, task: Task) -> ProgressBar:
+            if task.fields["ends"] is None or task.start_time is None:
+                return super().render(task)
+            whole = max(task.fields["ends"] - task.start_time, 1e-9)
+            return ProgressBar(total=whole, completed=min(task.elapsed or 0.0, whole), width=WIDTH)
+
+    return TimeBar(WIDTH)

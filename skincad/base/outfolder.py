@@ -1,0 +1,253 @@
+"""The out folder: a result appears whole or not at all, and an earlier one stays until then.
+
+Only plain files that the same command's manifest lists, with the bytes that it tells, are ever replaced or
+removed. A run writes into .skincad-<command>-<digits>/new in the folder. At its end the earlier result's
+files move to old/ beside that and the new ones to their places; the manifest leaves first and comes last, so
+that it lies only with a whole result, and files of two results are never mixed. If a run is killed meanwhile,
+the next one undoes or finishes it, by the manifest in new/ and by what lies where.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import secrets
+import sys
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from skincad.base.errors import InputError
+from skincad.base.manifest import COMMANDS, listed, manifest_name, unchanged, write_manifest
+
+try:
+    import fcntl
+except ImportError:  # no POSIX: runs into one folder at once are not kept apart
+    fcntl = None  # type: ignore[assignment]
+
+OURS = ".skincad-"  # so begins the name of whatever lies in the folder only while runs write there
+RUN = re.compile(rf"{re.escape(OURS)}({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
+NOBODYS = "lost+found"  # what a new volume holds
+PATIENCE, POLL = 1.0, 0.05  # s: until a wait is told; between two tries
+
+
+def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = ()) -> Path:
+    """Return the real path of an out folder where `command` may write; raises InputError otherwise.
+
+    To be asked before any work: the folder may be new, empty, or hold earlier results, whose files are as
+    they were written; no other file may have one of the `names`. What killed runs left there is put right.
+    """
+    try:
+        real = Path(os.path.realpath(folder))
+        if Path.cwd().is_relative_to(real):
+            raise InputError("-o", f"{folder} is the folder you are in", remedy="name one below it")
+        there = next(path for path in (real, *real.parents) if os.path.lexists(path))
+        if there == real:
+            if not real.is_dir():
+                raise InputError("-o", f"{folder} is a file", remedy="name a folder")
+            with _locked(real):
+                _put_right(real)
+                _earlier(real, command, names)
+                _try_to_write(real, command)
+        else:
+            for part in real.relative_to(there).parts:
+                with suppress(FileNotFoundError):
+                    os.lstat(there / part)  # tells a name that is too long
+            _try_to_write(there, command)
+    except OSError as failure:
+        raise _unwritable(folder, failure) from None
+    return real
+
+
+@contextmanager
+def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None = None) -> Iterator[Path]:
+    """Yield an empty folder to write into; when the block ends well its files replace the earlier result's.
+
+    `told` is what the command's manifest says beside the files. Of two runs at once the later one's result
+    stays. Raises InputError, with nothing changed, when `folder` cannot be written, runs out of space, holds
+    things and no earlier result, or holds a file of these names that is not as this command wrote it;
+    RefusedError when `told` holds a number that is not finite.
+    """
+    real = checked_folder(folder, command)
+    made = [path for path in (real, *real.parents) if not path.exists()]
+    run = real / _run_name(command)
+    staging = run / "new"
+    try:
+        real.mkdir(parents=True, exist_ok=True)
+        with ExitStack() as alive:
+            with _locked(real):
+                staging.mkdir(parents=True)
+                alive.enter_context(_locked(run))  # for as long as this run lives
+            yield staging
+            write_manifest(staging, command, told or {})
+            with _locked(real):
+                _put_in_place(run, command)
+    except OSError as failure:
+        raise _unwritable(folder, failure) from failure
+    finally:
+        if not (run / "old").exists():  # else what it holds could not go back: the next run tries again
+            _discard(run)
+        with suppress(OSError):  # not empty: there is a result, or another run
+            for path in made:
+                path.rmdir()
+
+
+def _try_to_write(folder: Path, command: str) -> None:
+    """Raise OSError where no folder can be made: permissions are not all that can stand in the way."""
+    probe = folder / _run_name(command)  # if this run is killed here, the next one removes it
+    probe.mkdir()
+    with suppress(FileNotFoundError):  # a run in this folder may have taken it for a killed one's
+        probe.rmdir()
+
+
+def _run_name(command: str) -> str:
+    return f"{OURS}{command}-{secrets.token_hex(4)}"
+
+
+def _runs(folder: Path) -> list[Path]:
+    """Folders of runs that are under way or were killed."""
+    found = [path for path in folder.iterdir() if RUN.fullmatch(path.name)]
+    return [path for path in found if path.is_dir() and not path.is_symlink()]
+
+
+def _unwritable(folder: Path, failure: OSError) -> InputError:
+    return InputError("-o", f"{str(folder)[:80]} cannot be written ({failure.strerror or failure})")
+
+
+def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
+    """File names of the command's earlier result, the manifest first.
+
+    Raises InputError where something stands in the way: a file of it that was changed since, a file of one
+    of the `names` that is not of it, a manifest that skincad did not write, or a folder of other things.
+    """
+    manifest, told = manifest_name(command), listed(folder, command)
+    if told is None and os.path.lexists(folder / manifest):
+        raise _in_the_way(folder / manifest)
+    others = [
+        item.name for item in folder.iterdir() if not item.name.startswith(OURS) and item.name != NOBODYS
+    ]
+    if others and all(listed(folder, each) is None for each in COMMANDS):
+        raise InputError(
+            "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
+        )
+    if told is None:
+        told, earlier = {}, []
+    else:
+        earlier = [manifest, *(name for name in told if os.path.lexists(folder / name))]
+    for name in earlier[1:]:
+        if not unchanged(folder / name, told[name]):
+            raise _in_the_way(folder / name)
+    for name in names:
+        if name not in earlier and os.path.lexists(folder / name):
+            raise _in_the_way(folder / name)
+    return earlier
+
+
+def _in_the_way(path: Path) -> InputError:
+    return InputError(
+        "-o",
+        f"{path} is another's or was changed since it was written",
+        remedy="move it away or name another folder",
+    )
+
+
+def _put_in_place(run: Path, command: str) -> None:
+    """Let the run's files take the places of the earlier result's; the folder is locked meanwhile."""
+    folder, new, old, manifest = run.parent, run / "new", run / "old", manifest_name(command)
+    names = sorted((path.name for path in new.iterdir()), key=lambda name: name == manifest)
+    earlier = _earlier(folder, command, names)
+    try:
+        old.mkdir()
+        for name in earlier:
+            _move(folder / name, old / name)
+        for name in names:
+            _move(new / name, folder / name)
+    finally:
+        _settle(run)
+
+
+def _settle(run: Path) -> None:
+    """Undo what a run had begun to put in place, unless all is there, and remove its folder.
+
+    It may be killed at any point and asked again: the new files are all back before an old one goes back.
+    """
+    folder, new, old = run.parent, run / "new", run / "old"
+    command = run.name.split("-")[1]
+    manifest = manifest_name(command)
+    if (new / manifest).exists() and old.exists():  # it comes last
+        for name, digest in (listed(new, command) or {}).items():
+            if not (new / name).exists() and os.path.lexists(folder / name):
+                if not unchanged(folder / name, digest):
+                    raise _in_the_way(folder / name)
+                _move(folder / name, new / name)
+        for path in sorted(old.iterdir(), key=lambda path: path.name == manifest):
+            _move(path, folder / path.name)
+    _discard(run)
+
+
+def _move(source: Path, target: Path) -> None:
+    if os.path.lexists(target):
+        raise _in_the_way(target)
+    source.rename(target)
+
+
+def _put_right(folder: Path) -> None:
+    """Undo or finish what killed runs had begun to put in place, and remove what they left."""
+    for run in _runs(folder):
+        if (run / "old").exists():  # only while the folder is locked, by us now
+            _settle(run)
+            continue
+        with _locked(run, wait=False) as dead:
+            if dead:
+                _discard(run)
+
+
+def _discard(run: Path) -> None:
+    """Remove a run's folder and the files in it; whatever else somebody has put there stays.
+
+    old/ goes first: a folder without it has nothing to be undone.
+    """
+    with suppress(OSError):
+        for part in (run / "old", run / "new"):
+            if part.exists():
+                for path in part.iterdir():
+                    path.unlink()
+                part.rmdir()
+        run.rmdir()
+
+
+@contextmanager
+def _locked(folder: Path, wait: bool = True) -> Iterator[bool]:
+    """Hold a folder's lock, which ends with the process; yield False where it is not to be had."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:  # a folder that may be written and not read
+        yield False
+        return
+    try:
+        yield _lock(handle, folder, wait)
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int, folder: Path, wait: bool) -> bool:
+    if fcntl is None:
+        return False
+    told_at: float | None = time.monotonic() + PATIENCE
+    while True:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if not wait:
+                return False
+        except OSError:  # the file system has no locks
+            return False
+        else:
+            return True
+        if told_at is not None and time.monotonic() >= told_at:
+            told_at = None
+            if sys.stderr is not None:
+                print(f"skincad: waiting for another skincad run in {folder}", file=sys.stderr)
+        time.sleep(POLL)

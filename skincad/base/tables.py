@@ -1,0 +1,124 @@
+"""Tables that a person writes: strict frozen models, and their errors as one line.
+
+A model's broken rule leaves as InputError with the key's dotted name, never as a library's own error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from skincad.base.errors import MOST_TOLD, InputError, did_you_mean, together
+
+
+def quantity(unit: str, meaning: str, **limits: Any) -> Any:
+    """Describe a float field: its unit and meaning go into the schema and the commented TOML."""
+    return Field(description=meaning, json_schema_extra={"unit": unit}, allow_inf_nan=False, **limits)
+
+
+class Table(BaseModel):
+    """A TOML table: frozen, no unknown keys, no silent conversion of types."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Ranged(Table):
+    """A number, alone or as `{value, low, high}`: what was measured and how far it may be off."""
+
+    value: float = Field(description="most likely", gt=1e-4, le=1e6)
+    low: float = Field(description="smallest", gt=1e-4, le=1e6)
+    high: float = Field(description="largest", gt=1e-4, le=1e6)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain_number(cls, data: Any) -> Any:
+        if isinstance(data, int | float) and not isinstance(data, bool):
+            return {"value": data, "low": data, "high": data}
+        return data
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not 0 < self.low <= self.value <= self.high:
+            raise InputError("", "needs 0 < low <= value <= high", (self.low, self.value, self.high))
+        return self
+
+
+Model = TypeVar("Model", bound=Table)
+
+
+def parse(model: type[Model], data: dict[str, Any]) -> Model:
+    """Return the model of these values; raises InputError for the keys that break their rules."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as failure:
+        told = _telling(failure.errors())[:MOST_TOLD]
+        raise together([_error(model, error) for error in told]) from None
+
+
+def table_of(model: type[BaseModel], key: str) -> type[Table] | None:
+    """Return the table model behind a key of `model`, or None where the key is a plain value."""
+    field = model.model_fields.get(key)
+    if field is None:
+        return None
+    return next((k for k in _kinds(field.annotation) if isinstance(k, type) and issubclass(k, Table)), None)
+
+
+def _kinds(annotation: Any) -> Iterator[Any]:
+    """Every type in an annotation, as deep as `dict[str, Table] | None` has it."""
+    yield annotation
+    for inner in getattr(annotation, "__args__", ()):
+        yield from _kinds(inner)
+
+
+def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
+    """Return the unit of the field at this path, or "" where it has none."""
+    inner: type[BaseModel] = model
+    for key in path[:-1]:
+        inner = table_of(inner, key) or inner  # a name of [printer] is no field
+    field = inner.model_fields.get(path[-1]) if path else None
+    extra = field.json_schema_extra if field else None
+    unit = extra.get("unit") if isinstance(extra, dict) else None
+    return str(unit) if unit and unit != "1" else ""
+
+
+def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
+    """The errors in the order in which they are told: unknown keys first, and no key as missing in a table
+    with an unknown one, as which it is most often misspelt."""
+    unknown = [e for e in errors if e["type"] == "extra_forbidden"]
+    tables = {e["loc"][:-1] for e in unknown}
+    rest = [e for e in errors if e["type"] != "extra_forbidden"]
+    return unknown + [e for e in rest if e["type"] != "missing" or e["loc"][:-1] not in tables]
+
+
+def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
+    path = tuple(str(p) for p in error["loc"])
+    key, given = ".".join(path) or "design", error.get("input")
+    cause = error.get("ctx", {}).get("error")
+    if isinstance(cause, InputError):
+        found = cause.under(".".join(path))
+        return found if found.key else cause.under("design")
+    if error["type"] == "extra_forbidden":
+        return _unknown_key(model, path)
+    if error["type"] == "missing":
+        return InputError(key, "is missing", remedy=f"give {key} a value")
+    if isinstance(given, dict):
+        given = "a table"
+    if error["type"] == "string_pattern_mismatch":
+        return InputError(key, f"must be {model.model_fields[path[-1]].description}", given)
+    if error["type"] in ("model_type", "model_attributes_type", "dict_type"):
+        wanted = "a number or {value, low, high}" if path[-1] == "young_modulus" else f"a table, [{key}]"
+        return InputError(key, f"must be {wanted}", given)
+    rule = error["msg"].replace("Input should be", "must be").replace("a valid integer", "an integer")
+    rule = rule.replace("valid ", "")
+    unit = unit_of(model, path)
+    return InputError(key, rule + (f" ({unit})" if unit else ""), given)
+
+
+def _unknown_key(model: type[BaseModel], path: tuple[str, ...]) -> InputError:
+    inner: type[BaseModel] = model
+    for key in path[:-1]:
+        inner = table_of(inner, key) or inner
+    return InputError(".".join(path), "unknown key", remedy=did_you_mean(path[-1], inner.model_fields))

@@ -1,0 +1,1 @@
+"""What a person writes: designs with the rules between their keys, processes, what ships, measured data."""

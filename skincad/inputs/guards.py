@@ -1,0 +1,149 @@
+"""What the tables of a design must agree on, beyond each key's own range; broken rules are told at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import partial
+from typing import TYPE_CHECKING
+
+from skincad.base.errors import InputError, refusals, together
+from skincad.inputs.process import check_named, check_own
+
+if TYPE_CHECKING:
+    from skincad.inputs.design import Design, Ridge, Skin
+
+MOST = 999  # ridges that are told of, as ridge.count
+FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
+SMALLEST_FILLET = (
+    1e-6  # mm; ten times the length below which the CAD kernel takes an edge's ends for one point
+)
+CORE = 0.2  # assumption: least radius of a revolved skin's back, of curvature_radius_y
+
+
+def check_design(design: Design) -> None:
+    """Raise InputError for the rules between keys that a design breaks."""
+    checks = (_mold(design), _skin(design), _revolved(design.skin), _ridge(design.ridge), _film(design))
+    if broken := [error for check in checks for error in check]:
+        raise together(broken)
+
+
+def _mold(design: Design) -> Iterator[InputError]:
+    own, choice = design.printer or {}, design.mold
+    yield from refusals(lambda: check_own(own))
+    for key in ("process", "end_plate_process", "lid_process"):
+        yield from refusals(partial(check_named, f"mold.{key}", getattr(choice, key), own))
+
+
+def _skin(design: Design) -> Iterator[InputError]:
+    skin, ridge = design.skin, design.ridge
+    if skin.width >= 2 * skin.curvature_radius:
+        yield InputError(
+            "skin.width",
+            f"must be less than {2 * skin.curvature_radius:g} mm (twice skin.curvature_radius)",
+            skin.width,
+        )
+        return  # nothing below has a meaning then
+    side = math.asin(skin.width / (2 * skin.curvature_radius))
+    if math.degrees(2 * side) >= FAN_LIMIT_DEG:
+        widest = 2 * skin.curvature_radius * math.sin(math.radians(FAN_LIMIT_DEG / 2))
+        yield InputError(
+            "skin.width",
+            f"the fan from side to side must stay below {FAN_LIMIT_DEG:g} degrees, so below {widest:.4g} mm",
+            skin.width,
+            "make the skin narrower or curvature_radius larger",
+        )
+    sag = 2 * skin.curvature_radius * math.sin(side / 2) ** 2
+    if sag > 0.8 * skin.thickness:
+        yield InputError(
+            "skin.thickness",
+            f"must be above {sag / 0.8:.4g} mm, or too little is left at the sides (the base circle "
+            f"falls by {sag:.4g} mm)",
+            skin.thickness,
+        )
+    half_root = ridge.root_width / 2 + ridge.root_fillet
+    reach = abs(design.lean(1)) + half_root / skin.curvature_radius
+    if reach >= side:
+        more = (
+            2 * (side * skin.curvature_radius - half_root) / ridge.pitch
+        )  # infinite where there is no pitch
+        most = 0 if more < -1 else int(min(more, MOST)) + 1
+        yield InputError(
+            "ridge.count",
+            f"at most {most} ridges of this pitch and root fit on skin.width",
+            ridge.count,
+            "take fewer ridges, a smaller pitch or a wider skin",
+        )
+
+
+def _revolved(skin: Skin) -> Iterator[InputError]:
+    """The section must keep clear of the axis that it turns about, and turn by less than the fan's limit."""
+    radius = skin.curvature_radius_y
+    if radius is None:
+        return
+    least = skin.thickness / (1 - CORE)
+    if radius < least:
+        yield InputError(
+            "skin.curvature_radius_y",
+            f"must be at least {least:.4g} mm, or the back at skin.thickness below comes too near its axis",
+            radius,
+            "make the skin thinner or the radius larger",
+        )
+    longest = radius * math.radians(FAN_LIMIT_DEG)
+    if skin.length >= longest:
+        yield InputError(
+            "skin.length",
+            f"the fan from end to end must stay below {FAN_LIMIT_DEG:g} degrees, so below {longest:.4g} mm",
+            skin.length,
+            "make the skin shorter or curvature_radius_y larger",
+        )
+
+
+def _ridge(ridge: Ridge) -> Iterator[InputError]:
+    if ridge.root_width >= ridge.pitch:
+        yield InputError(
+            "ridge.root_width", f"must be less than {ridge.pitch:g} mm (ridge.pitch)", ridge.root_width
+        )
+    if ridge.tip_width > ridge.root_width:
+        yield InputError(
+            "ridge.tip_width",
+            f"must be at most {ridge.root_width:g} mm (ridge.root_width), or the ridge hooks in its mold",
+            ridge.tip_width,
+        )
+    for key, radius in (("tip_fillet", ridge.tip_fillet), ("root_fillet", ridge.root_fillet)):
+        if 0 < radius < SMALLEST_FILLET:
+            yield InputError(f"ridge.{key}", f"must be 0 or at least {SMALLEST_FILLET:g} mm", radius)
+    limit = min(ridge.height, ridge.tip_width / 2)
+    if ridge.crown >= limit:
+        yield InputError(
+            "ridge.crown",
+            f"must be less than {limit:g} mm (the smaller of height and half tip_width)",
+            ridge.crown,
+        )
+
+
+def _film(design: Design) -> Iterator[InputError]:
+    slot, film = design.slot, design.film
+    if film is not None and slot is None:
+        yield InputError("film", "needs a slot to lie in", remedy="add [slot] or drop [film]")
+    if film is not None and slot is not None and film.thickness > slot.thickness:
+        yield InputError(
+            "film.thickness", f"must be at most {slot.thickness:g} mm (slot.thickness)", film.thickness
+        )
+    if film is not None and slot is not None and 2 * film.electrode_margin >= slot.depth:
+        rule = f"must be less than {slot.depth / 2:g} mm (half of slot.depth), or no electrode is left"
+        yield InputError("film.electrode_margin", rule, film.electrode_margin)
+    if design.mold.method == "cast-in":
+        yield from _cast_in(design)
+    if design.contact.film == "bonded" and film is None:
+        yield InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")
+
+
+def _cast_in(design: Design) -> Iterator[InputError]:
+    """Strips lie straight in the mold, and what is round them is silicone."""
+    key, given = "mold.method", design.mold.method
+    if design.slot is not None and design.film is None:
+        yield InputError(key, "needs a [film] to cast in", given, "add [film], or take 'shim'")
+    if design.skin.curvature_radius_y is not None:
+        rule = "needs straight strips, and skin.curvature_radius_y bends them"
+        yield InputError(key, rule, given, "drop curvature_radius_y")

@@ -1,0 +1,103 @@
+"""What a process can make: a table of limits, the shipped ones' and a workshop's own.
+
+The four shipped tables are in templates/processes.toml. A user's `printer.toml` has tables of the same keys:
+one named as a shipped process changes what it names of it, any other name is a new process `based_on` one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Literal
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+
+from skincad.base.errors import InputError
+from skincad.base.tables import Table, quantity
+
+PROCESSES = ("fdm", "sla", "cnc", "edm")
+NAME = r"^[a-z][a-z0-9-]{2,31}$"
+
+
+class Process(Table):
+    """Limits of a process; 0 where it has no such limit."""
+
+    based_on: Literal["fdm", "sla", "cnc", "edm"] | None = Field(
+        default=None, description="the shipped process that a new one takes all other values from"
+    )
+    gap: float = quantity("mm", "narrowest groove or slit", ge=0.0, le=100.0, default=0.0)
+    wall: float = quantity("mm", "thinnest tooth or wall", ge=0.0, le=100.0, default=0.0)
+    hole: float = quantity("mm", "smallest diameter of a round hole", ge=0.0, le=100.0, default=0.0)
+    clearance: float = quantity(
+        "mm", "least gap a side at which parts slide into each other", ge=0.0, le=10.0, default=0.0
+    )
+    tolerance: float = quantity(
+        "mm", "a surface comes out within plus or minus this", gt=0.0, le=10.0, default=0.1
+    )
+    tool_radius: float = quantity("mm", "of a ball-end mill or a wire", ge=0.0, le=100.0, default=0.0)
+    spark_gap: float = quantity("mm", "between wire and work", ge=0.0, le=10.0, default=0.0)
+    groove_ratio: float = quantity(
+        "1", "deepest groove by the tool's diameter", ge=0.0, le=1000.0, default=0.0
+    )
+    tooth_ratio: float = quantity("1", "height of a free tooth by its width", ge=0.0, le=1000.0, default=0.0)
+    pixel: float = quantity("mm", "finest detail in a layer's plane", ge=0.0, le=10.0, default=0.0)
+    layer: float = quantity("mm", "height of a layer", ge=0.0, le=10.0, default=0.0)
+    overhang: float = quantity(
+        "deg", "steepest overhang without support, from the vertical", ge=0.0, le=90.0, default=90.0
+    )
+    bridge: float = quantity(
+        "mm", "widest horizontal hole that needs no support", ge=0.0, le=1000.0, default=0.0
+    )
+    orientation: Literal["flat", "end"] = Field(
+        default="flat", description="how a cavity is printed: flat (ridges' grooves up) or on its y end"
+    )
+    inhibits_platinum: bool = Field(
+        default=False, description="whether its parts may keep platinum silicone from curing"
+    )
+    chord: float = quantity(
+        "mm", "how far a print mesh may leave the true surface", gt=0.0, le=10.0, default=0.01
+    )
+    crest_sigma: float = quantity(
+        "mm", "standard deviation of a cast ridge's crest height", ge=0.0, le=10.0, default=0.01
+    )
+
+    @property
+    def reach(self) -> float:
+        """Radius of the smallest corner that the tool leaves, mm: the tool's and the spark gap."""
+        return self.tool_radius + self.spark_gap
+
+    @model_serializer(mode="wrap")
+    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        """Dump what was given only, so that a copy of a design's own process changes no more than it did."""
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+
+
+def merged(shipped: Mapping[str, Process], own: Mapping[str, Process]) -> dict[str, Process]:
+    """Return the shipped processes with a workshop's own on top."""
+    result = dict(shipped)
+    for name, change in own.items():
+        base = shipped[change.based_on or name]
+        given = {key: getattr(change, key) for key in change.model_fields_set}
+        result[name] = base.model_copy(update={**given, "based_on": base.based_on})
+    return result
+
+
+def check_own(own: Mapping[str, Process]) -> None:
+    """Raise InputError for a bad name, an own process without a base, or a shipped one with another's."""
+    for name, process in own.items():
+        if not re.fullmatch(NAME, name):
+            rule = "the name must be 3 to 32 lower-case letters, digits and -"
+            raise InputError("printer", rule, name, "as in [printer.my-mill]")
+        key = f"printer.{name}.based_on"
+        if name not in PROCESSES and process.based_on is None:
+            raise InputError(key, "is missing for a new process", remedy=f"name {', '.join(PROCESSES)}")
+        if name in PROCESSES and process.based_on not in (None, name):
+            raise InputError(key, f"must not be given for {name}", process.based_on, "give it another name")
+
+
+def check_named(key: str, name: str | None, own: Mapping[str, Process]) -> None:
+    """Raise InputError where `key` names a process that is neither shipped nor the workshop's own."""
+    known = [*PROCESSES, *(n for n in own if n not in PROCESSES)]
+    if name is not None and name not in known:
+        listed = ", ".join(f"'{n}'" for n in known[:-1])
+        raise InputError(key, f"must be {listed} or '{known[-1]}'", name)

@@ -1,0 +1,130 @@
+"""The circuit in time: samples a period and the hold between samples, against the exact response.
+
+A smooth signal and one with a kink. Smooth: a sine of the cut-off's frequency that swells gently, so that no
+hold is judged by a start that it did not cause; what is compared is the last periods. Kinked: a load that
+begins to rise straight at one sample, as a stress does where a ridge starts to slip. The input is the film's
+charge at the samples. The three holds:
+straight lines between samples (exact first-order hold, what skincad uses), steps (zero-order hold), and the
+trapezoidal rule (bilinear, Tustin 1947). Franklin, Powell, Workman, Digital Control, 3rd ed., ch. 6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from scipy import linalg
+
+from skincad.base.stopwatch import Progress
+from skincad.circuit.closed_form import exact_response
+from skincad.circuit.model import constants, load_circuit
+from skincad.circuit.network import Constants, Real, response
+from skincad.circuit.state import Stepper, run, state_space, stepper
+from skincad.inputs.design import Design
+from skincad.ladders.ladder import Ladder, Measure, Rung, timed
+
+CIRCUIT = "yamada-2002"  # a design has no circuit of its own
+FREQUENCY = 1200.0  # Hz; paper: the cut-off
+PER_PERIOD = (16, 64, 256, 1024, 4096)
+PERIODS, SWELL, SEEN = 60, 30, 10  # in all, in which it swells, and at the end that are compared
+FINER, KINKED = 4, 10  # rate of the kinked load's reference; its periods
+SECONDS = 0.023, 2.8e-5  # a run of all holds: in any case, and for a sample of each period; measured
+HOLDS = ("first-order hold", "zero-order hold", "bilinear")
+
+
+def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    """Return the holds at each number of samples; of the design only the title tells."""
+    c = constants(load_circuit(CIRCUIT))
+    exact = complex(exact_response(c, np.array([FREQUENCY]))[0])
+    loops = complex(response(c, np.array([FREQUENCY]))[0])
+    rungs = []
+    for count in PER_PERIOD:
+        if progress:
+            progress(_stage(count))
+        charge = c.d33 * sine(count)  # of a load of 1 N
+        for hold in HOLDS:
+            found, runs = timed(partial(held, c, hold, FREQUENCY * count, charge), repeats)
+            errors = {**errors_of(found, exact, count), "kink": kink_error(c, hold, count)}
+            rungs.append(Rung(hold, f"{count} samples a period", charge.size, runs, errors))
+    known = (
+        f"the node equations' closed form; the paper's loop equations differ by {abs(loops / exact - 1):.0e} "
+        "here, ngspice's AC analysis of the same netlist by 2e-7 dB (tests/circuit)"
+    )
+    truth = f"the exact response at {FREQUENCY:g} Hz"
+    measures = (
+        Measure("output", "rms error of the output, relative", "1", truth, known),
+        Measure(
+            "kink",
+            "rms error of the output to a load with a kink, relative",
+            "1",
+            f"the first-order hold at {FINER} times the rate: such a load is straight between samples",
+            "the hold is exact for it at any rate; its own rows tell by how much two rates differ",
+            floor=1e-9,
+        ),
+        Measure("size", "error of the output's size, its lag aside, relative", "1", truth, known),
+    )
+    title = f"circuit {CIRCUIT} under a sine of {FREQUENCY:g} Hz (for {design.name})"
+    return Ladder("circuit", title, tuple(rungs), measures)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
+    """Return the stages and their expected seconds."""
+    return {_stage(count): (repeats + 1) * (SECONDS[0] + SECONDS[1] * count) for count in PER_PERIOD}
+
+
+def _stage(count: int) -> str:
+    return f"circuit: {count} samples a period"
+
+
+def sine(per_period: int) -> Real:
+    """Return the samples of a sine of size 1 that swells like half a cosine."""
+    at = np.arange(per_period * PERIODS) / per_period
+    return np.asarray((1 - np.cos(np.pi * np.minimum(at / SWELL, 1.0))) / 2 * np.sin(2 * np.pi * at))
+
+
+def held(c: Constants, hold: str, rate: float, charge: Real) -> Real:
+    """Return the output `(n,)` V for a charge `(n,)` C at `rate` Hz by one of the HOLDS, at rest before."""
+    steps = {"first-order hold": stepper, "zero-order hold": stepped, "bilinear": trapezoidal}
+    return run(steps[hold](c, rate), charge)[0]
+
+
+def stepped(c: Constants, rate: float) -> Stepper:
+    """Return the exact step for a charge that stays at the last sample."""
+    straight = stepper(c, rate)
+    return replace(straight, now=straight.now + straight.then, then=np.zeros_like(straight.then))
+
+
+def trapezoidal(c: Constants, rate: float) -> Stepper:
+    """Return the trapezoidal rule's step."""
+    system = state_space(c)
+    balanced, (size, _) = linalg.matrix_balance(system.a, permute=False, separate=True)
+    one, half = np.eye(size.size), balanced / (2 * rate)
+    step = np.linalg.solve(one - half, one + half)
+    push = np.linalg.solve(one - half, system.b / size) / (2 * rate)
+    triangle, basis = linalg.schur(step, output="complex")
+    back = basis.conj().T
+    rest = np.array([-1 / c.capacitance, 0.0, 0.0, 0.0])  # no voltage: the state takes the charge's off
+    return Stepper(rate, triangle, back @ push, back @ push, (system.c * size) @ basis, back @ (rest / size))
+
+
+def errors_of(found: Real, exact: complex, per_period: int) -> dict[str, float]:
+    """Return the relative errors over the last SEEN periods of a steady sine of size 1."""
+    last = slice(-SEEN * per_period, None)
+    turn = np.exp(2j * np.pi * np.arange(found.size)[last] / per_period)
+    missed = found[last] - (exact * turn).imag
+    gain = complex(2j * np.mean(found[last] * turn.conj()))
+    size = float(np.sqrt(2) * np.sqrt(np.mean(missed**2)) / abs(exact))
+    return {"output": size, "size": abs(abs(gain) / abs(exact) - 1)}
+
+
+def kink_error(c: Constants, hold: str, per_period: int) -> float:
+    """Return the relative rms error of the output to a load that rises straight from a sample on."""
+    count, rate = per_period * KINKED, FREQUENCY * per_period
+
+    def rise(finer: int) -> Real:
+        return np.asarray(c.d33 * np.maximum(np.arange(count * finer) / finer - count / 4, 0.0) / count)
+
+    exact = held(c, HOLDS[0], FINER * rate, rise(FINER))[::FINER]
+    missed = held(c, hold, rate, rise(1)) - exact
+    return float(np.sqrt(np.mean(missed**2) / np.mean(exact**2)))

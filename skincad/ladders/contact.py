@@ -1,0 +1,267 @@
+"""Contact: models, meshes and orders, judged by F9, the force from which all ridges touch, and the approach.
+
+Two errors that are never mixed. The mesh's: each physical model against its own finest rung. The whole: every
+rung against the best model that can judge the design. A model's time includes all that it builds on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.ladders.ladder import Ladder, Measure, Rung, repeated, timed
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
+from skincad.mechanics.tiers import finite_strain, linear, solid
+from skincad.mechanics.tiers.linear import LevelSolver
+from skincad.mechanics.tiers.prices import LAWS, own, plane_unknowns
+from skincad.mechanics.tiers.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed
+from skincad.mechanics.tiers.table import able, run
+from skincad.mechanics.validity import refuse_crushed
+
+MESH = 5e-3  # relative; what `check` asks of a tier's mesh
+BEST = ("solid-finite-strain", "corrected-finite-strain", "solid", "corrected", "linear")
+AIM = {  # the tier whose finest rung another's mesh and method aim at
+    **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
+    "corrected": "solid",
+}
+OWN = "as check takes it"
+ALONE = ("winkler", "corrected")  # short enough to be solved again from nothing
+# fineness and order of each level, the last the reference
+LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
+    "linear": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4), (2.0, 3), (2.0, 4), (2.0, 5)),
+    "finite-strain": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4)),
+}
+SOLVERS: dict[str, Callable[[], LevelSolver]] = {
+    "linear": lambda: linear.level,
+    "finite-strain": finite_strain.Levels,
+}
+
+
+ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are climbed
+SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
+# time of a level in that of its tier; its unknowns in those of the tier's first rung are (order - 0.65) times
+# this (yamada-2002, 2 % off)
+OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a rung found: F9 in N (None where there is none), approach in mm."""
+
+    model: str
+    setting: str
+    unknowns: int
+    runs: tuple[float, ...]
+    force: float | None
+    approach: float
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A model's finest rung; `own` its relative errors of F9 and approach, `words` how they are known."""
+
+    found: Found
+    own: tuple[float, float]
+    words: str
+
+
+def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
+    climb = _Climb(design, repeats, progress)
+    for name in ORDER:
+        climb.attempt(name)
+    best = next((name for name in BEST if name in climb.truth), "")
+    rungs = tuple(_rung(found, climb, best) for found in climb.found)
+    title = f"contact of {design.name} at {climb.request.force:g} N"
+    return Ladder("contact", title, rungs, _measures(climb, best), skipped=climb.skipped)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:
+    """Return the stages and their expected seconds, by the tiers' laws."""
+    found: dict[str, float] = {}
+    for name in (name for name in ORDER if not able(name, design, drops=False)):
+        alone = repeats if name in ALONE else 1
+        for level in LEVELS.get(name, ()):
+            size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
+            last = level == LEVELS[name][-1]
+            found[_level(name, *level)] = repeated(OF_TIER * LAWS[name].at(size), 1 if last else repeats)
+        if name in LEVELS:
+            continue
+        price = _own(name, design)
+        if name == "solid":
+            found |= {_layers(told): repeated(s * price, repeats) for told, s in SOLID_LEVELS.items()}
+        found[_stage(name)] = repeated(price, alone)
+    return found
+
+
+def _own(name: str, design: Design) -> float:
+    """A tier's own seconds; nothing for one that refuses the design, as it will when it is climbed."""
+    try:
+        return own(name, design)
+    except (InputError, RefusedError):
+        return 0.0
+
+
+class _Climb:
+    """What is found so far."""
+
+    def __init__(self, design: Design, repeats: int, progress: Progress | None) -> None:
+        self.design, self.repeats, self.progress = design, repeats, progress
+        self.request = Request(design.contact.force, MESH)
+        self.found: list[Found] = []
+        self.truth: dict[str, Truth] = {}
+        self.skipped: dict[str, str] = {}
+        self.done: dict[str, Answer] = {}
+
+    def attempt(self, name: str) -> None:
+        """Climb a tier's rungs; one that cannot judge the design is skipped with its reason."""
+        reason = able(name, self.design, drops=False)
+        try:
+            if not reason and name in LEVELS:
+                self._levels(name)
+            elif not reason:
+                self._tier(name)
+        except (InputError, RefusedError) as refusal:
+            reason = str(refusal)
+        if reason:
+            self.skipped[name] = reason
+
+    def _levels(self, name: str) -> None:
+        pad, force = pad_of(self.design), self.request.force
+        found = []
+        for fineness, order in LEVELS[name]:
+            setting = f"fineness {fineness:g}, order {order}"
+            self._tell(_level(name, fineness, order))
+
+            def solved(fineness: float = fineness, order: int = order) -> linear.Level:
+                mesh = triangles(pad, default_sizes(pad, fineness))
+                return SOLVERS[name]()(pad, mesh, order, force, ())
+
+            last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
+            level, runs = timed(solved, 1 if last else self.repeats)
+            refuse_crushed(self.design, force, name, level.approach)
+            numbers = level.all_touch_force, level.approach
+            found.append(Found(name, setting, level.unknowns, runs, *numbers))
+        finest, before = found[-1], found[-2]
+        own = apart(finest, before, force, pad.top)
+        words = f"{finest.setting}; {before.setting} differs by {own[0]:.0e}, approach {own[1]:.0e}"
+        self.truth[name] = Truth(finest, own, words)
+        self.found += found[:-1]
+
+    def _tier(self, name: str) -> None:
+        if name == "solid":
+            self._solid_levels()
+        self._tell(_stage(name))
+        alone = name in ALONE
+
+        def work() -> Answer:
+            return run(name, self.design, self.request, {} if alone else self.done, None)
+
+        answer, runs = timed(work, self.repeats if alone else 1)
+        refuse_crushed(self.design, self.request.force, name, answer.approach.value or 0.0)
+        self.done[name] = answer
+        if not alone:
+            runs = (math.fsum(answer.seconds.values()),)
+        setting = "closed form" if name == "winkler" else OWN
+        force, approach = answer.all_touch_force, answer.approach
+        found = Found(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
+        self.found.append(found)
+        if name != "winkler":
+            own = (_stated(force, FLOOR * self.request.force), _stated(approach, 0.0))
+            words = f"tier {name}; its stated error, {own[0]:.1e} of F9 and {own[1]:.1e} of the approach, is "
+            self.truth[name] = Truth(found, own, words + "held against finer rungs in tests/mechanics")
+
+    def _solid_levels(self) -> None:
+        """The solid's coarsest levels, which its tier adds up."""
+        pad, rung = pad_of(self.design), solid.RUNGS[0]
+        for layers, told in zip((rung.layers, rung.finer), SOLID_LEVELS, strict=True):
+            setting = f"order {rung.order - 1}, {told} layers"
+            self._tell(_layers(told))
+
+            def solved(layers: Layers = layers) -> Level:
+                meshed = meshed_part(pad, coarse_sizes(pad, rung.fineness))
+                forms = forms_of(meshed, rung.order - 1)
+                return pressed(meshed, forms, layers, self.request.force, {})
+
+            level, runs = timed(solved, self.repeats)
+            numbers = level.all_touch_force, level.approach
+            self.found.append(Found("solid", setting, level.unknowns, runs, *numbers))
+
+    def _tell(self, what: str) -> None:
+        if self.progress:
+            self.progress(what)
+
+
+def _stage(name: str) -> str:
+    return f"contact: {name}"
+
+
+def _level(name: str, fineness: float, order: int) -> str:
+    return f"contact: {name}, fineness {fineness:g}, order {order}"
+
+
+def _layers(told: str) -> str:
+    return f"contact: solid, {told} layers"
+
+
+def apart(found: Found, truth: Found, force: float, height: float) -> tuple[float, float]:
+    """Return the relative differences of F9 and approach; nan where there is no F9."""
+    by_force, by_approach = math.nan, abs(found.approach - truth.approach)
+    if found.force is not None and truth.force is not None:
+        by_force = abs(found.force - truth.force) / max(truth.force, FLOOR * force)
+    return by_force, by_approach / max(truth.approach, 1e-9 * height)
+
+
+def _stated(estimate: Estimate, least: float) -> float:
+    value = estimate.value
+    return math.nan if value is None else (estimate.error or 0.0) / max(value, least)
+
+
+def _rung(found: Found, climb: _Climb, best: str) -> Rung:
+    """A rung with its errors; the best model has its own stated error as whole one."""
+    force, height = climb.request.force, climb.design.skin.thickness
+    errors: dict[str, float] = {}
+    for kind, name in (("mesh", AIM.get(found.model, "")), ("whole", best)):
+        truth = climb.truth.get(name)
+        itself = truth is not None and found is truth.found
+        if truth is None or (itself and kind == "mesh"):
+            continue
+        values = truth.own if itself else apart(found, truth.found, force, height)
+        named = zip(("F9", "approach"), values, strict=True)
+        errors |= {f"{kind} {q}": error for q, error in named if not math.isnan(error)}
+    return Rung(found.model, found.setting, found.unknowns, found.runs, errors)
+
+
+def _measures(climb: _Climb, best: str) -> tuple[Measure, ...]:
+    own = "; ".join(f"{name}: {truth.words}" for name, truth in climb.truth.items() if name in AIM.values())
+    found = []
+    for quantity, what in enumerate(("F9", "approach")):
+        floor = climb.truth[best].own[quantity] if best else 0.0
+        named = {"F9": "all-touch force", "approach": "approach"}[what]
+        found.append(
+            Measure(
+                f"mesh {what}",
+                f"error of mesh and method in {named}, relative",
+                "1",
+                "each model's own finest rung",
+                own,
+                compares=False,
+            )
+        )
+        found.append(
+            Measure(
+                f"whole {what}",
+                f"error of model and mesh in {named}, relative",
+                "1",
+                f"{best or 'none'}: the best model that can judge this design",
+                climb.truth[best].words if best else "nothing",
+                floor=0.0 if math.isnan(floor) else floor,
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,88 @@
+"""The paper's scene on the skin in question: what the ladders of slip and of effects march."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+import numpy as np
+import tomlkit
+from numpy.typing import NDArray
+
+from skincad.base.errors import RefusedError
+from skincad.inputs.design import Design
+from skincad.scenes.levels import Level
+from skincad.scenes.scene import Scene, load_scene
+from skincad.scenes.simulation import Simulation, at_level
+
+Array = NDArray[np.float64]
+SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
+TOLD = 3  # paper: the third ridge from an end
+
+
+def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
+    """Return the scene with this skin, its forces scaled to the design's, `more` as `--set` texts.
+
+    With another coefficient of friction the pull is that many times as large. A skin without slots has no
+    films to tell of. Raises InputError for what scene and skin do not allow.
+    """
+    plain = load_scene(SCENE).history
+    scale = design.contact.force / FORCE
+    pulls = plain.tangential_force_N or []
+    changes = [
+        f"history.normal_force_N={[scale * f for f in plain.normal_force_N]}",
+        f"history.tangential_force_N={[friction * scale * f for f in pulls]}",
+        *([] if friction == 1.0 else [f"effects.friction.coefficient={friction}"]),
+        f"readout.ridges={[min(TOLD, design.ridge.count)] if design.slot else []}",
+        *([] if design.film else ["effects.film=none"]),
+    ]
+    with TemporaryDirectory() as folder:  # a scene names its skin by a file
+        skin = Path(folder) / "skin.toml"
+        skin.write_text(tomlkit.dumps(design.model_dump(exclude_none=True)), encoding="utf-8")
+        return load_scene(SCENE, [f"skin={skin.as_posix()!r}", *changes, *more])
+
+
+def marched(scene: Scene, level: Level, most: float) -> Simulation:
+    """Return the scene marched on one mesh; raises RefusedError for one that takes over `most` s or fails."""
+    began = perf_counter()
+
+    def tick(_stage: str, step: int, _left: float | None = None, /) -> None:
+        if step and perf_counter() - began > most:
+            raise RefusedError(f"takes more than {most:g} s: step {step} of {scene.history.steps} by then")
+
+    found = at_level(scene, level, tick)
+    if found.march.failed:
+        raise RefusedError(f"stopped: {found.march.stopped}")
+    return found
+
+
+def signal(found: Simulation) -> Array:
+    """Return what is compared `(steps + 1,)`: the told ridge's S1 - S2, MPa, or else the travel, mm."""
+    return next(iter(found.raw.values())) if found.raw else found.march.column("travel")
+
+
+def peak_rate(found: Simulation) -> float:
+    """Return the largest rate of the band-limited signals, MPa/s; 0 without any."""
+    return max((float(np.abs(signal.rate).max()) for signal in found.signals.values()), default=0.0)
+
+
+def slip_time(found: Simulation) -> float | None:
+    """Return when the told ridge slips for good, s; None where it does not."""
+    step = found.slip_steps[min(TOLD, len(found.slip_steps)) - 1]
+    return None if step is None else float(found.march.time[step])
+
+
+def apart(found: Simulation, truth: Simulation) -> dict[str, float]:
+    """Return the errors of the signal, relative to its largest, of its peak rate, and of the slip's time,
+    relative to the history's length."""
+    end = min(found.march.time[-1], truth.march.time[-1])
+    at = found.march.time[found.march.time < end]  # the last state is at the brink of gross slip
+    exact = np.interp(at, truth.march.time, signal(truth))
+    errors = {"signal": float(np.abs(signal(found)[: at.size] - exact).max() / np.abs(exact).max())}
+    if there := peak_rate(truth):
+        errors["peak rate"] = abs(peak_rate(found) / there - 1)
+    first, last = slip_time(found), slip_time(truth)
+    if first is not None and last is not None:
+        errors["slip"] = abs(first - last) / truth.scene.history.time_s[-1]
+    return errors

@@ -1,0 +1,89 @@
+"""Print meshes of the skin: chord tolerance against measured deviation, by manifold3d and the CAD kernel.
+
+Both get the same tolerance, absolute. manifold3d starts from the plan, the CAD kernel from its exact solid,
+which is at hand for STEP anyway. Deviations are measured both ways against a mesh ten times finer.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from skincad.base.stopwatch import Progress
+from skincad.fabrication.measures import FINER, measure
+from skincad.fabrication.meshes import mesh
+from skincad.inputs.design import Design
+from skincad.ladders.ladder import Ladder, Measure, Rung, timed
+from skincad.solids.occ import solid, tessellate, triangles
+from skincad.solids.plan import Part
+from skincad.solids.skin import skin_part
+
+# chords in heights of a ridge, and the s that they take on a skin of so many RIDGES; measured
+CHORDS, RIDGES = {3e-2: 0.3, 3e-3: 0.3, 3e-4: 0.4, 3e-5: 1.0, 3e-6: 6.0}, 9
+KERNEL, MANIFOLD = "CAD kernel", "manifold3d"
+
+
+def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    """Return the skin's print meshes by both makers."""
+    part = skin_part(design)
+    exact = solid(part)
+    formula = abs(exact.Volume() / part.volume - 1)
+    rungs = []
+    for chord in _chords(design):
+        if progress:
+            progress(_stage(chord))
+        made, runs = timed(partial(mesh, part, chord), repeats)
+        rungs.append(_rung(part, MANIFOLD, chord, made, runs))
+        _, runs = timed(partial(tessellate, exact, chord), repeats)
+        rungs.append(_rung(part, KERNEL, chord, _of_kernel(exact, chord), runs))
+    finer = f"a mesh by manifold3d with chords {FINER:g} times finer"
+    measures = (
+        Measure(
+            "deviation",
+            "largest distance to the true surface, both ways",
+            "mm",
+            finer,
+            f"its own error, a {FINER:g}th of the chord, is added to every deviation: none is told too small",
+        ),
+        Measure(
+            "volume",
+            "error of the volume",
+            "1",
+            "section area x path of its centroid, by Green's theorem",
+            f"the CAD kernel's exact solid has the same volume to {formula:.0e}",
+        ),
+    )
+    return Ladder("tessellation", f"print mesh of the skin of {design.name}", tuple(rungs), measures)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
+    """Return the stages and their expected seconds, mostly those of measuring the deviation."""
+    of_size = design.ridge.count / RIDGES
+    return {_stage(c): of_size * s for c, s in zip(_chords(design), CHORDS.values(), strict=True)}
+
+
+def _chords(design: Design) -> list[float]:
+    return [share * design.ridge.height for share in CHORDS]
+
+
+def _stage(chord: float) -> str:
+    return f"tessellation: chord {chord:.2g} mm"
+
+
+def _rung(part: Part, model: str, chord: float, made: trimesh.Trimesh, runs: tuple[float, ...]) -> Rung:
+    errors = {
+        "deviation": measure(part, made, chord).deviation,
+        "volume": abs(float(made.volume) / part.volume - 1),
+    }
+    return Rung(model, f"chord {chord:.2g} mm", len(made.faces), runs, errors)
+
+
+def _of_kernel(made: Any, chord: float) -> trimesh.Trimesh:
+    """The kernel's triangles as one mesh, its faces joined at equal corners."""
+    corners, faces = triangles(made, chord)
+    found = trimesh.Trimesh(np.array([c.toTuple() for c in corners]), np.array(faces), process=False)
+    found.merge_vertices()
+    return found

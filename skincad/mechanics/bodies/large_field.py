@@ -1,0 +1,95 @@
+"""The strips' mean stress at finite strain; names ngsolve.
+
+Cauchy stress, N per present area, resolved where it is on the strip as it now lies: across is normal to the
+material planes that were parallel to its faces, along is the material line along it. What a strip bears does
+not change when it turns with its ridge. Averaged over the present volume. Lengths in units, stresses in E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.bodies.neo_hooke import Body, swelling
+from skincad.mechanics.bodies.strip_field import strips_of
+from skincad.shape.cross_section import SlotPlace
+
+Array = NDArray[np.float64]
+EXTRA = 2  # of the integration's order beyond twice the displacements': the integrand is no polynomial
+
+
+@dataclass(frozen=True, eq=False)
+class StripStress:
+    """The stresses of a body's strips; `moved` is set to the state that is asked.
+
+    `parts` are the present volume and, times it, the stresses; `elements` `(e,)` lie in strips `strip`.
+    """
+
+    moved: Any
+    parts: tuple[Any, ...]
+    elements: NDArray[np.int64]
+    strip: NDArray[np.int64]
+    order: int
+
+    def at(self, values: Array) -> Array:
+        """Return `(strips, 3)`: across, along and lengthwise in a state `(n,)`, means over each strip."""
+        self.moved.vec.FV().NumPy()[:] = values
+        mesh = self.moved.space.mesh
+        film = mesh.Materials("film")
+        sums = [
+            ng.Integrate(part, mesh, order=self.order, definedon=film, element_wise=True)
+            for part in self.parts
+        ]
+        total = np.zeros((self.strip.max(initial=-1) + 1, len(sums)))
+        np.add.at(total, self.strip, np.array(sums).T[self.elements])
+        return np.asarray(total[:, 1:] / total[:, :1])
+
+
+def strip_stress(
+    body: Body,
+    order: int,
+    materials: Mapping[str, tuple[float, float]],
+    slots: Sequence[SlotPlace],
+    thickness: float,
+    unit: float,
+) -> StripStress:
+    """Return the stresses of the strips in `slots`, `thickness` mm; the mesh has them as domain `film`.
+
+    sigma = G / J (F F^T - 1) + (q - 2 G / 3 (J - 1)) 1: neo_hooke.strain_energy's own, with lambda (J - 1)
+    lengthwise, where plane strain has a stretch of 1.
+    """
+    mesh = body.mesh
+    elements, strip = strips_of(mesh, slots, thickness, unit)
+    moved = ng.GridFunction(body.space)
+    u, q = moved.components
+    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    h = ng.Grad(u)
+    swell = swelling(h)
+    stretch, mean = ng.Id(2) + h, q - 2 * shear / 3 * swell
+    # J sigma, so that sums are over the present volume
+    stress = shear * (stretch * stretch.trans - ng.Id(2)) + (1 + swell) * mean * ng.Id(2)
+    along = stretch * _directions(mesh, elements, np.array([s.direction for s in slots])[strip])
+    across = ng.CF((-along[1], along[0]))  # Nanson's, of the faces that the strip's direction lies in
+    parts = (
+        1 + swell,
+        *((each * (stress * each)) / (each * each) for each in (across, along)),
+        (1 + swell) * mean,
+    )
+    return StripStress(moved, parts, elements, strip, 2 * order + EXTRA)
+
+
+def _directions(mesh: Any, elements: NDArray[np.int64], direction: Array) -> Any:
+    """Return a vector that is constant on each of the elements, `(e, 2)`, zero elsewhere."""
+    components = []
+    for values in direction.T:
+        constant = ng.GridFunction(ng.L2(mesh, order=0))
+        on_all = np.zeros(mesh.ne)
+        on_all[elements] = values
+        constant.vec.FV().NumPy()[:] = on_all
+        components.append(constant)
+    return ng.CF(tuple(components))

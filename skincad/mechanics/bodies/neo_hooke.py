@@ -1,0 +1,228 @@
+"""The neo-Hookean body in plane strain: energy, residual and condensed tangent, at any state.
+
+Same spaces, unknowns and contact rows as the small-strain stiffness (elements.py), whose law it tends to.
+A state is the vector of all unknowns, displacements and pressures, `(n,)`, in the pad's unit and in E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from netgen.meshing import NgException
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
+from skincad.mechanics.bodies.elements import Assembled, as_csr, outlines, with_contact
+from skincad.mechanics.bodies.folding import fault
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
+PLANE = 2  # dimensions
+CLAMPED_EDGE = 0.005  # of the height, see `body`
+SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse
+
+
+@dataclass(frozen=True)
+class Body:
+    """A meshed pad at one order. `rest` is its tangent at rest with the contact's rows.
+
+    `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
+    them as they are eliminated, contact unknowns last, in all steps. Newton takes it as an `Elastic`.
+    """
+
+    mesh: Any
+    space: Any
+    form: Any
+    rest: Assembled
+    free: Mask
+    order: Index
+
+    def residual(self, state: Array) -> Array:
+        """Return `residual`."""
+        return residual(self, state)
+
+    def energy(self, state: Array) -> float:
+        """Return `energy`."""
+        return energy(self, state)
+
+    def linearised(self, state: Array, residual: Array) -> Linearised:
+        """Return the tangent factorised; ContactError where it is singular."""
+        at = tangent(self, state, residual)
+        small = factorise(at.matrix, self.order, self.rest.contact.size)
+        return Linearised(at, small, small.flexibility)
+
+    def fault(self, state: Array, plate: float) -> str | None:
+        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
+        return fault(outlines(self.rest, state), lambda x: np.full_like(x, plate))
+
+
+def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
+    """Return the energy density, in terms of the displacement gradient `h[i, j]` and the pressure q.
+
+    In n = 2 (plane strain) or 3 dimensions
+    G/2 (F:F - n - 2 ln J) + q (J - 1) - q^2 / (2 K) - G/3 (J - 1)^2, so that with q eliminated the
+    volume's part is (K - 2 G/3)/2 (J - 1)^2: neo-Hookean with Lame's constants. Split at the bulk modulus
+    K and not at lambda, as in elements.py, it holds at nu = 0 too. Bonet and Wood, Nonlinear Continuum
+    Mechanics for Finite Element Analysis, 2nd ed., eq. (6.27), with (J - 1)^2 in place of (ln J)^2.
+    """
+    axes = range(h.shape[0])
+    trace = reduce(add, [h[i, i] for i in axes])
+    squares = reduce(add, [h[i, j] * h[i, j] for i in axes for j in axes])
+    swell = swelling(h)
+    shape = squares + 2 * trace - 2 * log(1 + swell)  # F:F - n - 2 ln J
+    return shear / 2 * shape - shear / 3 * swell * swell + q * swell - q * q / (2 * bulk)
+
+
+def swelling(h: Any) -> Any:
+    """Return J - 1 of a displacement gradient in two or three dimensions, without cancellation at rest."""
+
+    def minor(i: int, j: int) -> Any:
+        return h[i, i] * h[j, j] - h[i, j] * h[j, i]
+
+    if h.shape[0] == PLANE:
+        return h[0, 0] + h[1, 1] + minor(0, 1)
+    turned = h[1, 2] * h[2, 0] - h[1, 0] * h[2, 2], h[1, 0] * h[2, 1] - h[1, 1] * h[2, 0]
+    determinant = h[0, 0] * minor(1, 2) + h[0, 1] * turned[0] + h[0, 2] * turned[1]
+    return h[0, 0] + h[1, 1] + h[2, 2] + minor(0, 1) + minor(0, 2) + minor(1, 2) + determinant
+
+
+def _small_strain_energy(h: Any, q: Any, shear: Any) -> Any:
+    """Return what a displacement gradient adds in the small-strain law, its pressure's own part apart."""
+    strain, swell = ng.Sym(h), h[0, 0] + h[1, 1]
+    return shear * (ng.InnerProduct(strain, strain) - swell * swell / 3) + q * swell
+
+
+def _clamped_edges(mesh: Any, reach: float) -> Any:
+    """Return 1 on the triangles within `reach` times the height of the clamped boundary's ends, else 0."""
+    places = np.array([v.point for v in mesh.vertices])
+    back: set[int] = set()
+    others: set[int] = set()
+    for element in mesh.Elements(ng.BND):
+        (back if element.mat == "back" else others).update(v.nr for v in element.vertices)
+    near = np.zeros(len(places), dtype=bool)
+    for end in back & others:
+        near |= np.hypot(*(places - places[end]).T) <= reach * np.ptp(places[:, 1])
+    marks = ng.GridFunction(ng.L2(mesh, order=0))
+    marks.vec.FV().NumPy()[:] = [near[[v.nr for v in e.vertices]].all() for e in mesh.Elements(ng.VOL)]
+    return marks
+
+
+def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Body:
+    """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+
+    At the ends of the clamped back strains are unbounded in any mesh fine enough, and no load step is small
+    enough for elements that turn inside out there. Triangles within CLAMPED_EDGE of the height from such
+    an end keep the small-strain law instead; finite_strain.py has what that changes.
+    """
+    space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    both = space * ng.L2(mesh, order=order - 1)
+    u, q = both.TrialFunction()
+    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    bulk = mesh.MaterialCF({name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()})
+    edge = _clamped_edges(mesh, CLAMPED_EDGE)
+    gradient = ng.Grad(u)
+    density = strain_energy((1 - edge) * gradient, q, shear, bulk, ng.log)
+    density += edge * _small_strain_energy(gradient, q, shear)
+    form = ng.BilinearForm(both, symmetric=True, condense=True)
+    form += ng.Variation(density.Compile() * ng.dx)
+    form.AssembleLinearization(ng.GridFunction(both).vec)
+    rest = with_contact(as_csr(form.mat), mesh, both, order)
+    free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
+    elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
+    return Body(mesh, both, form, rest, free, elimination)
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """The body linearised at a state: `matrix` `(n, n)` and `residual` `(n,)`, both condensed.
+
+    `recover` completes a step `(n,)` of the condensed unknowns by what it moves inside the elements; it
+    belongs to the body's latest tangent.
+    """
+
+    matrix: sparse.csr_matrix
+    residual: Array
+    form: Any
+    whole: Any
+
+    def recover(self, step: Array) -> Array:
+        """Return the step of all unknowns, those inside the elements in balance to first order."""
+        all_of_it = self.whole.CreateVector()
+        all_of_it.FV().NumPy()[:] = step
+        all_of_it.data += self.form.harmonic_extension * all_of_it
+        all_of_it.data -= self.form.inner_solve * self.whole
+        return np.array(all_of_it.FV().NumPy())
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """The body's tangent, condensed onto the contact unknowns."""
+
+    tangent: Tangent
+    small: Condensed
+    flexibility: Array
+
+    @property
+    def stable(self) -> bool:
+        """Whether the tangent is positive definite."""
+        return bool(self.small.factor.U.diagonal().min() > 0)
+
+    def move(self, push: Array) -> Array:
+        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+        return self.tangent.recover(self.small.solve(-self.tangent.residual - push))
+
+
+def tangent(body: Body, state: Array, residual: Array) -> Tangent:
+    """Return the tangent at a state whose `residual` is at hand; ContactError where it has none."""
+    try:
+        body.form.AssembleLinearization(_vector(body, state))
+    except NgException as failure:
+        if SINGULAR not in str(failure):
+            raise
+        raise ContactError("the tangent stiffness of an element is singular") from None
+    return under(body, as_csr(body.form.mat), residual)
+
+
+def under(body: Body, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
+    """Return the body's latest tangent, its condensed `matrix` kept, under another state's residual."""
+    whole = _vector(body, residual)
+    condensed = whole.CreateVector()
+    condensed.data = whole + body.form.harmonic_extension_trans * whole
+    return Tangent(matrix, np.array(condensed.FV().NumPy()), body.form, whole)
+
+
+def residual(body: Body, state: Array) -> Array:
+    """Return the energy's derivative `(n,)` by all unknowns, clamped ones included."""
+    found = _vector(body, state).CreateVector()
+    body.form.Apply(_vector(body, state), found)
+    return np.array(found.FV().NumPy())
+
+
+def energy(body: Body, state: Array) -> float:
+    """Return the energy per length along y; infinite where a point of the elements is turned inside out."""
+    value = float(body.form.Energy(_vector(body, state)))
+    return value if np.isfinite(value) else np.inf
+
+
+def transferred(coarse: Body, state: Array, fine: Body) -> Array:
+    """Return a state in the unknowns of a higher order on the same mesh."""
+    source, target = ng.GridFunction(coarse.space), ng.GridFunction(fine.space)
+    source.vec.FV().NumPy()[:] = state
+    for part, finer in zip(source.components, target.components, strict=True):
+        finer.Set(part)
+    return np.array(target.vec.FV().NumPy())
+
+
+def _vector(body: Body, values: Array) -> Any:
+    vector = body.form.mat.CreateColVector()
+    vector.FV().NumPy()[:] = values
+    return vector

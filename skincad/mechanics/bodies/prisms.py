@@ -1,0 +1,235 @@
+"""The section extruded along y: stiffness as sums of (integrals over the section) x (integrals over y).
+
+Prisms with a triangle of the section's mesh as base: their functions are products, so the integrals
+factor and the section's curved triangles are used as they are. With the one constant function along y
+the same code is plane strain on the same mesh, to the last digit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+
+from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
+from skincad.mechanics.bodies.elements import Assembled, Sample, assemble
+from skincad.mechanics.bodies.layers import Line
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+AXES = ("x", "z", "y")  # order of the displacement's components
+ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
+
+
+@dataclass(frozen=True)
+class SectionForms:
+    """Integrals over the section's scalar functions v `(n,)` and pressures q.
+
+    `shear[a, b]` is G (a of v_i) (b of v_j) and `volume[a]` is q_i (a of v_j), where x and z derive and y
+    stands for the value; `inverse` is the inverse of q_i q_j / K. `held` `(n,)` marks functions clamped at
+    the back, `cut` `(n,)` those on x = 0. `functions` and `centres` `(t, 2)` describe the triangles, `plane`
+    the contact points.
+    """
+
+    shear: dict[tuple[str, str], sparse.csr_matrix]
+    volume: dict[str, sparse.csr_matrix]
+    inverse: sparse.csr_matrix
+    held: NDArray[np.bool_]
+    cut: NDArray[np.bool_]
+    functions: list[Index]
+    centres: Array
+    plane: Assembled
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The condensed solid: `flexibility` `(k, k)` of the contact unknowns, seen like a section's.
+
+    `lifted` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns by 1:
+    the factorisation's lost digits. `along` `(points,)` is y of the contact points.
+    """
+
+    seen: Assembled
+    flexibility: Array
+    along: Array
+    lifted: float
+    unknowns: int
+
+
+def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> SectionForms:
+    """Return the section's integrals; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+
+    Displacements and pressure are those of `elements.assemble`.
+    """
+    space = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    pressure = ng.L2(mesh, order=order - 1)
+    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    soft = mesh.MaterialCF({name: 3 * (1 - 2 * nu) / e for name, (e, nu) in materials.items()})
+    (u, v), (q, r) = space.TnT(), pressure.TnT()
+    of_u, of_v = _values(u), _values(v)
+    both = {
+        (a, b): _matrix(ng.BilinearForm(space), shear * of_v[a] * of_u[b])
+        for i, a in enumerate(AXES)
+        for b in AXES[i:]
+    }
+    mirrored = {(b, a): m.T.tocsr() for (a, b), m in both.items()}
+    volume = {a: _matrix(ng.BilinearForm(trialspace=space, testspace=pressure), r * of_u[a]) for a in AXES}
+    weight = _matrix(ng.BilinearForm(pressure), soft * q * r)
+    elements = list(mesh.Elements(ng.VOL))
+    points = np.array([v.point for v in mesh.vertices])
+    return SectionForms(
+        {**mirrored, **both},
+        volume,
+        _block_inverse(weight, [np.array(pressure.GetDofNrs(e)) for e in elements]),
+        ~np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof),
+        _on_cut(mesh, space, points),
+        [np.array(space.GetDofNrs(e), dtype=np.int64) for e in elements],
+        np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements]),
+        assemble(mesh, order, materials),
+    )
+
+
+def _values(u: Any) -> dict[str, Any]:
+    gradient = ng.grad(u)
+    return {"x": gradient[0], "z": gradient[1], "y": u}
+
+
+def _matrix(form: Any, integrand: Any) -> sparse.csr_matrix:
+    form += integrand * ng.dx
+    form.Assemble()
+    values, columns, starts = form.mat.CSR()
+    return sparse.csr_matrix(
+        (np.array(values), np.array(columns), np.array(starts)), shape=(form.mat.height, form.mat.width)
+    )
+
+
+def _block_inverse(matrix: sparse.csr_matrix, blocks: list[Index]) -> sparse.csr_matrix:
+    """Inverse of a matrix that couples the unknowns of one triangle only."""
+    index = np.array(blocks)
+    rows, columns = np.broadcast_arrays(index[:, :, None], index[:, None, :])
+    dense = np.asarray(matrix[rows.ravel(), columns.ravel()]).reshape(rows.shape)
+    values = np.linalg.inv(dense).ravel()
+    return sparse.csr_matrix((values, (rows.ravel(), columns.ravel())), shape=matrix.shape)
+
+
+def _on_cut(mesh: Any, space: Any, points: Array) -> NDArray[np.bool_]:
+    cut = np.zeros(space.ndof, dtype=bool)
+    for edge in mesh.Elements(ng.BND):
+        if np.abs(points[[v.nr for v in edge.vertices], 0]).max() < ON_AXIS:
+            cut[list(space.GetDofNrs(edge))] = True
+    return cut
+
+
+def stiffness(forms: SectionForms, line: Line) -> sparse.csr_matrix:
+    """Return the stiffness over (component x, z, y; section function; function along y), small strain.
+
+    2 G dev(e):dev(e) + K (P div u)^2 with the projection P on the pressures: what `elements.assemble`
+    leaves after condensing the pressure, its weak form the same.
+    """
+    along = {("y", "y"): line.stiff, ("y", "-"): line.slope.T, ("-", "y"): line.slope, ("-", "-"): line.mass}
+    strip = {"y": line.rise, "-": line.mean}
+    blocks: list[list[Any]] = [[None] * 3 for _ in AXES]
+    for i, a in enumerate(AXES):
+        for j, b in enumerate(AXES[i:], i):
+            terms = [_term(forms.shear, along, b, a, 1.0), _term(forms.shear, along, a, b, -2 / 3)]
+            if a == b:
+                terms += [_term(forms.shear, along, c, c, 1.0) for c in AXES]
+            section = forms.volume[a].T @ forms.inverse @ forms.volume[b]
+            sides = strip["y" if a == "y" else "-"], strip["y" if b == "y" else "-"]
+            terms.append(sparse.kron(section, sides[0].T @ line.inverse @ sides[1], format="csr"))
+            blocks[i][j] = sum(terms[1:], terms[0])
+            if i != j:
+                blocks[j][i] = blocks[i][j].T
+    return sparse.csr_matrix(sparse.bmat(blocks, format="csr"))
+
+
+def _term(shear: Any, along: Any, a: str, b: str, factor: float) -> sparse.csr_matrix:
+    """G (a of test) (b of trial): the section's part times y's."""
+    key = tuple("y" if c == "y" else "-" for c in (a, b))
+    return sparse.kron(factor * shear[a, b], along[key], format="csr")
+
+
+def condensed(forms: SectionForms, line: Line, *, plane: bool = False, clamped_end: bool = False) -> Solid:
+    """Return the solid seen by the plate: half of the length, u_y = 0 at y = 0, the end free.
+
+    With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain.
+    """
+    matrix = stiffness(forms, line)
+    count, layers = forms.held.size, line.at.size
+    free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
+    flat = forms.plane.contact
+    fronts, unknowns = fronts_of(forms, free)
+    held = np.zeros((3, count, layers))
+    held[1] = (forms.plane.lift[count : 2 * count] * forms.held)[:, None]
+    complement, load = schur(matrix, fronts, unknowns, matrix @ held.ravel())
+    try:
+        root = linalg.cho_factor(complement, check_finite=False)
+    except linalg.LinAlgError:
+        raise ContactError(
+            "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
+        ) from None
+    flexibility = linalg.cho_solve(root, np.eye(load.size), check_finite=False)
+    expected = np.repeat(forms.plane.lift[flat], layers)
+    lifted = float(np.abs(flexibility @ load + expected).max())
+    seen = seen_by_plate(forms.plane, line)
+    along = np.repeat(line.at, forms.plane.nodes.weight.size)
+    return Solid(seen, (flexibility + flexibility.T) / 2, along, lifted, int(free.sum()))
+
+
+def free_unknowns(
+    forms: SectionForms, line: Line, *, plane: bool = False, clamped_end: bool = False
+) -> NDArray[np.bool_]:
+    """Return which unknowns `(component, section function, function along y)` are free, see `condensed`."""
+    count, layers = forms.held.size, line.at.size
+    free = ~np.tile(forms.held, 3).repeat(layers).reshape(3, count, layers)
+    free[0, forms.cut] = False
+    free[2, :, 0] = False
+    free[2, :, -1] &= not clamped_end
+    free[2] &= not plane
+    return np.asarray(free)
+
+
+def fronts_of(forms: SectionForms, free: NDArray[np.bool_]) -> tuple[list[Front], Unknowns]:
+    """Return fronts over (component, section function), contact functions last, held ones left out."""
+    count = forms.held.size
+    mask = free.reshape(3 * count, -1)
+    numbers = np.arange(mask.size).reshape(mask.shape)
+    wanted = np.asarray(mask.any(axis=1))
+    functions = []
+    for f in forms.functions:
+        three = np.concatenate([f, f + count, f + 2 * count])
+        functions.append(three[wanted[three]])
+
+    def unknowns(functions: Index) -> Index:
+        return np.asarray(numbers[functions][mask[functions]])
+
+    return dissection(functions, forms.centres, forms.plane.contact), unknowns
+
+
+def seen_by_plate(plane: Assembled, line: Line) -> Assembled:
+    """The section's contact points repeated along y; the contact unknowns run along y first."""
+    return replace(
+        plane,
+        nodes=_repeated(plane.nodes, np.eye(line.at.size), line.weight),
+        fine=_repeated(plane.fine, line.fine, np.full(len(line.fine), 1 / len(line.fine))),
+    )
+
+
+def _repeated(sample: Sample, along: Array, weight: Array) -> Sample:
+    """The sample at every row of `along`, an edge's points next to each other as `threshold` wants them."""
+    points, times = sample.weight.size, len(along)
+    by_line = np.arange(points * times).reshape(points, times).T.ravel()
+    edges = int(sample.edge.max()) + 1
+    return Sample(
+        sparse.csr_matrix(sparse.kron(sample.rows, along, format="csr"))[by_line],
+        np.tile(sample.position, (times, 1)),
+        np.tile(sample.ridge, times),
+        np.outer(weight, sample.weight).ravel(),
+        (np.arange(times)[:, None] * edges + sample.edge).ravel(),
+    )

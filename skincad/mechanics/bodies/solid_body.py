@@ -1,0 +1,190 @@
+"""The neo-Hookean body of finite length, which Newton presses like the plane one (newton.Elastic).
+
+Functions are the products of prisms.py, the law is neo_hooke.py's, in three dimensions in solid_law.py.
+Lengths in the pad's unit, stresses in E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.bodies import layers, solid_law
+from skincad.mechanics.bodies.dissect import Factored, Front, Unknowns, factored
+from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
+from skincad.mechanics.bodies.folding import THROUGH, fault
+from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
+from skincad.mechanics.bodies.section_points import SectionPoints, section_points
+from skincad.mechanics.bodies.solid_law import Elements, elements_of
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class SolidBody:
+    """A pad's part in `elements`, a triangle times a layer each.
+
+    A state `(n,)` lists displacements (component x, z, y; section function; function along y), then pressures
+    (element; function); `free` `(n,)` marks those not held. `of_element` `(e, 3 b)` numbers an element's
+    displacements, `of_triangle` `(t, layers)` the elements above a triangle, `fronts` and `unknowns` are
+    for dissect.py; `along` `(points,)` is y of the contact points. Of `rest` the contact unknowns and rows
+    are the solid's, all else the section's.
+    """
+
+    forms: SectionForms
+    rest: Assembled
+    free: Mask
+    fronts: list[Front]
+    unknowns: Unknowns
+    elements: Elements
+    of_element: Index
+    of_triangle: Index
+    along: Array
+
+    @property
+    def displacements(self) -> int:
+        """How many of the unknowns are displacements; the pressures follow."""
+        pressures = self.elements.softening
+        return int(self.free.size - pressures.shape[0] * pressures.shape[1])
+
+    def split(self, state: Array) -> tuple[Array, Array]:
+        """Return each element's displacements `(e, 3, b)` and pressures `(e, q)`."""
+        count = len(self.of_element)
+        displacement = state[self.of_element].reshape(count, 3, -1)
+        return displacement, state[self.displacements :].reshape(count, -1)
+
+    def residual(self, state: Array) -> Array:
+        """Return the energy's derivative `(n,)` by all unknowns, held ones included."""
+        nodal, tested = solid_law.forces(solid_law.points(self.elements, *self.split(state)))
+        return np.concatenate([self.summed(nodal), tested.ravel()])
+
+    def summed(self, nodal: Array) -> Array:
+        """Return the displacements' sum `(displacements,)` of what each element `(e, 3 b)` adds to them."""
+        return np.bincount(self.of_element.ravel(), nodal.ravel(), self.displacements).astype(np.float64)
+
+    def energy(self, state: Array) -> float:
+        """Return the energy; infinite where a point of the elements is turned inside out."""
+        return solid_law.energy(self.elements, *self.split(state))
+
+    def linearised(self, state: Array, residual: Array) -> Linearised:
+        """Return the tangent factorised; ContactError where it is not positive definite."""
+        at = solid_law.points(self.elements, *self.split(state))
+        coupling = solid_law.coupling(at)
+        stiffness = solid_law.stiffness(at, coupling)
+        of_element = self.of_element
+
+        def fill(block: Array, front: Front, _own: Index, _border: Index, where: Index) -> None:
+            for element in self.of_triangle[front.triangles].ravel():
+                rows = where[of_element[element]]
+                kept = np.flatnonzero(rows >= 0)
+                rows = rows[kept]
+                block[rows[:, None], rows] += stiffness[element][kept[:, None], kept]
+
+        small = factored(self.fronts, self.unknowns, fill, self.displacements)
+        return Linearised(self, coupling, small, residual, small.flexibility)
+
+    def fault(self, state: Array, plate: float) -> str | None:
+        """Return what touches without being in contact in the middle or at the end, or None.
+
+        Of a mirrored half, what crosses x = 0 meets its own image.
+        """
+        for loops in self.outlines(state):
+            wrong = fault(loops, lambda x: np.full_like(x, plate))
+            if wrong is None and self.forms.cut.any() and min(p.moved[:, 0].min() for p in loops) < -THROUGH:
+                wrong = "two ridges meet in the middle"
+            if wrong is not None:
+                return wrong
+        return None
+
+    def outlines(self, state: Array) -> list[list[Outline]]:
+        """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""
+        plane, count = self.forms.plane, self.forms.held.size
+        found = []
+        for along in (0, -1):
+            moved = np.zeros(plane.space.ndof)
+            moved[: 2 * count] = state[: self.displacements].reshape(3, count, -1)[:2, :, along].ravel()
+            found.append(outlines(plane, moved))
+        return found
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """The tangent of `body` with its pressures condensed: `coupling` `(e, q, 3 b)` is that of pressures and
+    displacements, `small` the factors; `residual` `(n,)` is that at the state."""
+
+    body: SolidBody
+    coupling: Array
+    small: Factored
+    residual: Array
+    flexibility: Array
+    stable: bool = True  # else it has no Cholesky factors
+
+    def move(self, push: Array) -> Array:
+        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+        body, count = self.body, self.body.displacements
+        softening = body.elements.softening
+        inner = softening @ self.residual[count:].reshape(*self.coupling.shape[:2], 1)
+        load = -push[:count] - self.residual[:count] - body.summed(np.swapaxes(self.coupling, 1, 2) @ inner)
+        displacement = self.small.solve(load)
+        pressure = inner + softening @ (self.coupling @ displacement[body.of_element][:, :, None])
+        return np.concatenate([displacement, pressure.ravel()])
+
+
+def solid_body(
+    forms: SectionForms,
+    borders: Array,
+    order: int,
+    materials: Mapping[str, tuple[float, float]],
+    *,
+    clamped_end: bool = False,
+) -> SolidBody:
+    """Return the body over layers between `borders` `(layers + 1,)`, displacements of `order` along y.
+
+    `materials` are those of `forms`. At y = 0 u_y is 0; with `clamped_end` at the end too: plane strain.
+    """
+    line, count, height = layers.line(borders, order), forms.held.size, len(borders) - 1
+    along = line.at.size
+    elements = _extruded(section_points(forms, materials), np.diff(borders), layers.inside(order))
+    # an element's functions: the section's first, then y's; elements: triangle, then layer
+    functions = np.array(forms.functions)[:, None, :, None] * along
+    functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
+    total = len(forms.functions) * height
+    of_element = functions.reshape(total, 1, -1) + np.arange(3)[:, None] * count * along
+    free = free_unknowns(forms, line, clamped_end=clamped_end)
+    fronts, unknowns = fronts_of(forms, free)
+    contact = (forms.plane.contact[:, None] * along + np.arange(along)).ravel()
+    return SolidBody(
+        forms,
+        replace(seen_by_plate(forms.plane, line), contact=contact),
+        np.concatenate([free.ravel(), np.ones(elements.test[:, 0].size, dtype=bool)]),
+        fronts,
+        unknowns,
+        elements,
+        of_element.reshape(total, -1),
+        np.arange(total).reshape(-1, height),
+        np.repeat(line.at, forms.plane.nodes.weight.size),
+    )
+
+
+def _extruded(section: SectionPoints, thickness: Array, layer: layers.Inside) -> Elements:
+    """Products of the section's functions and points with those of layers of `thickness` `(layers,)`."""
+    triangles, points = section.weight.shape
+    shape = (triangles, thickness.size, points, layer.weight.size)
+    total = triangles * thickness.size
+    weight = np.einsum("tg,l,h->tlgh", section.weight, thickness, layer.weight)
+    flat = np.einsum("tgjf,ha->tghjfa", section.basis[:, :, :2], layer.value)
+    upright = np.einsum("tgf,ha,l->tlghfa", section.basis[:, :, 2], layer.slope, 1 / thickness)
+    basis = np.empty((*shape, 3, *upright.shape[-2:]))
+    basis[..., :2, :, :] = flat[:, None]
+    basis[..., 2, :, :] = upright
+    test = np.einsum("tgp,hr->tghpr", section.test, layer.test)
+    test = np.broadcast_to(test[:, None], (*shape, *test.shape[-2:]))
+    g = points * layer.weight.size
+    shear, bulk = (np.repeat(m, thickness.size)[:, None] for m in (section.shear, section.bulk))
+    weight, basis = weight.reshape(total, g), basis.reshape(total, g, 3, -1)
+    return elements_of(weight, basis, test.reshape(total, g, -1), shear, bulk)

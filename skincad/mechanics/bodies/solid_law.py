@@ -1,0 +1,150 @@
+"""The neo-Hookean law on elements of three dimensions: energy, forces and stiffness of each, numpy alone.
+
+Pressures of order - 2 along y (layers.py) leave waves along y whose swelling they do not see. Under a
+pressure of about G such waves grow without resistance (plain-ridges: from 1.5 N on, ends clamped or free; in
+plane strain not up to 6 N). So a part `unseen` of the bulk modulus acts on the swelling itself, point by
+point, and the rest by the pressure: the same law, and with functions fine enough the same solution.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.mechanics.bodies.neo_hooke import strain_energy, swelling
+
+Array = NDArray[np.float64]
+
+# Of the bulk modulus, what acts without the pressure: in G, so that Lame's constant there is G instead of
+# -2 G/3, but at most half of it, so that nu = 0 has a pressure too. Measured on plain-ridges: it reaches 11 N
+# (plane strain 12 N); with 4 or 10 finite strain's change of F9 and of the approach differs by 5e-4
+UNSEEN = 5 / 3
+NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))  # axes in cyclic order
+
+
+@dataclass(frozen=True)
+class Elements:
+    """e elements with g points of `weight` `(e, g)` in volume, b functions of displacements, q of pressure.
+
+    `basis` `(e, g, 3, b)` are the functions' gradients by the three axes, `test` `(e, g, q)` the pressure
+    functions. `shear`, `unseen` and `bulk`, the rest of the bulk modulus, are `(e, 1)`. `stretch`
+    `(e, b, b)` is the stiffness of G F:F / 2 and `softening` `(e, q, q)` the inverse of the pressures' part.
+    """
+
+    weight: Array
+    basis: Array
+    test: Array
+    shear: Array
+    unseen: Array
+    bulk: Array
+    stretch: Array
+    softening: Array
+
+
+def elements_of(weight: Array, basis: Array, test: Array, shear: Array, bulk: Array) -> Elements:
+    """Return elements of these moduli, `(e, 1)` both."""
+    unseen = np.minimum(UNSEEN * shear, bulk / 2)
+    bulk = bulk - unseen
+    pulled = _flat(basis) * np.repeat(weight * shear, 3, axis=1)[:, :, None]
+    stretch = np.swapaxes(pulled, 1, 2) @ _flat(basis)
+    own = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
+    return Elements(weight, basis, test, shear, unseen, bulk, stretch, np.linalg.inv(own).astype(np.float64))
+
+
+@dataclass(frozen=True)
+class Points:
+    """Elements at a state, at their points `(e, g)`: F `(e, g, component, axis)`, its cofactors dJ/dF, J - 1
+    and the pressure."""
+
+    of: Elements
+    deformed: Array
+    cofactor: Array
+    swell: Array
+    pressure: Array
+
+    @property
+    def volume_stress(self) -> Array:
+        """Derivative of the energy by J `(e, g)`: what multiplies the cofactors in the stress."""
+        of = self.of
+        return self.pressure - of.shear / (1 + self.swell) + (of.unseen - 2 / 3 * of.shear) * self.swell
+
+
+def points(of: Elements, displacement: Array, pressure: Array) -> Points:
+    """Return the points at nodal displacements `(e, 3, b)` and pressures `(e, q)`."""
+    gradient, at_points = _gradient(of, displacement), _pressure(of, pressure)
+    deformed = gradient + np.eye(3)
+    cofactor = np.stack([np.cross(deformed[:, :, j], deformed[:, :, k]) for _, j, k in NEXT], axis=2)
+    return Points(of, deformed, cofactor, _swelling(gradient), at_points)
+
+
+def energy(of: Elements, displacement: Array, pressure: Array) -> float:
+    """Return the energy; infinite where a point is turned inside out."""
+    gradient = _gradient(of, displacement)
+    swell = _swelling(gradient)
+    if (swell <= -1).any():
+        return np.inf
+    h = np.moveaxis(gradient, (2, 3), (0, 1))
+    density = strain_energy(h, _pressure(of, pressure), of.shear, of.bulk, np.log)
+    return float((of.weight * (density + of.unseen / 2 * swell * swell)).sum())
+
+
+def forces(at: Points) -> tuple[Array, Array]:
+    """Return the energy's derivatives by displacements `(e, 3, b)` and by pressures `(e, q)`."""
+    of = at.of
+    stress = of.shear[:, :, None, None] * at.deformed + at.volume_stress[:, :, None, None] * at.cofactor
+    by_axis = _flat(np.swapaxes(stress * of.weight[:, :, None, None], 2, 3))
+    tested = (at.swell - at.pressure / of.bulk) * of.weight
+    return np.swapaxes(by_axis, 1, 2) @ _flat(of.basis), (tested[:, None] @ of.test)[:, 0]
+
+
+def coupling(at: Points) -> Array:
+    """Return the second derivative by pressures and displacements `(e, q, 3 b)`."""
+    weighted = at.of.test * at.of.weight[:, :, None]
+    return np.asarray(np.swapaxes(weighted, 1, 2) @ _swelling_rows(at))
+
+
+def stiffness(at: Points, coupled: Array) -> Array:
+    """Return each element's stiffness `(e, 3 b, 3 b)`, its pressures condensed; `coupled` is `coupling`."""
+    of, rows = at.of, _swelling_rows(at)
+    bend = ((1 / (1 + at.swell) ** 2 - 2 / 3) * of.shear + of.unseen) * of.weight
+    found = np.swapaxes(rows * bend[:, :, None], 1, 2) @ rows
+    found += np.swapaxes(coupled, 1, 2) @ (of.softening @ coupled)
+    count, b = of.stretch.shape[:2]
+    blocks = found.reshape(count, 3, b, 3, b)
+    turn = (at.volume_stress * of.weight)[:, :, None]
+    for k, i, j in NEXT:  # the second derivative of J couples components i and j by the third's row of F
+        row = (at.deformed[:, :, k] * turn)[..., None]
+        crossed = [of.basis[:, :, m] * row[:, :, n] - of.basis[:, :, n] * row[:, :, m] for _, m, n in NEXT]
+        block = np.swapaxes(_flat(of.basis), 1, 2) @ _flat(np.stack(crossed, axis=2))
+        blocks[:, i, :, j] += block
+        blocks[:, j, :, i] -= block
+        blocks[:, k, :, k] += of.stretch
+    return found
+
+
+def _swelling_rows(at: Points) -> Array:
+    """How each displacement of an element changes J at its points, `(e, g, 3 b)`."""
+    rows = at.cofactor @ at.of.basis
+    return np.asarray(rows.reshape(*rows.shape[:2], -1))
+
+
+def _gradient(of: Elements, displacement: Array) -> Array:
+    """Displacement gradient `(e, g, component, axis)`."""
+    count, points, axes, _ = of.basis.shape
+    gradient = _flat(of.basis) @ np.swapaxes(displacement, 1, 2)
+    return np.asarray(np.swapaxes(gradient.reshape(count, points, axes, 3), 2, 3))
+
+
+def _swelling(gradient: Array) -> Array:
+    return np.asarray(swelling(np.moveaxis(gradient, (2, 3), (0, 1))))
+
+
+def _pressure(of: Elements, pressure: Array) -> Array:
+    return np.asarray((of.test @ pressure[:, :, None])[:, :, 0])
+
+
+def _flat(points: Array) -> Array:
+    """Points and axes of each element, `(e, g, 3, ...)`, as one axis."""
+    return points.reshape(points.shape[0], -1, points.shape[-1])

@@ -1,0 +1,246 @@
+"""A neo-Hookean pad under a flat plate with Coulomb friction: one step of a march, by Newton.
+
+The plate is flat, so gaps and slips are linear in the displacements and only the body is linearised. In each
+iteration the body, condensed to its contact points, is a compliance and a place without contact forces; the
+contact problem with *total* forces is then solved exactly (frictional.py), against the anchors of the step's
+beginning. A tangent is kept while the residual falls quickly, from one step to the next too.
+
+Accepted is what balances to RESIDUAL of the contact forces. A tangent that is not positive definite is no
+reason to stop: what a free ridge could not bear, one held by its plate may (creasing.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+
+from skincad.mechanics.bodies import neo_hooke
+from skincad.mechanics.bodies.condense import factors, fill_order
+from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.neo_hooke import Body, Tangent, under
+from skincad.mechanics.contact.frictional import grip
+from skincad.mechanics.contact.grip import Cone, Drive, Grip, GrossSlip, Pressed, at_rest
+from skincad.mechanics.contact.newton import RESIDUAL, ROUNDING, SHORTEST
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+ITERATIONS = 40  # in one step; with a kept tangent five to ten are usual
+SLOW = 0.2  # a residual that falls less in an iteration asks for a new tangent
+GROWN = 1e3  # a residual that has grown so much leads nowhere
+
+
+@dataclass(frozen=True, eq=False)
+class Tangential:
+    """The body linearised: `factor` over `order`, contact unknowns last; `compliance` `(2 m, 2 m)` mm/N.
+
+    `negative` counts the tangent's negative eigenvalues, the plate away and loads fixed. `solved` remembers
+    the contact's factorisations.
+    """
+
+    matrix: sparse.csr_matrix
+    factor: Any
+    compliance: Array
+    negative: int
+    solved: dict[bytes, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Dragged:
+    """A meshed pad: m contact points in order of their x, `gap` `(m,)` mm from the plate when it first
+    touches, `x`, `weight` mm, `ridge`; `top` mm is the highest one's z. `rows` `(2 m, k)`: displacements
+    in x, then z, of the unknowns `contact` `(k,)`. A unit of length is `unit` mm, one of force `scale` N.
+
+    `kept` holds the latest tangent alone, for the body has room for no other.
+    """
+
+    body: Body
+    contact: Index
+    order: Index
+    rows: sparse.csr_matrix
+    gap: Array
+    x: Array
+    weight: Array
+    ridge: Index
+    top: float
+    unit: float
+    scale: float
+    kept: list[Tangential] = field(default_factory=list)
+
+    @property
+    def rest(self) -> Assembled:
+        """The body at rest."""
+        return self.body.rest
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """An equilibrium: the unknowns `values` `(n,)` in units, which the step changed by `change`, the contact,
+    in mm and N, and what friction dissipated in the step, mJ. `residual` is relative to the contact forces'
+    norm, `iterations` what it took; `moves` tells by what the plate's drive changed."""
+
+    values: Array
+    grip: Grip
+    change: Array
+    dissipated: float = 0.0
+    residual: float = 0.0
+    iterations: int = 0
+    moves: tuple[float, ...] = ()
+
+
+def dragged(
+    mesh: Any,
+    order: int,
+    materials: Mapping[str, tuple[float, float]],
+    top: float,
+    unit: float,
+    scale: float,
+) -> Dragged:
+    """Return the pad of a curved mesh; `top` mm is its highest point."""
+    body = neo_hooke.body(mesh, order, materials)
+    along_x, along_z = (body.space.components[0].Range(i).start for i in (0, 1))
+    rest = body.rest
+    contact = np.concatenate([rest.contact - along_z + along_x, rest.contact])
+    elimination = np.concatenate([fill_order(rest.matrix, np.setdiff1d(rest.interior, contact)), contact])
+    x, z = rest.nodes.position.T * unit
+    by_x = np.argsort(x, kind="stable")
+    one = rest.nodes.rows[by_x]
+    gap = (top - z)[by_x]
+    return Dragged(
+        body,
+        contact,
+        elimination,
+        sparse.csr_matrix(sparse.block_diag([one, one])),
+        gap - gap.min(),
+        x[by_x],
+        rest.nodes.weight[by_x] * unit,
+        rest.nodes.ridge[by_x],
+        float(z.max()),
+        unit,
+        scale,
+    )
+
+
+def unloaded(pad: Dragged) -> State:
+    """Return the start of a march, of which no tangent is known: the same march gives the same bits."""
+    pad.kept.clear()
+    zero = np.zeros(pad.body.free.size)
+    return State(zero, at_rest(pad.gap.size), zero)
+
+
+def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
+    """Return the tangent at a state whose `residual` is at hand, and keep it; ContactError without one."""
+    pad.kept.clear()
+    matrix = neo_hooke.tangent(pad.body, values, residual).matrix
+    k, order = pad.contact.size, pad.order
+    factor = factors(sparse.csc_matrix(matrix[order][:, order]))
+    if not np.array_equal(factor.perm_r, np.arange(order.size)):
+        raise ContactError("the tangent stiffness is singular")
+    # the trailing block is L D L^T, D the diagonal of U, of either sign
+    pivots = factor.U.diagonal()
+    inverse, failed = linalg.lapack.dtrtri(factor.L[-k:, -k:].toarray(order="F"), lower=True, unitdiag=True)
+    if failed:
+        raise ContactError("the tangent stiffness is singular")
+    by_point = np.asarray(pad.rows @ inverse.T)
+    compliance = (by_point / pivots[-k:]) @ by_point.T * (pad.unit / pad.scale)
+    found = Tangential(matrix, factor, compliance, int(np.count_nonzero(pivots < 0)))
+    pad.kept.append(found)
+    return found
+
+
+def moved(pad: Dragged, linear: Tangential, at: Tangent, push: Array) -> Array:
+    """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+    step = np.zeros_like(push)
+    step[pad.order] = linear.factor.solve((-at.residual - push)[pad.order])
+    return at.recover(step)
+
+
+def newton(pad: Dragged, before: State, drive: Drive, cone: Cone, guess: Array | None = None) -> State:
+    """Return the equilibrium at a step's end, looked for from `guess` `(n,)` or from where the step begins.
+
+    Raises ContactError where there is none to be found, and GrossSlip, whose `last` is the State that just
+    slips, where friction cannot hold the tangential force.
+    """
+    if drive.angle:
+        raise ContactError("finite_strain takes a plate that keeps its angle")
+    body, values = pad.body, before.values if guess is None else guess
+    if drive.normal == 0.0 and drive.tangential in (None, 0.0):
+        lifted = grip(_seen(pad, *_rest(pad)), before.grip, drive, cone)
+        return State(np.zeros_like(values), lifted, -before.values)
+    unbalanced, last = body.residual(values), np.inf
+    if not np.isfinite(unbalanced).all():
+        raise ContactError("an element turns inside out")
+    linear = pad.kept[0] if pad.kept else linearised(pad, values, unbalanced)
+    for i in range(ITERATIONS):
+        at = under(body, linear.matrix, unbalanced)
+        ahead = values + moved(pad, linear, at, np.zeros_like(values))
+        contact, slipping = _contact(_seen(pad, linear, ahead), before.grip, drive, cone)
+        push = pushed(pad, contact)
+        values, unbalanced, share = _taken(body, values, moved(pad, linear, at, push))
+        scale = float(np.linalg.norm(push))
+        size = float(np.linalg.norm((unbalanced + push)[body.free])) / scale
+        if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
+            whole = replace(contact, residual=max(contact.residual, size))
+            spent = _dissipated(before.grip, contact)
+            found = State(values, whole, values - before.values, spent, size, i + 1)
+            if slipping is not None:
+                raise GrossSlip(found, str(slipping))
+            return found
+        if size > SLOW * last or share < 1.0:
+            if size > GROWN * max(last, 1e-3):
+                break
+            linear = linearised(pad, values, unbalanced)
+        last = size
+    raise ContactError(f"Newton finds no equilibrium: the residual is {size:.1e} of the contact force")
+
+
+def _dissipated(before: Grip, after: Grip) -> float:
+    """What friction takes in a step, mJ; a force that turned round had done so before its point slipped."""
+    mean = (before.tangential + after.tangential) / 2
+    mean = np.where(before.tangential * after.tangential < 0, after.tangential, mean)
+    return -float(mean @ after.slipped)
+
+
+def _rest(pad: Dragged) -> tuple[Tangential, Array]:
+    zero = np.zeros(pad.body.free.size)
+    return Tangential(pad.rest.matrix, None, np.zeros((2 * pad.gap.size,) * 2), 0), zero
+
+
+def _contact(skin: Pressed, before: Grip, drive: Drive, cone: Cone) -> tuple[Grip, GrossSlip | None]:
+    """The contact of the linearised body; where friction does not hold, as it just slips."""
+    try:
+        return grip(skin, before, drive, cone), None
+    except GrossSlip as end:
+        return end.last, end
+
+
+def _seen(pad: Dragged, linear: Tangential, ahead: Array) -> Pressed:
+    """The linearised body as the plate sees it; `ahead` `(n,)` is where it goes without contact forces."""
+    free = pad.rows @ ahead[pad.contact] * pad.unit
+    return Pressed(linear.compliance, pad.gap, free, linear.solved)
+
+
+def pushed(pad: Dragged, contact: Grip) -> Array:
+    """Return what the contact adds to the residual `(n,)`, in units."""
+    push = np.zeros(pad.body.free.size)
+    force = np.concatenate([contact.tangential, -contact.normal]) / pad.scale
+    push[pad.contact] = -(pad.rows.T @ force)
+    return push
+
+
+def _taken(body: Body, values: Array, move: Array) -> tuple[Array, Array, float]:
+    """Return state and residual after a step, and how much of it was taken: all, or the largest half,
+    quarter, ... that turns no element inside out, where the energy's logarithm has no value."""
+    share = 1.0
+    while share >= SHORTEST:
+        found = body.residual(values + share * move)
+        if np.isfinite(found).all():
+            return values + share * move, found, share
+        share /= 2
+    raise ContactError("an element turns inside out")

@@ -1,0 +1,361 @@
+"""Contact with Coulomb friction on a rigid plate, one step of a march, solved exactly.
+
+Unknown are the points' normal forces p >= 0 and tangential forces t, the plate's approach d and travel s.
+With the compliance C, gaps g, and anchors a (where a point sits on the plate):
+w = g - d - u_z >= 0, w p = 0, and |t| <= mu p; a point sticks, u_x - s = a, or slips with t = mu p against
+its motion. The plate has a given normal force, and a given tangential force or travel. Sticking points keep
+their anchor from step to step, so a held load does not creep. Implicit in time: Klarbring, Ing.-Arch. 56
+(1986) 529; the sets are found by a semi-smooth Newton, Alart and Curnier, CMAME 92 (1991) 353.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from skincad.mechanics.contact.grip import (
+    LEFT,
+    OPEN,
+    RIGHT,
+    STICK,
+    Cone,
+    Drive,
+    Grip,
+    GrossSlip,
+    Inert,
+    Pressed,
+    Status,
+)
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+SWEEPS = 40  # with all points updated at once; five to ten are usual, beyond this it cycles
+SINGLE = 80  # with the worst point alone updated
+SLIGHT = 0.3  # a coefficient below which the sets settle by themselves
+LESS = 0.8  # of the coefficient, for a start
+KEPT = 8  # factorisations of the last sets, for the steps in which they stay
+ROUNDING = 1e-12  # relative; what counts as zero when the sets are updated
+ACCEPTED = 1e-10  # relative; a larger residual is never accepted
+
+
+def grip(skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None) -> Grip:
+    """Return the state at the end of a step; a plate with mass, `inert`, may leave the skin and may slide.
+
+    Raises GrossSlip where friction cannot hold the tangential force, ContactError where the sets do not
+    settle or the residual is above 1e-10 of scale: halve the step then.
+    """
+    if inert is not None:
+        return _Step(skin, before, drive, cone, inert).settled()
+    if drive.normal < 0:
+        raise ContactError(f"the plate's normal force must not pull, got {drive.normal:g} N")
+    if drive.normal == 0.0:
+        return _lifted(skin, before, drive)
+    step = _Step(skin, before, drive, cone)
+    pull = abs(drive.tangential or 0.0)
+    if drive.travel is None and pull > cone.static * drive.normal * (1 - ROUNDING):
+        if pull == 0.0:  # without friction and pull
+            return step.settled()
+        held = step.settled(all_slip=float(np.sign(drive.tangential or 0.0)))
+        raise GrossSlip(held, f"{pull:g} N is all that friction holds at {drive.normal:g} N")
+    return step.settled()
+
+
+def _lifted(skin: Pressed, before: Grip, drive: Drive) -> Grip:
+    """The state without a normal force: nothing touches, the plate is where it would just touch."""
+    if drive.tangential:
+        limit = replace(before, normal=0 * before.normal, tangential=0 * before.normal)
+        raise GrossSlip(limit, "a plate without normal force holds no tangential force")
+    m = skin.gap.size
+    travel = before.travel if drive.travel is None else drive.travel
+    anchor = skin.free[:m] - travel
+    approach = float((skin.gap - skin.free[m:]).min())
+    zero = np.zeros(m)
+    clear = np.zeros(m, dtype=np.int8)
+    return Grip(zero, zero, anchor, clear, zero, approach, travel, 0.0, angle=drive.angle)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """What one choice of sets leads to: forces, plate, gaps `w` and slips `moved`, all `(m,)`; `unborne` is
+    what the forces miss of a plate's with mass, relative."""
+
+    p: Array
+    t: Array
+    d: float
+    s: float
+    w: Array
+    moved: Array
+    unborne: float
+
+
+class _Step:
+    """One step's data and scales."""
+
+    def __init__(
+        self, skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None
+    ) -> None:
+        self.skin, self.before, self.drive, self.cone, self.inert = skin, before, drive, cone, inert
+        m = self.m = skin.gap.size
+        c, self.solved = skin.compliance, skin.solved
+        self.xx, self.xz, self.zx, self.zz = c[:m, :m], c[:m, m:], c[m:, :m], c[m:, m:]
+        self.gap = skin.gap - skin.free[m:]
+        self.home = before.anchor - skin.free[:m]  # what C (t, -p) in x is compared with, plus the travel
+        self.load = drive.normal  # scale of the forces
+        if inert is not None:
+            self.load = max(abs(drive.normal), float(before.normal.sum()), 1e-300)
+        self.force = self.load / max(1, int(np.count_nonzero(before.touches)))
+        self.length = float(np.ptp(self.gap)) or float(self.load * self.zz.diagonal().mean())
+        # a point that slid keeps sliding by the kinetic coefficient; one that stuck breaks off at the static
+        self.limit = np.where(before.status >= RIGHT, cone.kinetic, cone.static)
+
+    def settled(self, all_slip: float = 0.0) -> Grip:
+        """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
+
+        Much friction makes the sets cycle from where the last step left them, although an equilibrium is
+        near: then the search starts anew from all points sliding, and from all sticking.
+        """
+        starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
+        sweeps, slides = 0, 0.0
+        for status in starts:
+            found, took = self._swept(status, all_slip)
+            sweeps += took
+            if isinstance(found, Grip):
+                return found
+            slides = found or slides
+        if slides:  # less than the static limit, but what has broken off holds the kinetic friction alone
+            pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
+            words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all slips"
+            raise GrossSlip(self.settled(all_slip=slides), words)
+        raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
+
+    def _starts(self) -> Iterator[Status]:
+        """Where to look: the sets before; all that touched sliding either way, or sticking; the sets of less
+        friction."""
+        first = self._start()
+        yield first
+        ways = (RIGHT, LEFT) if (self.drive.tangential or 0.0) >= 0 else (LEFT, RIGHT)
+        for way in (*ways, STICK):
+            yield np.where(first != OPEN, way, OPEN).astype(np.int8)
+        if self.cone.static > SLIGHT:
+            less = Cone(LESS * self.cone.static, LESS * self.cone.kinetic)
+            weak = _Step(self.skin, self.before, self.drive, less, self.inert)
+            try:
+                yield weak.settled().status
+            except ContactError:
+                return
+
+    def _swept(self, status: Status, all_slip: float) -> tuple[Grip | float, int]:
+        """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
+        and does not hold the pull; and the sweeps that it took."""
+        seen: set[bytes] = set()
+        single = False
+        for sweep in range(SWEEPS + SINGLE):
+            trial = self._solve(status, all_slip)
+            wrong, wanted = self._violations(trial, status, all_slip)
+            missing = 0.0 if all_slip else self._missing(trial, status)
+            if missing:  # nothing sticks, so the travel is not solved for, and no halt is judged by it
+                wrong[(status >= RIGHT) & (wanted == STICK)] = 0.0
+                if not wrong.any():
+                    status = self._carried_on(trial, status)
+                    if not (status == STICK).any():
+                        return float(np.sign(missing)), sweep + 1
+                    continue
+            if not wrong.any():
+                return self._accepted(trial, status, sweep + 1, all_slip), sweep + 1
+            single = single or sweep >= SWEEPS or status.tobytes() in seen
+            seen.add(status.tobytes())
+            status = status.copy()
+            change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
+            status[change] = wanted[change]
+            if self.inert is None and not (status != OPEN).any():
+                status[int(np.argmin(trial.w))] = STICK if not all_slip else self._way(all_slip)
+        return 0.0, SWEEPS + SINGLE
+
+    def _missing(self, trial: _Trial, status: Status) -> float:
+        """What of the pull, N, is not borne: without a sticking point `_solve` does not ask for it."""
+        if self.inert is not None or self.drive.tangential is None or (status == STICK).any():
+            return 0.0
+        missing = self.drive.tangential - float(trial.t.sum())
+        return missing if abs(missing) > ROUNDING * self.drive.normal else 0.0
+
+    def _carried_on(self, trial: _Trial, status: Status) -> Status:
+        """The sets of sliding points where the plate's travel bears the pull: points it has passed are
+        dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
+        closed = np.flatnonzero(status != OPEN)
+        closed = closed[np.argsort(trial.moved[closed], kind="stable")]
+        dragged = self.cone.kinetic * (2 * np.cumsum(trial.p[closed]) - trial.p.sum())
+        pull, whole = self.drive.tangential or 0.0, self.cone.kinetic * float(trial.p.sum())
+        at = int(np.searchsorted(dragged, pull)) if pull >= -whole else closed.size
+        status = status.copy()
+        status[closed[:at]], status[closed[at:]] = RIGHT, LEFT
+        status[closed[at : at + 1]] = STICK
+        return status
+
+    def _start(self) -> Status:
+        """The sets before, or from rest the points within a stiff guess of the approach, sticking."""
+        if self.inert is not None or self.before.touches.any():
+            return self.before.status
+        near = min(float(np.ptp(self.gap)), 0.5 * self.drive.normal * float(np.mean(self.zz)))
+        return np.where(self.gap <= self.gap.min() + near, STICK, OPEN).astype(np.int8)
+
+    @staticmethod
+    def _way(sign: float) -> int:
+        return RIGHT if sign > 0 else LEFT
+
+    def _sliding(self, sign: float) -> Status:
+        start = self._start()
+        return np.where(start != OPEN, self._way(sign), OPEN).astype(np.int8)
+
+    def _solve(self, status: Status, all_slip: float) -> _Trial:
+        """Forces and plate for given sets.
+
+        Rows: closed points' gaps, sticking points' slips, sum of p, and sum of t or the travel. Without a
+        sticking point the travel is not determined by the forces; it stays as it was, or the smallest that
+        lets all slip. A plate with mass always has its place: its approach and travel are counted from there.
+        """
+        inert = self.inert
+        closed, stuck = np.flatnonzero(status != OPEN), np.flatnonzero(status == STICK)
+        drag = self.cone.kinetic * ((status == RIGHT).astype(float) - (status == LEFT))
+        k, n = closed.size, stuck.size
+        given = self.drive.travel is not None or (n == 0 and inert is None)
+        # counted from here, so that a tiny force loses no digits
+        first = float(self.gap[closed].min()) if inert is None else inert.approach
+        start = self.before.travel if inert is None else inert.travel
+        travel = start if self.drive.travel is None else self.drive.travel
+        side = np.concatenate([first - self.gap[closed], self.home[stuck], [self.drive.normal]])
+        if given or inert is not None:
+            side[k : k + n] += travel
+        if not given:
+            side = np.append(side, self.drive.tangential or 0.0)
+        found = linalg.lu_solve(self._factor(status, closed, stuck, drag, given), side, check_finite=False)
+        p, t = np.zeros(self.m), np.zeros(self.m)
+        p[closed] = found[:k]
+        t[closed] = drag[closed] * p[closed]
+        t[stuck] += found[k : k + n]
+        d = first + float(found[k + n])
+        w = self.gap - d + self.zz @ p - self.zx @ t
+        w[closed] = 0.0 if closed.size else w[closed]
+        place = self.xx @ t - self.xz @ p - self.home
+        if not given:
+            travel = float(found[-1]) if inert is None else travel + float(found[-1])
+        elif self.drive.travel is None and inert is None:
+            travel = self._least_travel(place, closed, all_slip)
+        moved = place - travel
+        return _Trial(p, t, d, travel, w, moved, self._unborne(p, t, found[k + n :]))
+
+    def _unborne(self, p: Array, t: Array, ahead: Array) -> float:
+        """What the plate's equations miss; `ahead` is what it is beyond its `inert` place."""
+        if self.inert is None:
+            return 0.0
+        sums = [p.sum() - self.drive.normal, t.sum() - (self.drive.tangential or 0.0)]
+        missing = np.abs(np.array(sums[: ahead.size]) + self.inert.stiffness * ahead)
+        return float(missing.max()) / self.load
+
+    def _factor(
+        self, status: Status, closed: Index, stuck: Index, drag: Array, given: bool
+    ) -> tuple[Array, Array]:
+        """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
+        key = status.tobytes() + bytes([given]) + np.float64(self.cone.kinetic).tobytes()
+        if key in self.solved:
+            return self.solved[key]  # type: ignore[no-any-return]
+        k, n, ix = closed.size, stuck.size, np.ix_
+        matrix = np.zeros((k + n + (1 if given else 2),) * 2)
+        matrix[:k, :k] = self.zz[ix(closed, closed)] - self.zx[ix(closed, closed)] * drag[closed]
+        matrix[:k, k : k + n] = -self.zx[ix(closed, stuck)]
+        matrix[:k, k + n] = -1.0
+        matrix[k : k + n, :k] = self.xx[ix(stuck, closed)] * drag[closed] - self.xz[ix(stuck, closed)]
+        matrix[k : k + n, k : k + n] = self.xx[ix(stuck, stuck)]
+        matrix[k + n, :k] = 1.0
+        if self.inert is not None:
+            matrix[k + n, k + n] = self.inert.stiffness
+        if not given:
+            matrix[k : k + n, -1] = -1.0
+            matrix[-1, :k] = drag[closed]
+            matrix[-1, k : k + n] = 1.0
+            if self.inert is not None:
+                matrix[-1, -1] = self.inert.stiffness
+        lower, pivots, singular = linalg.lapack.dgetrf(matrix)
+        if singular:
+            raise ContactError("the contact equations are singular: friction wedges the points")
+        if len(self.solved) >= KEPT:
+            self.solved.clear()
+        self.solved[key] = lower, pivots
+        return lower, pivots
+
+    def _least_travel(self, place: Array, closed: Index, all_slip: float) -> float:
+        """Where the plate is when the last point has just begun to slip: no force says how far it went."""
+        if all_slip and self.drive.tangential:
+            return float(place[closed].max() if all_slip > 0 else place[closed].min())
+        return self.before.travel
+
+    def _violations(self, trial: _Trial, status: Status, all_slip: float) -> tuple[Array, Status]:
+        """How wrong each point's set is, relative to scale (0: not at all), and the set it should have."""
+        p, t, w, moved = trial.p, trial.t, trial.w, trial.moved
+        small = ROUNDING * max(float(np.abs(p).max()), 1e-300)
+        short = ROUNDING * self.length
+        wrong, wanted = np.zeros(self.m), status.copy()
+
+        def mark(where: NDArray[np.bool_], amount: Array, to: Status | int) -> None:
+            wrong[where] = amount[where]
+            wanted[where] = to[where] if isinstance(to, np.ndarray) else to
+
+        closed = status != OPEN
+        against = np.where(moved > 0, LEFT, RIGHT).astype(np.int8)  # friction opposes the slip
+        forced = np.full(self.m, self._way(all_slip), dtype=np.int8)
+        if not all_slip:
+            beyond = np.abs(t) - self.limit * p
+            breaks = (status == STICK) & (beyond > small)
+            mark(breaks, beyond / self.force, np.where(t > 0, RIGHT, LEFT).astype(np.int8))
+            way = np.where(status == RIGHT, 1.0, -1.0)
+            halts = (status >= RIGHT) & (way * moved > short)
+            mark(halts, np.abs(moved) / self.length, STICK)
+        mark(closed & (p < -small), -p / self.force, OPEN)
+        # a closing point whose trial slip exceeds mu times its gap slips, or the sets cycle
+        mu = self.cone.static
+        closing = np.where(np.abs(moved) > mu * np.abs(w), against, STICK).astype(np.int8)
+        mark(~closed & (w < -short), -w / self.length, forced if all_slip else closing)
+        return wrong, wanted
+
+    def _accepted(self, trial: _Trial, status: Status, sweeps: int, all_slip: float) -> Grip:
+        """Measure every condition against its scale; refuse what is not met."""
+        residual = self._residual(trial, status, all_slip)
+        if not residual <= ACCEPTED:
+            raise ContactError(
+                f"contact and friction are satisfied to {residual:.1e} only, {ACCEPTED:g} is asked"
+            )
+        stuck = status == STICK
+        # what does not stick sits where it is now
+        anchor = np.where(stuck, self.before.anchor, trial.moved + self.before.anchor)
+        slipped = np.where(status >= RIGHT, trial.moved, 0.0)
+        p, t = np.maximum(trial.p, 0.0), trial.t
+        gross, angle = bool(all_slip), self.drive.angle
+        return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, sweeps, gross, angle)
+
+    def _residual(self, trial: _Trial, status: Status, all_slip: float) -> float:
+        p, t = trial.p, trial.t
+        w = self.gap - trial.d + self.zz @ p - self.zx @ t
+        closed, stuck = status != OPEN, status == STICK
+        largest, length = float(np.abs(p).max()), self.length + abs(trial.d)
+        largest = largest or self.force  # nothing touches a plate with mass
+        terms: list[float] = [
+            float(-w.min()) / length,
+            float(np.abs(w[closed]).max(initial=0.0)) / length,
+            float(-p.min()) / largest,
+            float((np.abs(t) - np.where(stuck, self.limit, self.cone.kinetic) * p).max()) / largest,
+            float(np.abs(trial.moved[stuck]).max(initial=0.0)) / length,
+            trial.unborne,
+        ]
+        if self.inert is None:
+            terms.append(abs(float(p.sum()) / self.drive.normal - 1))
+        if self.inert is None and self.drive.tangential is not None and not all_slip:
+            terms.append(abs(float(t.sum()) - self.drive.tangential) / self.drive.normal)
+        way = np.where(status == RIGHT, 1.0, -1.0)[status >= RIGHT]
+        if not all_slip:
+            terms.append(float((way * trial.moved[status >= RIGHT]).max(initial=0.0)) / length)
+        return max(0.0, *terms)

@@ -1,0 +1,121 @@
+"""A step of a march with finite strain: cut where it does not converge, or driven by the plate's travel.
+
+Under a force a skin that softens has several equilibria, and Newton jumps between them; under a travel it has
+one. So a pull that does not converge is walked in strides of the travel until its force is passed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from skincad.mechanics.contact.dragged import Dragged, State, newton
+from skincad.mechanics.contact.grip import Cone, Drive, GrossSlip
+from skincad.mechanics.contact.halving import between
+from skincad.mechanics.problem import ContactError
+
+DEEPEST = 5  # halvings of a step
+STEADY = 3  # halvings of a stride of the travel
+LONGER = 2.0  # than the travel that the last softness asks for
+STRIDES = 40  # of the travel in a step of the pull
+CUTS = 30  # of the last stride, by the secant; four to six are usual
+SAME_FORCE = 1e-9  # of the normal force
+
+
+def to(pad: Dragged, before: State, start: Drive, end: Drive, cone: Cone, deepest: int = DEEPEST) -> State:
+    """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most.
+
+    A pull that does not converge in any cut is driven by travel. What the parts slipped and dissipated is
+    added up. Raises as `newton` does.
+    """
+    steady = _moves(start, end)
+    guesses = (before.values + before.change, None) if steady == before.moves else (None,)
+    for guess in guesses:
+        try:
+            return replace(newton(pad, before, end, cone, guess), moves=steady)
+        except GrossSlip:
+            raise
+        except ContactError:
+            pad.kept.clear()
+            if deepest == 0 and guess is None:
+                raise
+    if end.tangential is not None and before.grip.touches.any() and end.tangential != start.tangential:
+        return _driven(pad, before, end, cone)
+    first = to(pad, before, start, between(start, end), cone, deepest - 1)
+    try:
+        return _joined(first, to(pad, first, between(start, end), end, cone, deepest - 1))
+    except GrossSlip as limit:
+        limit.last = _joined(first, limit.last)
+        raise
+
+
+def _moves(start: Drive, end: Drive) -> tuple[float, ...]:
+    """How a drive goes on; equal steps look alike to a few digits."""
+
+    def change(a: float | None, b: float | None) -> float:
+        return float("nan") if a is None or b is None else float(f"{b - a:.6g}")
+
+    pairs = ((start.normal, end.normal), (start.tangential, end.tangential), (start.travel, end.travel))
+    return tuple(change(a, b) for a, b in pairs if b is not None)
+
+
+def _driven(pad: Dragged, before: State, end: Drive, cone: Cone) -> State:
+    """Return the state at the end's forces, the plate driven there by its travel; the last stride is cut."""
+    wanted, state, total = float(end.tangential or 0.0), before, None
+    here = float(before.grip.tangential.sum())
+    way = 1.0 if wanted > here else -1.0
+    soft = abs(before.grip.travel) / max(abs(here), 1e-3 * end.normal) or before.grip.approach / end.normal
+    stride = LONGER * soft * (wanted - here)
+    for _ in range(STRIDES):
+        last = _by_travel(pad, state, end.normal, state.grip.travel + stride, cone)
+        passed = float(last.grip.tangential.sum())
+        if way * (passed - wanted) >= 0:
+            found = _cut(pad, state, last, end.normal, wanted, cone)
+            return found if total is None else _joined(total, found)
+        if way * (passed - here) < 0:
+            break
+        total = last if total is None else _joined(total, last)
+        state, here = last, passed
+    raise ContactError(
+        f"the pull cannot grow beyond {abs(here):.4g} N at {end.normal:.4g} N: the skin gives way"
+    )
+
+
+def _by_travel(pad: Dragged, before: State, normal: float, travel: float, cone: Cone) -> State:
+    start = Drive(normal, travel=before.grip.travel)
+    return to(pad, before, start, Drive(normal, travel=travel), cone, STEADY)
+
+
+def _cut(pad: Dragged, before: State, after: State, normal: float, wanted: float, cone: Cone) -> State:
+    """Return the state between two at which the tangential force is the wanted one, by the Illinois rule."""
+    ends = [before.grip.travel, after.grip.travel]
+    missing = [float(s.grip.tangential.sum()) - wanted for s in (before, after)]
+    side = 0
+    for _ in range(CUTS):
+        travel = (ends[0] * missing[1] - ends[1] * missing[0]) / (missing[1] - missing[0])
+        found = _by_travel(pad, before, normal, travel, cone)
+        off = float(found.grip.tangential.sum()) - wanted
+        if abs(off) <= SAME_FORCE * normal:
+            return found
+        new = int(off * missing[1] > 0)
+        ends[new], missing[new] = travel, off
+        if new == side:
+            missing[1 - new] /= 2
+        side = new
+    raise ContactError(
+        f"no travel has the tangential force {wanted:.4g} N: it jumps by {abs(off):.1e} N there"
+    )
+
+
+def _joined(first: State, second: State) -> State:
+    contact = replace(
+        second.grip,
+        slipped=first.grip.slipped + second.grip.slipped,
+        residual=max(first.grip.residual, second.grip.residual),
+    )
+    return replace(
+        second,
+        grip=contact,
+        dissipated=first.dissipated + second.dissipated,
+        residual=max(first.residual, second.residual),
+        iterations=first.iterations + second.iterations,
+    )

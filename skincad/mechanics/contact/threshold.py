@@ -1,0 +1,172 @@
+"""F9, the smallest force at which all ridges touch, as a smooth function of the design.
+
+A ridge is taken out of contact and the minimum of its finely sampled gap is put at zero by root
+finding on the force. Counting touching nodes instead would jump with the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, sparse
+
+from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.contact.frictionless import Contact, Solved, press
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+LARGEST_FORCE = 1e4  # in units of E times the unit length; far beyond any small strain
+ROOT = 1e-12  # relative, of the force
+
+
+@dataclass(frozen=True)
+class Ridges:
+    """The condensed pad seen by the plate, in the pad's units.
+
+    `flexibility` `(m, m)` and `gap` `(m,)` belong to the contact points, `of_point` `(m,)` gives their
+    ridge; `fine_gap` `(p,)`, `fine_edge` `(p,)`, `fine_of_point` `(p,)` belong to the fine sampling, whose
+    movement is `fine_rows @ moved` for the contact unknowns' movement `moved @ force`.
+    """
+
+    flexibility: Array
+    gap: Array
+    of_point: Index
+    moved: Array
+    fine_rows: sparse.csr_matrix
+    fine_gap: Array
+    fine_edge: Index
+    fine_of_point: Index
+
+    @classmethod
+    def of(
+        cls, system: Assembled, flexibility: Array, top: float, rise: Callable[[Array], Array] = np.zeros_like
+    ) -> Ridges:
+        """Return the contact points' view of a condensed system whose highest point is at z = `top`.
+
+        `rise` is the plate's height over its lowest line at x; the gaps count from the first touch.
+        """
+        nodes, fine = system.nodes, system.fine
+        fine_gap = top - fine.position[:, 1] + rise(fine.position[:, 0])
+        first = 0.0 if rise is np.zeros_like else float(fine_gap.min())
+        moved = np.asarray((nodes.rows @ flexibility).T)
+        full = np.asarray(nodes.rows @ moved)
+        return cls(
+            (full + full.T) / 2,
+            top - nodes.position[:, 1] + rise(nodes.position[:, 0]) - first,
+            nodes.ridge,
+            moved,
+            fine.rows,
+            fine_gap - first,
+            fine.edge,
+            fine.ridge,
+        )
+
+    def lowered(self, drops: Array) -> Ridges:
+        """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`, higher where negative.
+
+        The gaps count from the first touch as before, so the same drop of all crests changes nothing.
+        """
+        by_ridge = dict(zip(self.numbers.tolist(), drops.tolist(), strict=True))
+        at_points = np.array([by_ridge[r] for r in self.of_point.tolist()])
+        fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
+        later = float((self.fine_gap + fine).min() - self.fine_gap.min())
+        return replace(self, gap=self.gap + at_points - later, fine_gap=self.fine_gap + fine - later)
+
+    @property
+    def numbers(self) -> Index:
+        """The ridges' numbers, ascending."""
+        return np.unique(self.of_point)
+
+
+def all_touch_force(ridges: Ridges, guess: float) -> float | None:
+    """Return the smallest force that makes every ridge touch, or None if none does; 0 for one ridge.
+
+    The last ridge is found by asking, at a candidate's own force, which others do not touch yet.
+    """
+    numbers = ridges.numbers
+    if numbers.size == 1:
+        return 0.0
+    first_gap = {int(r): float(ridges.fine_gap[ridges.fine_of_point == r].min()) for r in numbers}
+    candidate = max(first_gap, key=lambda r: first_gap[r])
+    found = 0.0
+    waiting = set(first_gap)
+    touching = np.zeros(ridges.gap.size, dtype=bool)
+    while True:
+        waiting.remove(candidate)
+        outsider = _Outsider(ridges, candidate, touching)
+        # a mirror ridge touches a rounding error later: look close above the last one's force
+        force = outsider.touch_force(found, guess if found == 0.0 else 1e-3 * found)
+        if force is None:
+            return None
+        found = max(found, force)
+        late = waiting.intersection(outsider.not_touching(found))
+        touching[outsider.inside] = outsider.start
+        if not late:
+            return found
+        candidate = max(late, key=lambda r: first_gap[r])
+
+
+class _Outsider:
+    """One ridge out of contact while the others are pressed, first from the points `touching` `(m,)`."""
+
+    def __init__(self, ridges: Ridges, ridge: int, touching: Mask) -> None:
+        self.ridges, self.ridge = ridges, ridge
+        self.inside = ridges.of_point != ridge
+        self.points = np.flatnonzero(ridges.fine_of_point == ridge)
+        self.flexibility = ridges.flexibility[np.ix_(self.inside, self.inside)]
+        self.gap = ridges.gap[self.inside]
+        self.rows = ridges.fine_rows[self.points] @ ridges.moved[:, self.inside]
+        self.start = touching[self.inside]
+        self.solved: Solved = {}
+        self.at_rest = self._least(ridges.fine_gap[self.points])
+
+    def press(self, force: float) -> Contact:
+        state = press(self.flexibility, self.gap, force, self.start, self.solved)
+        self.start = state.active
+        return state
+
+    def least_gap(self, force: float) -> float:
+        """Smallest gap of the ridge while the others carry `force`."""
+        if force <= 0:
+            return self.at_rest
+        state = self.press(force)
+        moved = self.rows @ state.force
+        return self._least(self.ridges.fine_gap[self.points] - state.approach + moved)
+
+    def _least(self, gaps: Array) -> float:
+        """Minimum of the sampled gaps, refined by a parabola through three samples of its edge.
+
+        The samples' own minimum would have a kink wherever it moves on to the next sample.
+        """
+        i = int(np.argmin(gaps))
+        edge = self.ridges.fine_edge[self.points]
+        if not 0 < i < gaps.size - 1 or not edge[i - 1] == edge[i] == edge[i + 1]:
+            return float(gaps[i])
+        before, here, after = gaps[i - 1 : i + 2]
+        bend = before - 2 * here + after
+        return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
+
+    def touch_force(self, low: float, step: float) -> float | None:
+        """Force at which the ridge begins to touch, at least `low`; None if it never does."""
+        if self.least_gap(low) <= 0:
+            return low
+        high = low + step
+        while self.least_gap(high) > 0:
+            low, high = high, high + 2 * (high - low)
+            if high > LARGEST_FORCE:
+                return None
+        root = optimize.brentq(self.least_gap, low, high, xtol=ROOT * high, rtol=ROOT)
+        return float(root)
+
+    def not_touching(self, force: float) -> list[int]:
+        """Other ridges that carry nothing at this force."""
+        numbers = [int(r) for r in self.ridges.numbers if r != self.ridge]
+        if force <= 0:
+            return []
+        nodal, of_point = self.press(force).force, self.ridges.of_point[self.inside]
+        return [r for r in numbers if not nodal[of_point == r].sum() > 0]

@@ -1,0 +1,1 @@
+"""Steps in time: masses, viscosity, and a plate with mass."""

@@ -1,0 +1,159 @@
+"""A meshed pad with all its displacements kept: stiffness, relaxing part and mass; names ngsolve.
+
+Where a pad at rest is condensed element by element, inner displacements have mass and memory of their own,
+so the pressure alone is eliminated here. At rest both give the same displacements, to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies.elements import as_csr
+from skincad.mechanics.bodies.strip_field import Body
+from skincad.mechanics.film.stick import Part
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """A part's matrices over the displacements of `body`, in mm, N and tonne.
+
+    `stiff` `(n, n)` is elastic, `soft` `(n, n)` the deviatoric part of the silicone, which relaxes, `mass`
+    `(n, n)`. `strips` are the mean stresses xx, xz, zz, yy, MPa per mm, of all the elastic stress and of what
+    relaxes of it, `(4 strips, n)` each, strip by strip. `free` numbers what is not clamped.
+    """
+
+    body: Body
+    free: Index
+    stiff: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
+
+
+def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
+    """Return the matrices of netgen's mesh of a part; `films` asks for the strips' stresses."""
+    pad, unit = part.pad, part.unit
+    skin = (1.0, pad.poisson_ratio)
+    materials, densities = {"skin": skin}, {"skin": pad.density}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
+        densities["film"] = pad.film_density
+    silicone = "|".join(name for name, moduli in materials.items() if moduli == skin)
+    body = strip_field.body(elements.curved(mesh, order), order, materials)
+    forms = _forms(body, materials, densities, silicone)
+    scale = pad.young_modulus * pad.length
+    strips = _strips(part, body, forms, materials, silicone) if films else (sparse.csr_matrix((0, 0)),) * 2
+    return Moving(
+        body,
+        np.flatnonzero(np.fromiter(forms.space.FreeDofs(), dtype=bool, count=forms.space.ndof)),
+        sparse.csr_matrix(scale * (forms.deviatoric + forms.divergence.T @ forms.pressure)),
+        sparse.csr_matrix(scale * forms.soft),
+        sparse.csr_matrix(1e-12 * pad.length * unit**2 * forms.mass),  # kg/m3 are 1e-12 tonne/mm3
+        (strips[0] * (pad.young_modulus / unit), strips[1] * (pad.young_modulus / unit)),
+    )
+
+
+@dataclass(frozen=True)
+class _Forms:
+    """In units and E: `pressure` `(p, n)` gives the mean stress's unknowns, `divergence` `(p, n)` is tested
+    by them."""
+
+    space: Any
+    pressures: Any
+    deviatoric: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    divergence: sparse.csr_matrix
+    pressure: sparse.csr_matrix
+
+
+def _forms(
+    body: Body,
+    materials: Mapping[str, tuple[float, float]],
+    densities: Mapping[str, float],
+    silicone: str,
+) -> _Forms:
+    mesh = body.system.mesh
+    space, pressures = body.system.space.components
+    mixed = as_csr(elements.small_strain(mesh, body.order, materials, condense=False)[0].mat)
+    n = space.ndof
+    divergence = sparse.csr_matrix(mixed[n:, :n])
+    inverse = _inverse(-mixed[n:, n:], mesh, pressures)
+    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    u, v = space.TnT()
+    strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    deviatoric = 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
+    return _Forms(
+        space,
+        pressures,
+        sparse.csr_matrix(mixed[:n, :n]),
+        _assembled(deviatoric * ng.dx(definedon=mesh.Materials(silicone)), space),
+        _assembled(mesh.MaterialCF(dict(densities)) * ng.InnerProduct(u, v) * ng.dx, space),
+        divergence,
+        sparse.csr_matrix(inverse @ divergence),
+    )
+
+
+def _assembled(form: Any, trial: Any, test: Any = None) -> sparse.csr_matrix:
+    whole = ng.BilinearForm(trial) if test is None else ng.BilinearForm(trialspace=trial, testspace=test)
+    whole += form
+    whole.Assemble()
+    return as_csr(whole.mat)
+
+
+def _inverse(matrix: sparse.csr_matrix, mesh: Any, pressures: Any) -> sparse.csr_matrix:
+    """The inverse of a matrix over discontinuous pressures: one block a triangle."""
+    unknowns = np.array([pressures.GetDofNrs(element) for element in mesh.Elements(ng.VOL)])
+    rows, columns = np.broadcast_arrays(unknowns[:, :, None], unknowns[:, None, :])
+    blocks = np.asarray(matrix[rows.ravel(), columns.ravel()]).reshape(rows.shape)
+    index = rows.ravel(), columns.ravel()
+    return sparse.csr_matrix((np.linalg.inv(blocks).ravel(), index), shape=matrix.shape)
+
+
+def _strips(
+    part: Part,
+    body: Body,
+    forms: _Forms,
+    materials: Mapping[str, tuple[float, float]],
+    silicone: str,
+) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """Mean stresses, in E per unit, as `Moving.strips`; of a strip that is no silicone nothing relaxes."""
+    mesh = body.system.mesh
+    film = mesh.Materials("film")
+    flat = ng.L2(mesh, order=0)
+    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    u, q, test = forms.space.TrialFunction(), forms.pressures.TrialFunction(), flat.TestFunction()
+    h = ng.Grad(u)
+    mean = (h[0, 0] + h[1, 1]) / 3
+    parts = 2 * (h[0, 0] - mean), h[0, 1] + h[1, 0], 2 * (h[1, 1] - mean), -2 * mean
+    inside = ng.dx(definedon=film)
+    by_element = [_assembled(shear * each * test * inside, forms.space, flat) for each in parts]
+    volumetric = _assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
+    sums = _by_strip(part, body, list(film.Elements()), flat)
+    count = len(part.slots)
+    order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
+    relaxing = sparse.vstack([sums @ each for each in by_element]).tocsr()[order]
+    steady = sparse.vstack([sums @ volumetric * share for share in (1.0, 0.0, 1.0, 1.0)]).tocsr()[order]
+    return sparse.csr_matrix(relaxing + steady), relaxing * float("film" in silicone.split("|"))
+
+
+def _by_strip(part: Part, body: Body, elements_: list[Any], flat: Any) -> sparse.csr_matrix:
+    """Matrix `(strips, unknowns of flat)` that averages over each strip what was integrated by element."""
+    points = np.array([v.point for v in body.system.mesh.vertices])
+    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements_])
+    strip = strip_field.nearest(centres * part.unit, part.slots, part.thickness)
+    areas = np.array([slot.depth * part.thickness for slot in part.slots]) / part.unit**2
+    column = np.array([flat.GetDofNrs(e)[0] for e in elements_])
+    shape = len(part.slots), flat.ndof
+    return sparse.csr_matrix((1 / areas[strip], (strip, column)), shape=shape)

@@ -1,0 +1,92 @@
+"""A meshed pad's equations with mass, as dynamics.py advances them.
+
+The contact points bear no mass; what theirs would be is spread over the rest. Points with mass of their own
+stop or bounce at the plate by a rule that no mesh has, chatter, and gain energy: a bar that a plate strikes
+ends with up to 2.9 times the work too much at small steps, without their mass with 5e-5 of it (undamped,
+tests/mechanics/dynamics/test_steps.py). Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27 (2008) 918.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.base.blas import one_blas_thread
+from skincad.mechanics.dynamics.moving_body import Moving, moving
+from skincad.mechanics.dynamics.state import Half, Linear
+from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
+from skincad.mechanics.film.stick import Part, on_whole, resolved
+from skincad.mechanics.problem import SizeError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
+    """Return the equations of netgen's mesh of the part; `films` asks for the strips' stresses.
+
+    Raises SizeError for more contact unknowns than a dense block can hold.
+    """
+    with one_blas_thread():
+        found = moving(part, mesh, order, films)
+    body, unit = found.body, part.unit
+    nodes, size = body.system.nodes, found.stiff.shape[0]
+    x, z = (nodes.position * unit).T
+    lay = layout(x, part.mirrored, ON_AXIS * unit)
+    if 2 * lay.of.size > MOST_CONTACT_UNKNOWNS:
+        limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
+        raise SizeError("ridge.count", limit, 2 * lay.of.size, "take fewer ridges")
+    contact = np.concatenate([body.along_x, body.system.contact])
+    rows = sparse.csr_matrix(sparse.block_diag([nodes.rows, nodes.rows]))
+    at_unknowns = sparse.csr_matrix(
+        (np.ones(contact.size), (np.arange(contact.size), contact)), (contact.size, size)
+    )
+    halves = []
+    for parity, held in parities(part, body):
+        last = np.setdiff1d(contact, held)
+        points = lay.spread(parity).T / lay.share @ rows @ at_unknowns
+        # what is held on the cut does not move, so that no force on it counts
+        points = sparse.csr_matrix(points @ sparse.diags(_marked(np.setdiff1d(found.free, held), size)))
+        inner = np.setdiff1d(found.free, np.concatenate([last, held]))
+        halves.append(Half(points, inner, last, _strips(part, found, parity, films)))
+    gap = (part.whole.top - z)[lay.of]
+    return Linear(
+        found.stiff,
+        found.soft,
+        _spread(found.mass, contact, body.system.lift[:size]),
+        tuple(halves),
+        lay.share,
+        gap - gap.min(),
+        ridges_of(part, nodes.ridge[lay.of], lay.left),
+        sum(half.inner.size + half.contact.size for half in halves),
+        body,
+    )
+
+
+def _spread(mass: sparse.csr_matrix, massless: Index, lift: Array) -> sparse.csr_matrix:
+    """The mass with none at some unknowns, the rest heavier by as much; `lift` is a rigid motion by 1."""
+    kept = sparse.diags(1.0 - _marked(massless, lift.size))
+    rest = sparse.csr_matrix(kept @ mass @ kept)
+    return rest * float((lift @ (mass @ lift)) / (lift @ (rest @ lift)))
+
+
+def _marked(of: Index, size: int) -> Array:
+    mark = np.zeros(size)
+    mark[of] = 1.0
+    return mark
+
+
+def _strips(
+    part: Part, found: Moving, parity: int, films: bool
+) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """The stresses of all strips, each in its own axes, `(3 strips of the whole, n)`."""
+    if not films:
+        none = sparse.csr_matrix((0, found.stiff.shape[0]))
+        return none, none
+    count = len(part.slots)
+    turned = []
+    for one in np.eye(4 * count):
+        turned.append(on_whole(part, resolved(one.reshape(count, 4), part.slots), parity or 1).ravel())
+    turn = sparse.csr_matrix(np.array(turned).T)
+    return sparse.csr_matrix(turn @ found.strips[0]), sparse.csr_matrix(turn @ found.strips[1])

@@ -1,0 +1,94 @@
+"""What dynamics.py advances: a pad's equations, split by symmetry, and its states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.mechanics.bodies.strip_field import Body
+from skincad.mechanics.contact.grip import Drive, Grip, at_rest
+from skincad.mechanics.dynamics.time_scheme import Matter
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+AT_REST = Matter()
+
+
+@dataclass(frozen=True, eq=False)
+class Half:
+    """What a pad's equations hold where they are split by symmetry, one of one or two.
+
+    `points` `(2 m, n)`: displacements of the pad's contact points, in x, then in z, by the unknowns.
+    `inner` and `contact` number the free unknowns. `strips` are the stresses of all strips, across, along and
+    lengthwise, MPa per mm: of the slow stress, and of what relaxes, `(3 strips, n)` each.
+    """
+
+    points: sparse.csr_matrix
+    inner: Index
+    contact: Index
+    strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
+
+    `stiff`, `soft` and `mass` `(n, n)`; `share` is what of a force the part bears, 1 or, of a mirrored pad,
+    0.5; `gap` and `ridge` `(m,)` of the contact points; `body` is what was meshed.
+    """
+
+    stiff: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    halves: tuple[Half, ...]
+    share: float
+    gap: Array
+    ridge: Index
+    unknowns: int
+    body: Body | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """A state: `grip` and, by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration
+    `a`, mm and s, `rate`, the velocity that viscous stress goes by, and `pulled`, the elastic forces, N.
+
+    `memory`, one of them a branch, is what each has not relaxed. `plate` `(3, 2)` are the plate's approach
+    and travel, their velocities and accelerations. `drive` and `matter` are what led here; `friction`,
+    `viscous` and `work` mJ were dissipated and done in the step.
+    """
+
+    grip: Grip
+    u: Array
+    v: Array
+    a: Array
+    rate: Array
+    pulled: Array
+    memory: tuple[Array, ...]
+    plate: Array
+    drive: Drive
+    matter: Matter = AT_REST
+    friction: float = 0.0
+    viscous: float = 0.0
+    work: float = 0.0
+
+
+def at_rest_on(pad: Linear) -> Moved:
+    """Return the unloaded start."""
+    zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
+    return Moved(at_rest(pad.gap.size), zero, zero, zero, zero, zero, (), np.zeros((3, 2)), Drive(0.0, 0.0))
+
+
+def unrelaxed(state: Moved) -> Array:
+    """What a state's stress has beyond the slow one, as a displacement `(n, halves)`."""
+    return np.asarray(sum_of(state.memory, state.matter.rate * state.rate))
+
+
+def sum_of(parts: Iterable[Array], start: Array | None = None) -> Array:
+    """Return the sum of arrays."""
+    return reduce(np.add, parts) if start is None else reduce(np.add, parts, start)

@@ -1,0 +1,219 @@
+"""Pads with mass and memory on a plate with mass: linear but for the contact, two back-solves a step.
+
+At a step's end K u + D e + M a = r, with K the elastic stiffness, D its relaxing part, e what of the strain
+has not relaxed yet, M the mass and r the contact forces; time_scheme.py says where within a step it is met.
+Branches that relax are integrated exactly for strains straight in time: Taylor, Pister, Goudreau, IJNME 2
+(1970) 45; Simo and Hughes, Computational Inelasticity, 1998, sec. 10.3.
+
+Contact and friction hold exactly at each step's end, as at rest. Points that touch should have no mass
+(dynamics_pad.py): then the force grows from 0 when the plate strikes, and the order stays 2. The energy of
+every step is kept to show it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.contact.frictional import grip
+from skincad.mechanics.contact.grip import Cone, Drive, Grip, GrossSlip, Inert, Pressed
+from skincad.mechanics.contact.halving import between
+from skincad.mechanics.dynamics.plate import TONNE, carried, pushed_plate, rubbed, work_done
+from skincad.mechanics.dynamics.state import Linear, Moved, sum_of, unrelaxed
+from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
+from skincad.mechanics.problem import ContactError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+DEEPEST = 4  # times that a step is cut in two
+DIGITS = 9  # of a step's length: equal ones share a factorisation
+
+
+@dataclass(frozen=True, eq=False)
+class Operators:
+    """What does not change from step to step: `small` of each half; `fresh` of each branch is what it gains
+    per displacement, `left` what stays of it."""
+
+    scheme: Scheme
+    small: tuple[Condensed, ...]
+    skin: Pressed
+    fresh: tuple[float, ...]
+    left: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Dynamics:
+    """A pad with mass or memory; `operators` remembers a factorisation for each length of step."""
+
+    pad: Linear
+    operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
+
+    def step(self, state: Moved, drive: Drive, dt: float, cone: Cone, matter: Matter) -> Moved:
+        """Return the state after `dt` s; a step that does not converge is cut in two.
+
+        Raises GrossSlip, whose `last` is a Moved, where the plate has no mass, and ContactError.
+        """
+        if len(state.memory) != len(matter.relaxing):
+            state = replace(state, memory=(np.zeros_like(state.u),) * len(matter.relaxing))
+        begun = replace(state, matter=matter)
+        return self._cut(begun, drive, float(f"{dt:.{DIGITS}g}"), cone, DEEPEST)
+
+    def _cut(self, state: Moved, drive: Drive, dt: float, cone: Cone, deepest: int) -> Moved:
+        try:
+            return self._one(state, drive, dt, cone)
+        except GrossSlip:
+            raise
+        except ContactError:
+            if deepest == 0:
+                raise
+        first = self._cut(state, between(state.drive, drive), dt / 2, cone, deepest - 1)
+        second = self._cut(first, drive, dt / 2, cone, deepest - 1)
+        both = replace(
+            second.grip,
+            slipped=first.grip.slipped + second.grip.slipped,
+            residual=max(first.grip.residual, second.grip.residual),
+            sweeps=first.grip.sweeps + second.grip.sweeps,
+        )
+        return replace(
+            second,
+            grip=both,
+            friction=first.friction + second.friction,
+            viscous=first.viscous + second.viscous,
+            work=first.work + second.work,
+        )
+
+    def _one(self, state: Moved, drive: Drive, dt: float, cone: Cone) -> Moved:
+        pad, ops = self.pad, self.factorised(dt, state.matter)
+        past, slower = self._history(state, ops)
+        free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(pad.halves))], axis=1)
+        at_points = sum_of(half.points @ free[:, i] for i, half in enumerate(pad.halves))
+        skin = replace(ops.skin, free=at_points)
+        inert, pushing = pushed_plate(state, drive, ops.scheme)
+
+        def after(found: Grip) -> Moved:
+            return self._after(state, drive, found, free, slower, ops, (inert, pushing))
+
+        try:
+            return after(grip(skin, state.grip, pushing, cone, inert))
+        except GrossSlip as end:
+            raise GrossSlip(after(end.last), str(end)) from None
+
+    def factorised(self, dt: float, matter: Matter) -> Operators:
+        """Factorise for this length of step, once."""
+        if (dt, matter) in self.operators:
+            return self.operators[dt, matter]
+        pad, method = self.pad, scheme(dt, matter.damped)
+        left = tuple(exp(-dt / time) for _, time in matter.relaxing)
+        fresh = tuple(
+            g * (1 - stays) / (dt / time) for (g, time), stays in zip(matter.relaxing, left, strict=True)
+        )
+        whole = pad.stiff + (method.speed * matter.rate + sum(fresh)) * pad.soft + method.force * pad.mass
+        matrix = sparse.csr_matrix(whole)
+        small = tuple(condense(matrix, half.inner, half.contact) for half in pad.halves)
+        size = 2 * pad.gap.size
+        compliance = np.zeros((size, size))
+        for half, each in zip(pad.halves, small, strict=True):
+            points = half.points[:, each.order[-half.contact.size :]]
+            own = points @ np.asarray(points @ each.flexibility).T
+            compliance += pad.share * (own + own.T) / 2
+        skin = Pressed(compliance, pad.gap, np.zeros(size))
+        found = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
+        return found
+
+    def _history(self, state: Moved, ops: Operators) -> tuple[Array, Array]:
+        """The forces `(n, halves)` of what was, and what the velocity is less than `speed` times u."""
+        pad, s, dt, matter = self.pad, ops.scheme, ops.scheme.dt, state.matter
+        if s.moves:
+            ahead = state.u + dt * state.v + dt**2 * (0.5 - s.beta) * state.a
+            slower = s.speed * ahead - state.v - dt * (1 - s.gamma) * state.a
+            force = pad.mass @ (s.force * ahead - s.lag / (1 - s.late) * state.a)
+            force += s.before * (self.contact_force(state.grip) - state.pulled)
+        else:
+            slower = s.speed * state.u + 0.5 * state.v
+            force = np.zeros_like(state.u)
+        past = matter.rate * slower - sum_of(
+            (stays * h - b * state.u for stays, b, h in zip(ops.left, ops.fresh, state.memory, strict=True)),
+            np.zeros_like(state.u),
+        )
+        if matter.rate or matter.relaxing:
+            force = force + pad.soft @ (past - s.before * unrelaxed(state))
+        return force, slower
+
+    def contact_force(self, state: Grip) -> Array:
+        """Forces `(n, halves)` on the unknowns of the part, N."""
+        force = self.pad.share * np.concatenate([state.tangential, -state.normal])
+        return np.stack([half.points.T @ force for half in self.pad.halves], axis=1)
+
+    def _after(
+        self,
+        state: Moved,
+        drive: Drive,
+        found: Grip,
+        free: Array,
+        slower: Array,
+        ops: Operators,
+        pushing: tuple[Inert | None, Drive],
+    ) -> Moved:
+        """The state that the contact forces lead to."""
+        s, dt = ops.scheme, ops.scheme.dt
+        pushed = self.contact_force(found)
+        u = free + np.stack([small.solve(pushed[:, i]) for i, small in enumerate(ops.small)], axis=1)
+        rate = s.speed * u - slower
+        if s.moves:
+            v = rate
+            a = (v - state.v) / (s.gamma * dt) - (1 - s.gamma) / s.gamma * state.a
+        else:
+            v, a = (u - state.u) / dt, state.a
+        memory = tuple(
+            stays * h + b * (u - state.u)
+            for stays, b, h in zip(ops.left, ops.fresh, state.memory, strict=True)
+        )
+        plate = carried(state, drive, found, s, pushing)
+        new = Moved(found, u, v, a, rate, self.pad.stiff @ u, memory, plate, drive, state.matter)
+        return replace(
+            new,
+            friction=rubbed(state.grip, found),
+            viscous=self._viscous(state, new, dt),
+            work=work_done(state, new),
+        )
+
+    def _viscous(self, before: Moved, after: Moved, dt: float) -> float:
+        """What viscous parts dissipate in a step, mJ: dashpots exactly for straight strains."""
+        matter = after.matter
+        if not (matter.rate or matter.relaxing):
+            return 0.0
+        moved, soft = after.u - before.u, self.pad.soft
+        lost = matter.rate / dt * float((moved * (soft @ moved)).sum())
+        for (g, time), one, other in zip(matter.relaxing, before.memory, after.memory, strict=True):
+            done = time / dt * float(((g * moved - (other - one)) * (soft @ moved)).sum())
+            lost += done - float(((other - one) * (soft @ (other + one))).sum()) / (2 * g)
+        return lost / self.pad.share
+
+    def elastic(self, state: Moved) -> float:
+        """Stored energy of the whole pad, mJ."""
+        stored = float((state.u * state.pulled).sum())
+        for (g, _), h in zip(state.matter.relaxing, state.memory, strict=True):
+            stored += float((h * (self.pad.soft @ h)).sum()) / g
+        return stored / 2 / self.pad.share
+
+    def kinetic(self, state: Moved) -> float:
+        """Kinetic energy of pad and plate, mJ; a driven plate's in x is its drive's."""
+        if state.matter.damped is None:
+            return 0.0
+        skin = float((state.v * (self.pad.mass @ state.v)).sum()) / 2 / self.pad.share
+        counted = state.plate[1, : 1 if state.drive.travel is not None else 2]
+        return skin + TONNE * state.matter.plate / 2 * float(counted @ counted)
+
+    def strips(self, state: Moved) -> Array:
+        """Mean stresses `(strips, 3)` MPa across, along and lengthwise."""
+        late = unrelaxed(state)
+        found = sum_of(
+            half.strips[0] @ state.u[:, i] + half.strips[1] @ late[:, i]
+            for i, half in enumerate(self.pad.halves)
+        )
+        return np.asarray(found).reshape(-1, 3)

@@ -1,0 +1,184 @@
+"""A pad condensed to the points that meet the plate, both components: what a march with friction needs.
+
+Small strain, plane strain. One factorisation gives how the contact points move under forces in x and in z,
+and one solve a stress how the mean stresses in the films follow from these forces. A mirror-symmetric pad is
+solved on its half, even and odd loads apart: the result is mirrored to rounding, at half the price.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from skincad.base.blas import one_blas_thread
+from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies.condense import Condensed
+from skincad.mechanics.bodies.strip_field import Body
+from skincad.mechanics.film.stick import Part, condensed, contact_rows, on_whole, resolved
+from skincad.mechanics.film.whole_state import Parity, WholeState
+from skincad.mechanics.problem import Pad, SizeError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+MOST_CONTACT_UNKNOWNS = 4000  # both components; dense blocks of 0.1 GB each
+ON_AXIS = 1e-9  # in units; points of the cut at x = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """The pad seen by the plate, in mm, N and MPa; m contact points in the order of their x.
+
+    `compliance` `(2 m, 2 m)`: displacements in x, then in z, under forces in x, then in z. `gap` `(m,)` from
+    the plate to the points when it first touches. `strips` `(strips, 3, 2 m)`: mean stress across the film,
+    along it in the section and along y, per N; the strips in the order of the section's slots, none where
+    they were not asked. `back_solve` is the seconds of one solve with the factorisation, to compare with;
+    `whole` tells the whole pad's state from these forces.
+    """
+
+    compliance: Array
+    gap: Array
+    x: Array
+    ridge: Index
+    weight: Array
+    strips: Array
+    unknowns: int
+    back_solve: float
+    whole: WholeState | None = None
+
+
+def sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
+    """Return the condensed pad of a netgen mesh of the part; `films` asks for the strips' stresses.
+
+    Raises SizeError for more contact unknowns than a dense block can hold.
+    """
+    with one_blas_thread():
+        return _sliding(part, mesh, order, films)
+
+
+def _sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
+    pad, unit = part.pad, part.unit
+    curved = elements.curved(mesh, order)
+    asked = 2 * elements.contact_unknowns(curved, order) * (2 if part.mirrored else 1)
+    if asked > MOST_CONTACT_UNKNOWNS:
+        limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
+        raise SizeError("ridge.count", limit, asked, "take fewer ridges")
+    materials = {"skin": (1.0, pad.poisson_ratio)}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
+    body = strip_field.body(curved, order, materials)
+    functionals = (
+        strip_field.average_rows(body, materials, part.slots, part.thickness, unit) if films else None
+    )
+    nodes = body.system.nodes
+    x, z = (nodes.position * unit).T
+    lay = layout(x, part.mirrored, ON_AXIS * unit)
+    compliance = np.zeros((2 * lay.of.size, 2 * lay.of.size))
+    strips = np.zeros((len(part.whole.section.slots) if films else 0, 3, 2 * lay.of.size))
+    seconds, solved = 0.0, []
+    for parity, held in parities(part, body):
+        small = condensed(body, held)
+        rows, spread = contact_rows(body, small), lay.spread(parity)
+        solved.append(Parity(small, rows, spread))
+        own = rows @ np.asarray(rows @ small.flexibility).T
+        compliance += spread.T @ np.asarray(spread.T @ (own + own.T)).T / (2 * lay.share)
+        began = perf_counter()
+        small.solve(body.system.lift)
+        seconds = perf_counter() - began
+        if functionals is not None:
+            stress = _stress_rows(part, functionals, small, rows, parity)
+            strips += np.asarray((stress.reshape(-1, rows.shape[0]) @ spread).reshape(strips.shape))
+    per_force = 1 / (pad.young_modulus * pad.length)  # mm of the part per N on it, of a unit length each
+    gap = (part.whole.top - z)[lay.of]
+    ridges = ridges_of(part, nodes.ridge[lay.of], lay.left)
+    return Sliding(
+        compliance * per_force + _of_ends(part.whole, ridges),
+        gap - gap.min(),
+        np.where(lay.left, -x[lay.of], x[lay.of]),
+        ridges,
+        nodes.weight[lay.of] * unit * np.where(lay.axis & part.mirrored, 2.0, 1.0),
+        strips / (unit * pad.length),
+        body.system.unknowns,
+        seconds,
+        WholeState(part, body, tuple(solved)),
+    )
+
+
+def _of_ends(pad: Pad, ridges: Index) -> Array:
+    """Compliance `(2 m, 2 m)` mm/N in z that a pad's free ends add to points of these ridges `(m,)`."""
+    m, more = ridges.size, np.zeros((2 * ridges.size,) * 2)
+    if pad.ends:
+        at = np.searchsorted(pad.ridges, ridges)
+        more[m:, m:] = np.array(pad.ends)[np.ix_(at, at)]
+    return more
+
+
+def ridges_of(part: Part, meshed: Index, left: NDArray[np.bool_]) -> Index:
+    """Ridge of each point `(m,)` from that of its meshed point: the image of the last is the first."""
+    numbers = np.array(part.whole.ridges)
+    at = np.searchsorted(numbers, meshed)
+    return np.asarray(numbers[np.where(left, numbers.size - 1 - at, at)])
+
+
+def parities(part: Part, body: Body) -> Iterator[tuple[int, Index]]:
+    """The loads to solve apart and the unknowns each holds on the cut: 1 even, -1 odd, 0 a whole pad."""
+    if not part.mirrored:
+        yield 0, np.empty(0, np.int64)
+        return
+    yield 1, body.held[0]
+    yield -1, body.held[1]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The whole pad's points: `of` `(m,)` is the meshed point of each, `left` those that mirror one at x > 0,
+    `axis` those on the cut; `share` is what of a force the meshed part bears."""
+
+    of: Index
+    left: NDArray[np.bool_]
+    axis: NDArray[np.bool_]
+    share: float
+
+    def spread(self, parity: int) -> sparse.csr_matrix:
+        """Matrix `(2 meshed, 2 m)` that gives a part's forces from the whole pad's.
+
+        Of a mirrored pad the even part is (right + image) / 2, where the image of an x component turns round.
+        """
+        m, meshed = self.of.size, int(self.of.max()) + 1
+        if parity == 0:
+            one = np.ones(m)
+            both = np.concatenate([one, one])
+        else:
+            # on the axis a force is shared by the halves, elsewhere it is split into even and odd
+            both = 0.5 * np.concatenate([np.where(self.left, -parity, 1.0), np.where(self.left, parity, 1.0)])
+        index = np.concatenate([self.of, self.of + meshed]), np.arange(2 * m)
+        return sparse.csr_matrix((both, index), shape=(2 * meshed, 2 * m))
+
+
+def layout(x: Array, mirrored: bool, tolerance: float) -> Layout:
+    """Return the whole pad's points by x `(meshed,)`; those within `tolerance` of 0 are on the cut, mm."""
+    order = np.argsort(x, kind="stable")
+    axis = np.abs(x) <= tolerance
+    if not mirrored:
+        return Layout(order, np.zeros(x.size, dtype=bool), axis[order], 1.0)
+    images = order[~axis[order]][::-1]
+    of = np.concatenate([images, order])
+    left = np.concatenate([np.ones(images.size, dtype=bool), np.zeros(order.size, dtype=bool)])
+    return Layout(of, left, axis[of], 0.5)
+
+
+def _stress_rows(
+    part: Part, functionals: Array, small: Condensed, rows: sparse.csr_matrix, parity: int
+) -> Array:
+    """Stresses `(strips of the whole, 3, 2 meshed)` across, along and lengthwise per force on the part."""
+    last = small.order[-small.flexibility.shape[0] :]
+    sides = resolved(functionals, part.slots).reshape(-1, functionals.shape[2]).T
+    free = np.zeros_like(sides)
+    free[small.order] = sides[small.order]
+    per_force = (rows @ small.solve(free)[last]).T
+    whole = on_whole(part, per_force.reshape(functionals.shape[0], -1), parity or 1)
+    return whole.reshape(len(whole), 3, -1)

@@ -1,0 +1,214 @@
+"""The finite-strain tier: neo-Hookean plane strain under a flat plate, and the error of each number.
+
+Levels and rungs are the linear tier's, and so is the error: two orders on one mesh (linear.py), and the
+clamped ends on top (EDGE_*). That it bounds the truth is measured in its test.
+The pad's free ends are still left out.
+
+Range: to where a ridge buckles sideways or its tip folds, about 1.6 N a ridge or a quarter of its height
+on FACTS.md's section (12 N in all), or to where parts meet that the model does not know (folding.py).
+Beyond it a force is refused. Below 1e-6 N rounding passes the residual's bound (newton.ROUNDING).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.bodies.neo_hooke import Body, transferred
+from skincad.mechanics.contact.newton import (
+    DivergedError,
+    Elastic,
+    Pressed,
+    State,
+    press_to,
+    press_until_all_touch,
+    pressed,
+)
+from skincad.mechanics.problem import Answer, Pad, Request, pad_of
+from skincad.mechanics.tiers.linear import Level, climb
+
+Array = NDArray[np.float64]
+
+# Relative change by the small-strain law at the clamped ends (neo_hooke.body), taken as twice the change
+# measured without it at 4, 6 and 9 N: 5e-5 of F9, 6e-5 to 3e-4 of approach and of the mean share
+EDGE_THRESHOLD = 1e-4
+EDGE_STATE = 6e-4
+
+
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the finite-strain tier's verdict on a design."""
+    return solve(pad_of(design), request, progress)
+
+
+def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
+    """Return touching ridges, F9, approach and shares of a pad, each with its error of discretisation.
+
+    `tol` and `budget` as in the linear tier. Raises InputError for a force beyond the model's range. Where
+    the force at which all touch is beyond it, that value is None and a warning says so.
+    """
+    if pad.plate.shape != "flat":
+        remedy = "take --tier linear"
+        raise InputError(
+            "contact.plate.shape", "must be 'flat' for the finite-strain tier", pad.plate.shape, remedy
+        )
+    levels = Levels()
+    found, _ = climb(pad, request, levels, "finite-strain", progress)
+    return _with_edge(replace(found, warnings=(*found.warnings, *levels.warnings())), request.force)
+
+
+def _with_edge(found: Answer, force: float) -> Answer:
+    """Add to the errors what the law at the clamped ends may change."""
+
+    def wider(estimate: Estimate, more: float) -> Estimate:
+        return replace(estimate, error=None if estimate.error is None else estimate.error + more)
+
+    threshold, approach, shares = found.all_touch_force, found.approach, found.ridge_force
+    share = 0.0 if len(shares) == 1 else EDGE_STATE * force / len(shares)
+    return replace(
+        found,
+        all_touch_force=wider(threshold, EDGE_THRESHOLD * (threshold.value or 0.0)),
+        approach=wider(approach, EDGE_STATE * (approach.value or 0.0)),
+        ridge_force=tuple(wider(f, share) for f in shares),
+    )
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A level's two states, for the next order to start from."""
+
+    triangles: object
+    mesh: Any
+    pad: Pressed[Body]
+    pressed: State
+    touching: State | None
+    beyond: str
+
+
+class Levels:
+    """Solves level after level of one pad, each from the states of the one before on the same mesh."""
+
+    def __init__(self) -> None:
+        self.last: _Solved | None = None
+
+    def __call__(
+        self, pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...] = ()
+    ) -> Level:
+        """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
+        with one_blas_thread():
+            before = self.last if self.last and self.last.triangles is triangles else None
+            self.last, found = _level(pad, triangles, order, force, drops, before)
+        return found
+
+    def warnings(self) -> list[str]:
+        """What is to be said of the last level."""
+        return [self.last.beyond] if self.last and self.last.beyond else []
+
+
+def _level(
+    pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...], before: _Solved | None
+) -> tuple[_Solved, Level]:
+    unit, modulus = unit_of(pad), pad.young_modulus
+    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
+    materials = {"skin": (1.0, pad.poisson_ratio)}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / modulus, pad.film_ratio)
+    clock = [perf_counter()]
+    mesh = elements.curved(triangles, order) if before is None else before.mesh
+    mesh.Curve(max(3, order))
+    low = np.array(drops) / unit if drops else None
+    what = pressed(mesh, order, materials, pad.top / unit, low)
+    clock.append(perf_counter())
+    guess = None if before is None else transferred(before.pad.body, before.pressed.values, what.body)
+    state = at_force(what, force / scale, scale, guess)
+    clock.append(perf_counter())
+    touching, beyond = _all_touch(what, state, scale, before)
+    clock.append(perf_counter())
+    stages = dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True))
+    solved = _Solved(triangles, mesh, what, state, touching, beyond)
+    return solved, _found(pad, solved, unit, scale, stages)
+
+
+def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | None = None) -> State:
+    """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
+    reached = 0.0
+    try:
+        state = press_to(what, force, guess)
+        wrong = what.body.fault(state.values, what.top - state.approach)
+    except DivergedError as failure:
+        wrong, reached = str(failure), failure.reached
+    if wrong is None:
+        return state
+    range_ = f" (up to about {reached * scale:.3g} N)" if reached else ""
+    raise InputError(
+        "--force",
+        f"must lie within the finite-strain model's range{range_}: {wrong}",
+        force * scale,
+        "take a smaller force, or a harder silicone or wider ridges",
+    )
+
+
+def _all_touch(
+    what: Pressed[Body], state: State, scale: float, before: _Solved | None
+) -> tuple[State | None, str]:
+    """`all_touch`, guessed from the order before."""
+    if before is not None and before.beyond:
+        return None, before.beyond  # a higher order would only search for longer
+    guess = None
+    if before is not None and before.touching is not None:
+        # the step between two forces is smooth; what the orders differ by at the corners is in `state`
+        step = before.touching.values - before.pressed.values
+        guess = state.values + transferred(before.pad.body, step, what.body)
+    return all_touch(what, state, scale, guess)
+
+
+def all_touch(
+    what: Pressed[Elastic], state: State, scale: float, guess: Array | None = None
+) -> tuple[State | None, str]:
+    """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
+    none. `state` is one nearby."""
+    if state.ridges.numbers.size == 1:
+        return None, ""
+    reached = state.force
+    try:
+        found = press_until_all_touch(what, state, guess)
+        wrong = what.body.fault(found.values, what.top - found.approach)
+        if wrong is None:
+            return found, ""
+    except DivergedError as failure:
+        wrong, reached = str(failure), failure.reached or reached
+    return None, (
+        "the force at which all ridges touch is beyond the finite-strain model's range "
+        f"(looked up to {reached * scale:.3g} N): {wrong}"
+    )
+
+
+def _found(pad: Pad, solved: _Solved, unit: float, scale: float, stages: dict[str, float]) -> Level:
+    state, touching, rest = solved.pressed, solved.touching, solved.pad.body.rest
+    numbers, nodal = state.ridges.numbers, state.contact.force
+    shares = np.array([nodal[state.ridges.of_point == r].sum() for r in numbers]) * scale
+    states = [state] if touching is None else [state, touching]
+    threshold = 0.0 if numbers.size == 1 else None
+    return Level(
+        threshold if touching is None else touching.force * scale,
+        state.approach * unit,
+        shares,
+        int(np.count_nonzero(shares > 0)),
+        rest.nodes.position[:, 0] * unit,
+        nodal / rest.nodes.weight * pad.young_modulus,
+        rest.unknowns,
+        max(max(s.residual, s.contact.residual) for s in states),
+        stages,
+        state.ridges,
+        scale,
+    )

@@ -1,0 +1,363 @@
+"""The linear tier: small strain, plane strain, exact contact, and the error of each number.
+
+A level is one mesh and one order. A rung is two successive orders on one mesh: the higher gives the
+values, the difference the error. Rungs are climbed until the asked tolerance is met.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.blas import one_blas_thread
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.bodies.folding import fault
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.contact.ridge_model import ridge_model
+from skincad.mechanics.contact.threshold import Ridges, all_touch_force
+from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
+from skincad.mechanics.problem import (
+    FLOOR,
+    Answer,
+    ContactError,
+    LateError,
+    Pad,
+    Request,
+    RidgeModel,
+    SizeError,
+    check_pad,
+    no_yield,
+    one_ridge,
+    pad_of,
+)
+from skincad.mechanics.tiers.prices import AFTER_MESH, AFTER_ORDER
+
+Array = NDArray[np.float64]
+DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (FACTS.md)
+MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
+MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so many were never seen
+# Contact unknowns of the whole pad against those of one ridge meshed alone, times the ridges: at least 0.92
+# on the templates' coarsest mesh. What is too large by this is refused before the whole is meshed
+ALONE = 0.9
+TAIL = 1.25  # of differences
+BY_APPROACH, BY_FORCE = 0.75, 0.4  # of the approach's relative error for F9, of F9's for the approach
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+
+
+@dataclass(frozen=True)
+class Rung:
+    """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it mostly reaches.
+
+    `price` is its time on top of the rungs before, as a multiple of the first one's (measured on four
+    templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2).
+    """
+
+    fineness: float
+    order: int
+    usual: float
+    price: float
+
+
+NEVER = "no force makes all ridges touch: some stay clear however hard it is pressed"
+RUNGS = (
+    Rung(0.5, 3, 6e-3, 1.0),
+    Rung(1.0, 3, 2e-3, 1.2),
+    Rung(1.0, 4, 1e-3, 2.0),
+    Rung(2.0, 4, 4e-4, 4.5),
+    Rung(2.0, 5, 0.0, 4.0),
+)
+
+
+@dataclass(frozen=True)
+class Level:
+    """One mesh and order: what the verdict asks, in mm and N, and the state behind it.
+
+    `ridge_force` is `(ridges,)`; `x`, `pressure` `(m,)` are the contact points in mm and MPa.
+    """
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    touching: int
+    x: Array
+    pressure: Array
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+    ridges: Ridges
+    scale: float  # N for a force of 1 in the pad's units
+    fault: str = ""  # parts that go through each other or the plate unseen
+
+
+LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], Level]
+
+
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the linear tier's verdict on a design."""
+    return solve(pad_of(design), request, progress)
+
+
+def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
+    """Return touching ridges, F9, approach and shares of a pad, each with its error.
+
+    The errors are those of discretisation alone: strains are taken as small and the pad as long. Rungs
+    are climbed until `tol` (relative; shares against the mean share) is met, or until the next one would
+    overrun `budget`; a budget alone asks for the best it buys. A tolerance not met is said in a warning.
+    """
+    found, best = climb(pad, request, level, "linear", progress)
+    if found.all_touch_force.value is None:
+        found = replace(found, warnings=(*found.warnings, NEVER))
+    if request.parts and best.all_touch_force:
+        try:
+            found = replace(found, parts=_parts(pad, best, request.force, found.seconds))
+        except ContactError as failure:  # the yield's model has no say in the verdict
+            found = replace(found, warnings=(*found.warnings, no_yield(failure)))
+    return found
+
+
+def climb(
+    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
+) -> tuple[Answer, Level]:
+    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
+    check_pad(pad)
+    _check_coarsest(pad)
+    began = perf_counter()
+    force, budget = request.force, request.budget
+    wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
+    index = 0 if budget is not None else _first_rung(wanted)
+    seconds: dict[str, float] = {}
+    meshes: dict[float, object] = {}
+    levels: dict[tuple[float, int], Level] = {}
+    before: Level | None = None
+    climbed: list[Rung] = []
+    full = ""
+    while True:
+        rung = RUNGS[index]
+        if rung.fineness not in meshes:
+            started = perf_counter()
+            meshes[rung.fineness] = triangles(pad, default_sizes(pad, rung.fineness))
+            _add(seconds, {"mesh": perf_counter() - started})
+            _check_fits(request, levels, began, AFTER_MESH * (perf_counter() - started))
+        contact = elements.contact_unknowns(elements.curved(meshes[rung.fineness], 1), rung.order)
+        if contact > MOST_CONTACT_UNKNOWNS:  # judged before any of the rung's orders is solved
+            if before is not None:
+                full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
+                break
+            if index == 0:
+                raise _too_large(contact)
+            index -= 1
+            continue
+        for order in (rung.order - 1, rung.order):
+            if (rung.fineness, order) not in levels:
+                if progress:
+                    progress(f"{tier} tier: fineness {rung.fineness:g}, order {order}")
+                found = at(pad, meshes[rung.fineness], order, force, request.drops)
+                levels[rung.fineness, order] = found
+                _add(seconds, found.seconds)
+                if order < rung.order:
+                    _check_fits(request, before, began, AFTER_ORDER * math.fsum(found.seconds.values()))
+        best = levels[rung.fineness, rung.order]
+        result = _estimated(best, levels[rung.fineness, rung.order - 1], before, rung.order, seconds)
+        before = best
+        climbed.append(rung)
+        index += 1
+        reached = _relative_error(result, force, unit_of(pad))
+        if reached <= wanted or not _affordable(climbed, index, perf_counter() - began, budget):
+            break
+    spent = perf_counter() - began
+    warnings = tuple(_shortfalls(reached, wanted, full, spent, budget))
+    return replace(result, warnings=warnings, seconds=seconds), best
+
+
+def _parts(pad: Pad, best: Level, force: float, seconds: dict[str, float]) -> RidgeModel:
+    """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
+    started = perf_counter()
+    with one_blas_thread():
+        model = ridge_model(best.ridges, max(force, best.all_touch_force or 0.0), unit_of(pad), best.scale)
+    _add(seconds, {"yield": perf_counter() - started})
+    return model
+
+
+def _check_fits(request: Request, solved: object, began: float, rest: float) -> None:
+    """Raise LateError where the first rung must fit and will not; `solved` is what is solved of the next."""
+    spent = perf_counter() - began
+    if request.must_fit and not solved and request.budget is not None and spent + rest > request.budget:
+        raise LateError(spent + rest)
+
+
+def _affordable(climbed: list[Rung], following: int, spent: float, budget: float | None) -> bool:
+    """Whether there is a rung of the number `following` that fits into the budget, judged by what those
+    climbed so far took."""
+    if following == len(RUNGS):
+        return False
+    price = RUNGS[following].price / sum(rung.price for rung in climbed)
+    return budget is None or spent * (1 + price) <= budget
+
+
+def _shortfalls(
+    reached: float, wanted: float, full: str, spent: float, budget: float | None
+) -> Iterator[str]:
+    if reached > wanted > 0:
+        yield f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met{full}"
+    if budget is not None and spent > budget:
+        yield f"the cheapest mesh took {spent:.2g} s, more than the budget of {budget:g} s"
+
+
+def _first_rung(wanted: float) -> int:
+    """Where to start: the rung that mostly meets the tolerance, or from the third on the one before it.
+
+    At sharp corners high orders on one mesh agree with each other better than with the truth; the rung
+    before then bounds the error.
+    """
+    usual = next(i for i, rung in enumerate(RUNGS) if rung.usual <= wanted)
+    return usual if usual < 2 else usual - 1
+
+
+def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> Level:
+    """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
+    with one_blas_thread():
+        return _level(pad, mesh, order, force, drops)
+
+
+def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> Level:
+    unit, modulus = unit_of(pad), pad.young_modulus
+    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
+    clock = [perf_counter()]
+    materials = {"skin": (1.0, pad.poisson_ratio)}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / modulus, pad.film_ratio)
+    curved = elements.curved(mesh, order)
+    contact = elements.contact_unknowns(curved, order)
+    if contact > MOST_CONTACT_UNKNOWNS:
+        raise _too_large(contact)
+    system = elements.assemble(curved, order, materials)
+    clock.append(perf_counter())
+    small = condense(system.matrix, system.interior, system.contact)
+    clock.append(perf_counter())
+    ridges = seen_by_plate(pad, system, small.flexibility, unit)
+    if drops:
+        ridges = ridges.lowered(np.array(drops) / unit)
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    threshold = all_touch_force(ridges, force / scale)
+    moved = _moved(system, small, state)
+    residual = max(state.residual, _balance(system, moved, force / scale))
+    wrong = fault(elements.outlines(system, moved), height_above(pad, ridges, system, state.approach, unit))
+    clock.append(perf_counter())
+    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    return Level(
+        None if threshold is None else threshold * scale,
+        state.approach * unit,
+        shares,
+        int(np.count_nonzero(shares > 0)),
+        system.nodes.position[:, 0] * unit,
+        state.force / system.nodes.weight * modulus,
+        system.unknowns,
+        residual,
+        dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+        ridges,
+        scale,
+        wrong or "",
+    )
+
+
+def _check_coarsest(pad: Pad) -> None:
+    """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
+    if MOST_A_RIDGE * len(pad.ridges) <= MOST_CONTACT_UNKNOWNS:
+        return
+    coarsest = RUNGS[0]
+    mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
+    expected = ALONE * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
+    if expected > MOST_CONTACT_UNKNOWNS:
+        raise _too_large(round(expected))
+
+
+def _too_large(contact: int) -> SizeError:
+    return SizeError(
+        "ridge.count",
+        f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
+        contact,
+        "take fewer ridges or --tier winkler",
+    )
+
+
+def _moved(system: elements.Assembled, small: Condensed, state: Contact) -> Array:
+    """Displacements `(n,)` under the contact forces."""
+    load = np.zeros(system.lift.size)
+    load[system.contact] = -(system.nodes.rows.T @ state.force)
+    return small.solve(load)
+
+
+def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
+    """Relative difference between the plate's force and what the clamped back carries."""
+    held = system.lift.copy()
+    held[system.interior] = held[system.contact] = 0.0
+    carried = float(held @ (system.matrix @ moved))
+    balance = abs(carried / force - 1)
+    if not balance <= BALANCE:
+        raise ContactError(
+            f"the clamped back carries {carried / force:.6f} of the force; take a smaller poisson_ratio"
+        )
+    return balance
+
+
+def _estimated(
+    best: Level, lower: Level, before: Level | None, order: int, seconds: dict[str, float]
+) -> Answer:
+    """Values of the best level; errors from the next lower order and from the rung before.
+
+    From order 4 only the corners' slow error is left; one that falls as 1 / k is k - 1 differences away.
+    At order 3 the difference still holds the smooth error. A single difference may vanish by chance: all
+    ridges share the largest error among them, F9 and approach a part of each other's relative one. TAIL and
+    these parts were set by 40 random designs (bench/error_bars.py).
+    """
+    tail = TAIL * (1.2 if order <= 3 else order - 1.0)
+
+    def error(of: Callable[[Level], Array]) -> float:
+        orders = tail * float(np.abs(of(best) - of(lower)).max())
+        return orders if before is None else max(orders, float(np.abs(of(best) - of(before)).max()))
+
+    threshold, approach = Estimate(None, None, "N"), error(lambda c: np.array([c.approach]))
+    if None not in [c.all_touch_force for c in (best, lower, before or lower)]:
+        value = best.all_touch_force or 0.0
+        missed = error(lambda c: np.array([c.all_touch_force], dtype=float))
+        by_force = missed / max(value, FLOOR * float(best.ridge_force.sum()))
+        missed = max(missed, BY_APPROACH * approach / abs(best.approach) * value)
+        approach = max(approach, BY_FORCE * by_force * abs(best.approach))
+        threshold = Estimate(best.all_touch_force, missed, "N")
+    share = error(lambda c: c.ridge_force)
+    return Answer(
+        best.touching,
+        threshold,
+        Estimate(best.approach, approach, "mm"),
+        tuple(Estimate(float(f), share, "N") for f in best.ridge_force),
+        best.unknowns,
+        best.residual,
+        dict(seconds),
+        fault=best.fault,
+    )
+
+
+def _relative_error(found: Answer, force: float, unit: float) -> float:
+    """Largest relative error: of F9, of the approach, of a share against the mean share."""
+    shares = found.ridge_force
+    errors = [(shares[0].error or 0.0) * len(shares) / force]
+    errors.append((found.approach.error or 0.0) / max(abs(found.approach.value or 0.0), FLOOR * unit))
+    if found.all_touch_force.value is not None:
+        scale = max(found.all_touch_force.value, FLOOR * force)
+        errors.append((found.all_touch_force.error or 0.0) / scale)
+    return float(max(errors))
+
+
+def _add(total: dict[str, float], more: dict[str, float]) -> None:
+    for stage, spent in more.items():
+        total[stage] = total.get(stage, 0.0) + spent

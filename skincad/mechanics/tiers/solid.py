@@ -1,0 +1,160 @@
+"""The solid tier: the pad's finite length with its free ends, small strain, exact contact.
+
+A level is one section mesh, one order in it and one set of layers along y. A rung solves the section at two
+orders and the layers at two gradings. Functions are products, so what finer layers change is nearly the
+same at both orders: it is added, and the differences are the errors. Rungs are climbed until the asked
+tolerance is met.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, SizeError, check_pad, pad_of
+from skincad.mechanics.tiers.solid_level import (
+    Layers,
+    Level,
+    check_size,
+    coarse_sizes,
+    forms_of,
+    layers_of,
+    meshed_part,
+    pressed,
+    timed,
+)
+
+Array = NDArray[np.float64]
+
+DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (FACTS.md)
+# What is left after order 3, of the difference to order 2; measured 0.15 to 0.45 on five pads (test_solid.py)
+SECTION_TAIL = 0.6
+LAYERS_TAIL = 1.0  # what is left after the finer layers, against their difference to the coarser
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A section mesh at `order - 1` and `order`, and layers against finer ones.
+
+    `fineness` 1 is the coarsest mesh; `price` is its time as a multiple of the first rung's.
+    """
+
+    fineness: float
+    order: int
+    layers: Layers
+    finer: Layers
+    price: float
+
+
+RUNGS = (
+    Rung(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
+    Rung(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
+)
+
+
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the solid tier's verdict on a design."""
+    return solve(pad_of(design), request, progress)
+
+
+def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
+    """Return touching ridges, F9, approach and shares of a pad of finite length, each with its error.
+
+    The errors are those of discretisation alone: strains are taken as small. A budget is kept by not
+    climbing further; the first rung is always solved.
+    """
+    check_pad(pad)
+    began = perf_counter()
+    force, budget = request.force, request.budget
+    wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
+    seconds: dict[str, float] = {}
+    result = _climb(pad, RUNGS[0], force, seconds, progress)
+    reached = relative_error(result, force, unit_of(pad))
+    for rung in RUNGS[1:]:
+        spent = perf_counter() - began
+        if reached <= wanted or (budget is not None and spent * (1 + rung.price) > budget):
+            break
+        try:
+            result = _climb(pad, rung, force, seconds, progress)
+        except SizeError:  # the rung before is the best there is, and its error is said
+            break
+        reached = relative_error(result, force, unit_of(pad))
+    spent = perf_counter() - began
+    return replace(result, warnings=shortfalls(reached, wanted, spent, budget), seconds=seconds)
+
+
+def shortfalls(reached: float, wanted: float, spent: float, budget: float | None) -> tuple[str, ...]:
+    """Return what was asked and not kept, in words."""
+    found = []
+    if reached > wanted > 0:
+        found.append(f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met")
+    if budget is not None and spent > budget:
+        found.append(f"the cheapest solid took {spent:.2g} s, more than the budget of {budget:g} s")
+    return tuple(found)
+
+
+def _climb(
+    pad: Pad, rung: Rung, force: float, seconds: dict[str, float], progress: Progress | None
+) -> Answer:
+    if progress:
+        progress(f"solid tier: fineness {rung.fineness:g}, order {rung.order}")
+    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, rung.fineness)))
+    lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order - 1))
+    forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order))
+    for each, along in ((lower_forms, rung.finer), (forms, rung.layers)):
+        check_size(each, layers_of(meshed, along))  # of all that the rung solves, before the first
+    lower = pressed(meshed, lower_forms, rung.layers, force, seconds)
+    finer = pressed(meshed, lower_forms, rung.finer, force, seconds)
+    best = pressed(meshed, forms, rung.layers, force, seconds)
+    return _estimated(best, lower, finer)
+
+
+def _estimated(best: Level, lower: Level, finer: Level) -> Answer:
+    """Values of the best level and what finer layers change; errors from the order and from the layers.
+
+    All ridges share the largest error among them: a single difference may vanish by chance.
+    """
+
+    def value(of: Callable[[Level], Array]) -> Array:
+        return of(best) + of(finer) - of(lower)
+
+    def error(of: Callable[[Level], Array]) -> float:
+        section = float(np.abs(of(best) - of(lower)).max())
+        return SECTION_TAIL * section + LAYERS_TAIL * float(np.abs(of(finer) - of(lower)).max())
+
+    def estimate(of: Callable[[Level], Array], unit: str) -> Estimate:
+        return Estimate(float(value(of)[0]), error(of), unit)
+
+    threshold = Estimate(None, None, "N")
+    if None not in [c.all_touch_force for c in (best, lower, finer)]:
+        threshold = estimate(lambda c: np.array([c.all_touch_force], dtype=float), "N")
+    shares, share_error = value(lambda c: c.ridge_force), error(lambda c: c.ridge_force)
+    if (shares < 0).any():  # a ridge at the brink of touching
+        shares = best.ridge_force
+    return Answer(
+        int(np.count_nonzero(shares > 0)),
+        threshold,
+        estimate(lambda c: np.array([c.approach]), "mm"),
+        tuple(Estimate(float(f), share_error, "N") for f in shares),
+        best.unknowns,
+        max(c.residual for c in (best, lower, finer)),
+        {},
+    )
+
+
+def relative_error(found: Answer, force: float, unit: float) -> float:
+    """Return the largest relative error: of F9, of the approach, of a share against the mean share."""
+    shares, approach, threshold = found.ridge_force, found.approach, found.all_touch_force
+    errors = [(shares[0].error or 0.0) * len(shares) / force]
+    errors.append((approach.error or 0.0) / max(abs(approach.value or 0.0), FLOOR * unit))
+    if threshold.value is not None:
+        errors.append((threshold.error or 0.0) / max(threshold.value, FLOOR * force))
+    return float(max(errors))

@@ -1,0 +1,165 @@
+"""The tier with free ends and finite strain at once: the solid's answer, and what finite strain changes.
+
+Both sides of the change are solved on one coarse mesh of the section and the same layers, the small-strain
+side by the same body at rest, so the mesh's error cancels (as in corrected.py).
+
+Range: to where a ridge buckles or its tip folds, or parts meet that the model does not know, as in the
+finite-strain tier. A force beyond it is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import InputError
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies import layers
+from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
+from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.newton import Pressed
+from skincad.mechanics.contact.threshold import Ridges, all_touch_force
+from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_pad
+from skincad.mechanics.tiers import solid
+from skincad.mechanics.tiers.corrected import ORDER, Errors, changed, plain_pad
+from skincad.mechanics.tiers.finite_strain import all_touch, at_force
+from skincad.mechanics.tiers.solid_level import (
+    Layers,
+    Level,
+    Meshed,
+    coarse_sizes,
+    forms_of,
+    level_of,
+    materials_of,
+    meshed_part,
+    timed,
+)
+
+LAYERS = Layers(0.6, 2.0, 3)
+MOST_UNKNOWNS = 150_000  # about 4 GB
+
+# Errors of the change itself. Measured against order 3, a finer mesh and finer layers on plain-ridges at 1, 4
+# and 8 N, fingertip-soft and four variants of thickness, height, length and Poisson's ratio: at most 0.17 %
+# of the approach (at 1 N, else 0.08 %), 0.07 % of F9, 0.56 % of the mean share (at 1 N, else 0.36 %); on
+# yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
+ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
+
+
+@dataclass(frozen=True)
+class Strains:
+    """The coarse answers at small and at finite strain, on the same mesh; `beyond` says why F9 is None."""
+
+    small: Level
+    finite: Level
+    beyond: str
+
+
+def answer(
+    design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
+) -> Answer:
+    """Return the solid tier's answer `fine`, solved here where not at hand, changed by finite strain.
+
+    Errors are the solid tier's discretisation error plus that of the change. Raises InputError for a force
+    beyond the model's range; where F9 is beyond it, it is None and a warning says so.
+    """
+    began = perf_counter()
+    if design.contact.plate.shape != "flat":
+        raise InputError(
+            "contact.plate.shape",
+            "must be 'flat' for the solid-finite-strain tier",
+            design.contact.plate.shape,
+            "take --tier solid",
+        )
+    if progress:
+        progress("solid-finite-strain tier: coarse solid, small and finite strain")
+    spent: dict[str, float] = {}
+    strains = solve(plain_pad(design), request.force, spent)  # first: it may refuse the force
+    if fine is None:
+        fine = solid.answer(design, request, progress)
+    found = changed(fine, strains.small, strains.finite, request.force, ERRORS)
+    warnings = [*fine.warnings, *([strains.beyond] if strains.beyond else [])]
+    reached = max(ERRORS.approach, ERRORS.threshold, ERRORS.share)
+    if 0 < (request.tol or 0.0) < reached:
+        warnings.append(f"finite strain's change is known to {reached:g}: {request.tol:.1e} is not met")
+    if request.budget is not None and perf_counter() - began > request.budget:
+        warnings.append(f"the solid with finite strain overran the budget of {request.budget:g} s")
+    return replace(
+        found,
+        warnings=tuple(warnings),
+        seconds={**fine.seconds, **{f"finite {stage}": s for stage, s in spent.items()}},
+    )
+
+
+def solve(
+    pad: Pad, force: float, seconds: dict[str, float], along: Layers = LAYERS, *, fineness: float = 1.0
+) -> Strains:
+    """Return the coarse answers at `force` N; raises InputError as `answer`, and for too large a pad."""
+    check_pad(pad)
+    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, fineness)))
+    with one_blas_thread():
+        body: SolidBody = timed(seconds, "assemble", lambda: body_of(meshed, along))
+        return _strains(meshed, body, force, seconds)
+
+
+def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
+    """Return the neo-Hookean body of a meshed part, of `order` in the section."""
+    forms = forms_of(meshed, order)
+    borders = layers.graded(
+        meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, along.growth
+    )
+    unknowns = 3 * forms.held.size * ((borders.size - 1) * along.order + 1)
+    if unknowns > MOST_UNKNOWNS:
+        raise SizeError(
+            "ridge.count",
+            f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
+            unknowns,
+            "take fewer ridges, a shorter skin or --tier corrected-finite-strain",
+        )
+    return solid_body(forms, borders, along.order, materials_of(meshed.part), clamped_end=clamped_end)
+
+
+def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
+    what = Pressed(body, meshed.whole.top / meshed.unit)
+    # N on the whole pad that are a force of 1 on the part
+    scale = meshed.whole.young_modulus * meshed.unit**2 * (4 if meshed.mirrored else 2)
+    small = timed(seconds, "small strain", lambda: _at_rest(meshed, what, body, force / scale, scale))
+    state = timed(seconds, "newton", lambda: at_force(what, force / scale, scale))
+    touching, beyond = timed(seconds, "threshold", lambda: all_touch(what, state, scale))
+    one = state.ridges.numbers.size == 1  # it touches at once
+    threshold = touching.force if touching else (0.0 if one else None)
+    residual = max(max(s.residual, s.contact.residual) for s in (state, touching) if s)
+    finite = level_of(
+        meshed,
+        body.rest.nodes,
+        body.along,
+        state.contact,
+        state.approach,
+        threshold,
+        scale,
+        int(body.free.sum()),
+        residual,
+    )
+    return Strains(small, finite, beyond)
+
+
+def _at_rest(meshed: Meshed, what: Pressed[SolidBody], body: SolidBody, force: float, scale: float) -> Level:
+    """The small-strain answer of the same body: its tangent at rest."""
+    rest = np.zeros(body.free.size)
+    ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, what.top)
+    found = press(ridges.flexibility, ridges.gap, force)
+    threshold, unknowns = all_touch_force(ridges, force), int(body.free.sum())
+    return level_of(
+        meshed,
+        body.rest.nodes,
+        body.along,
+        found,
+        found.approach,
+        threshold,
+        scale,
+        unknowns,
+        found.residual,
+    )

@@ -1,0 +1,245 @@
+"""One level of the solid: a pad meshed in three dimensions (or, on the same mesh, plane), and pressed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.blas import one_blas_thread
+from skincad.mechanics.bodies import elements, layers, prisms
+from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
+from skincad.mechanics.bodies.symmetry import half_of
+from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.contact.threshold import all_touch_force
+from skincad.mechanics.contact.under_plate import seen_by_plate
+from skincad.mechanics.problem import ContactError, Pad, SizeError
+
+Array = NDArray[np.float64]
+
+MOST_UNKNOWNS = 600_000  # about 6 GB of fronts
+MOST_CONTACT = 6000  # dense blocks of 0.3 GB each
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Layers along y: the last about `last` of the pad's height thick, each one inwards thicker by `growth`,
+    displacements of `order` in each."""
+
+    last: float
+    growth: float
+    order: int
+
+
+@dataclass(frozen=True)
+class Meshed:
+    """The part of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm."""
+
+    whole: Pad
+    part: Pad
+    mirrored: bool
+    unit: float
+    height: float
+    mesh: Any
+
+
+@dataclass(frozen=True)
+class Level:
+    """What the verdict asks, in mm and N, of the whole pad; `ridge_force` is `(ridges,)`.
+
+    `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the part that is meshed.
+    """
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    x: Array
+    y: Array
+    pressure: Array
+    unknowns: int
+    residual: float
+
+    @property
+    def touching(self) -> int:
+        """Number of ridges that carry force somewhere along y."""
+        return int(np.count_nonzero(self.ridge_force > 0))
+
+
+def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
+    """Return edge sizes for three dimensions: a few triangles a ridge, fast growth away from them."""
+    unit = unit_of(pad)
+    height = height_of(pad)
+    return Sizes(
+        contact=unit / 2 / fineness,
+        ridge=unit / fineness,
+        bulk=height / 2 / fineness,
+        corner=height / 4 / fineness**4,
+        slot=0.3 * unit / fineness,
+        grading=0.9 / fineness,
+    )
+
+
+def height_of(pad: Pad) -> float:
+    """Return the height of the pad's corners over its lowest, mm."""
+    heights = [s.start.z for s in pad.section.outline]
+    return max(heights) - min(heights)
+
+
+def meshed_part(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
+    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
+    half = None if whole else half_of(pad)
+    part = pad if half is None else half
+    return Meshed(pad, part, half is not None, unit_of(part), height_of(pad), triangles(part, sizes))
+
+
+def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
+    """Return the section's integrals at an order."""
+    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials_of(meshed.part))
+
+
+def materials_of(pad: Pad) -> dict[str, tuple[float, float]]:
+    """Return Young's modulus in E and Poisson's ratio of each domain."""
+    materials = {"skin": (1.0, pad.poisson_ratio)}
+    if pad.strips:
+        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
+    return materials
+
+
+def pressed(
+    meshed: Meshed,
+    forms: prisms.SectionForms,
+    along: Layers | None,
+    force: float,
+    seconds: dict[str, float],
+    *,
+    drops: tuple[float, ...] = (),
+    clamped_end: bool = False,
+) -> Level:
+    """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh.
+
+    Crests lower than the section's by `drops` mm need the whole pad's mesh.
+    """
+    small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
+    with one_blas_thread():
+        found: Level = timed(seconds, "contact", lambda: _level(meshed, small, force, scale, drops))
+    return found
+
+
+def condensed_pad(
+    meshed: Meshed,
+    forms: prisms.SectionForms,
+    along: Layers | None,
+    seconds: dict[str, float],
+    *,
+    clamped_end: bool = False,
+) -> tuple[prisms.Solid, float]:
+    """Return the condensed part, for many forces, and what N on the whole pad is a force of 1 on it."""
+    half = meshed.whole.length / 2 / meshed.unit
+    line = layers.constant() if along is None else layers_of(meshed, along)
+    check_size(forms, line)
+    with one_blas_thread():
+        small: prisms.Solid = timed(
+            seconds,
+            "condense",
+            lambda: prisms.condensed(forms, line, plane=along is None, clamped_end=clamped_end),
+        )
+    if not small.lifted <= BALANCE:
+        raise ContactError(
+            f"the clamped back carries the force to {small.lifted:.1e} only; take a smaller poisson_ratio"
+        )
+    length = 2 * half if along is None else 2.0
+    return small, meshed.whole.young_modulus * meshed.unit**2 * length * (2 if meshed.mirrored else 1)
+
+
+def _level(
+    meshed: Meshed, small: prisms.Solid, force: float, scale: float, drops: tuple[float, ...]
+) -> Level:
+    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the part, in its units."""
+    unit = meshed.unit
+    ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, unit)
+    if drops:
+        ridges = ridges.lowered(np.array(drops) / unit)
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    threshold = all_touch_force(ridges, force / scale)
+    residual = max(state.residual, small.lifted)
+    return level_of(
+        meshed,
+        small.seen.nodes,
+        small.along,
+        state,
+        state.approach,
+        threshold,
+        scale,
+        small.unknowns,
+        residual,
+    )
+
+
+def level_of(
+    meshed: Meshed,
+    nodes: elements.Sample,
+    along: Array,
+    state: Contact,
+    approach: float,
+    threshold: float | None,
+    scale: float,
+    unknowns: int,
+    residual: float,
+) -> Level:
+    """Return in mm and N what was found in the part's units, of the contact `nodes` at y = `along`."""
+    unit = meshed.unit
+    shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
+    return Level(
+        None if threshold is None else threshold * scale,
+        approach * unit,
+        _on_whole(meshed, shares),
+        nodes.position[:, 0] * unit,
+        along * unit,
+        state.force / nodes.weight * meshed.whole.young_modulus,
+        unknowns,
+        residual,
+    )
+
+
+def _on_whole(meshed: Meshed, shares: Array) -> Array:
+    """Each ridge's force; of a mirrored half, the sides share what its ridges carry."""
+    if not meshed.mirrored:
+        return shares
+    numbers = meshed.whole.ridges
+    found = np.zeros(len(numbers))
+    for ridge, share in zip(meshed.part.ridges, shares, strict=True):
+        found[numbers.index(ridge)] += share / 2
+    return found + found[::-1]
+
+
+def layers_of(meshed: Meshed, along: Layers) -> layers.Line:
+    """Return the functions along y of these layers, on half of the pad's length."""
+    half = meshed.whole.length / 2 / meshed.unit
+    return layers.line(
+        layers.graded(half, along.last * meshed.height / meshed.unit, along.growth), along.order
+    )
+
+
+def check_size(forms: prisms.SectionForms, line: layers.Line) -> None:
+    """Raise SizeError for more unknowns than fit, before any is solved."""
+    unknowns, contact = 3 * forms.held.size * line.at.size, forms.plane.contact.size * line.at.size
+    if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
+        raise SizeError(
+            "ridge.count",
+            f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
+            max(unknowns, contact),
+            "take fewer ridges, a shorter skin or --tier linear",
+        )
+
+
+def timed(seconds: dict[str, float], stage: str, work: Callable[[], Any]) -> Any:
+    """Return what `work` returns, its time added to the stage's."""
+    started = perf_counter()
+    found = work()
+    seconds[stage] = seconds.get(stage, 0.0) + perf_counter() - started
+    return found

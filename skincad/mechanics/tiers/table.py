@@ -1,0 +1,97 @@
+"""The ladder of models: what each leaves out, what it costs, and where its code is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+
+from skincad.base.errors import InputError, did_you_mean, needing
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
+from skincad.mechanics.problem import Answer, Request
+
+
+@dataclass(frozen=True)
+class Tier:
+    """`where` is module and function of its `answer(design, request, progress, *answers of on)`.
+
+    `price` is its time in units of the linear tier's, the tiers in `on` included (bench_check.py, on
+    yamada-2002). `shaped` says whether it knows plates that are not flat, `drops` whether measured crests,
+    `doubly` whether skins that are curved along y too.
+    """
+
+    where: str
+    price: float
+    leaves_out: tuple[str, ...] = ()
+    on: tuple[str, ...] = ()
+    shaped: bool = False
+    drops: bool = False
+    doubly: bool = False
+
+
+_ROOM = "skincad.mechanics.tiers."
+TIERS = {
+    "winkler": Tier(f"{_ROOM}winkler:answer", 1e-3, shaped=True, doubly=True),
+    "linear": Tier(f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped=True, drops=True),
+    "corrected": Tier(
+        f"{_ROOM}corrected:answer", 2.6, (FINITE_STRAIN,), ("linear",), shaped=True, drops=True
+    ),
+    "finite-strain": Tier(f"{_ROOM}finite_strain:answer", 5.3, (FREE_ENDS,), drops=True),
+    "corrected-finite-strain": Tier(
+        f"{_ROOM}product:answer",
+        6.7,
+        on=("linear", "corrected", "finite-strain"),
+        drops=True,
+    ),
+    "solid": Tier(f"{_ROOM}solid:answer", 14.0, (FINITE_STRAIN,), shaped=True),
+    "solid-finite-strain": Tier(f"{_ROOM}solid_finite_strain:answer", 21.0, on=("solid",)),
+}
+AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
+
+
+def tier_of(name: str) -> Tier:
+    """Return a tier by name; raises InputError for an unknown one."""
+    if name not in TIERS:
+        raise InputError("--tier", "unknown tier", name, did_you_mean(name, [*TIERS, "auto"]))
+    return TIERS[name]
+
+
+def able(name: str, design: Design, drops: bool) -> str:
+    """Return why a tier cannot judge this design (or a measured part of it), or ""."""
+    tier, shape = tier_of(name), design.contact.plate.shape
+    if shape != "flat" and not tier.shaped:
+        return f"contact.plate.shape: must be 'flat' for --tier {name}"
+    if design.skin.curvature_radius_y is not None and not tier.doubly:
+        return f"skin.curvature_radius_y: must not be given for --tier {name}, which takes y as straight"
+    if drops and not tier.drops:
+        return f"--measured: is not judged by --tier {name}"
+    return ""
+
+
+def below(name: str) -> list[str]:
+    """Return the tiers that a tier builds on, each after those that it builds on itself."""
+    return list(dict.fromkeys(each for other in TIERS[name].on for each in (*below(other), other)))
+
+
+def run(
+    name: str, design: Design, request: Request, done: dict[str, Answer], progress: Progress | None
+) -> Answer:
+    """Return a tier's answer; it and what it builds on go into `done`, from where nothing is solved twice.
+
+    Raises ExhaustedError where memory or another resource does not suffice.
+    """
+    if name not in done:
+        tier = TIERS[name]
+        on = [run(other, design, request, done, progress) for other in tier.on]
+        with needing(f"the {name} tier"):
+            done[name] = load(name)(design, request, progress, *on)
+    return done[name]
+
+
+def load(name: str) -> Callable[..., Answer]:
+    """Import and return a tier's function."""
+    module, _, function = TIERS[name].where.partition(":")
+    found: Callable[..., Answer] = getattr(import_module(module), function)
+    return found

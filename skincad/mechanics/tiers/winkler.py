@@ -1,0 +1,159 @@
+"""The Winkler tier: each ridge a spring of its own, in closed form.
+
+It ranks designs in less than a millisecond. It leaves out that ridges push each other down through the common
+base, so against plane strain F9 comes out 25 to 35 % low (FACTS.md), more on thick skins; winkler_error.py
+says how far off it may be.
+
+A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
+about the axis and the force is its integral. The springs stay vertical, which is wrong by half the square
+of the slope at the contact's end.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.plate import rise
+from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers.winkler_error import compliances, half_widths, share_error
+from skincad.mechanics.validity import LARGEST_STRAIN, STEEPEST, plane_modulus
+
+Array = NDArray[np.float64]
+
+NODES = 10  # Gauss points along half a ridge; exact to rounding below 90 degrees
+TINY = 1e-300  # mm; the root's relative tolerance counts
+
+
+def ridge_stiffness(design: Design) -> float:
+    """Return one ridge's stiffness, N/mm: its part of the base and the ridge itself in series.
+
+    k = L / (n T / (E' W) + h / (E' w)) with E' = E / (1 - nu^2), w the ridge's mean width.
+    Johnson, Contact Mechanics, 1985, sec. 4.3 (elastic foundation).
+    """
+    return plane_modulus(design) * design.skin.length / math.fsum(compliances(design))
+
+
+def crest_gaps(design: Design) -> Array:
+    """Return how far each crest is from the plate when the first one touches, `(ridges,)` mm."""
+    radius = design.skin.curvature_radius + design.ridge.height
+    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    gap = 2 * radius * np.sin(lean / 2) ** 2 + rise(design.contact.plate, radius * np.sin(lean))
+    return np.asarray(gap - gap.min())
+
+
+def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
+    """Return each ridge's force, N, `(ridges,)` at an approach in mm after the first touch, springs being
+    stiffer by `factor`."""
+    depth = np.maximum(approach - crest_gaps(design), 0.0)
+    stiffness, radius = factor * ridge_stiffness(design), design.skin.curvature_radius_y
+    if radius is None:
+        return np.asarray(stiffness * depth)
+    arm, reach = _crest_arms(design), _contact_angles(design, depth)
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    angle = reach[:, None] * (nodes + 1) / 2
+    spring = depth[:, None] - 2 * arm[:, None] * np.sin(angle / 2) ** 2
+    per_angle = stiffness * radius / design.skin.length
+    return np.asarray(per_angle * reach * (spring @ weights))  # both halves of y
+
+
+def _crest_arms(design: Design) -> Array:
+    """Distance of each crest from the axis of the second curvature, `(ridges,)` mm."""
+    skin, height = design.skin, design.ridge.height
+    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    fall = 2 * (skin.curvature_radius + height) * np.sin(lean / 2) ** 2
+    return np.asarray((skin.curvature_radius_y or math.inf) + height - fall)
+
+
+def _contact_angles(design: Design, depth: Array) -> Array:
+    """Angle, rad, up to which each ridge touches when its middle is pressed in by `depth` `(ridges,)` mm."""
+    aside = np.sqrt(depth / (2 * _crest_arms(design)))
+    return np.asarray(np.minimum(2 * np.arcsin(np.minimum(aside, 1.0)), _end_angle(design)))
+
+
+def _end_angle(design: Design) -> float:
+    """Angle, rad, from a curved skin's middle to its end."""
+    return design.skin.length / 2 / (design.skin.curvature_radius_y or math.inf)
+
+
+def _approach(design: Design, force: float, factor: float = 1.0) -> float:
+    """The approach, mm, at which the ridges carry `force` N: their sum grows with it without bound."""
+    stiffness = factor * ridge_stiffness(design)
+    if design.skin.curvature_radius_y is None:
+        order = np.sort(crest_gaps(design))
+        carried = stiffness * (order * np.arange(1, order.size + 1) - np.cumsum(order))
+        count = int(np.searchsorted(carried, force, side="left"))
+        return (force / stiffness + float(order[:count].sum())) / count
+    high = force / stiffness
+    while line_forces(design, high, factor).sum() < force:
+        high *= 2
+    root = optimize.brentq(
+        lambda d: float(line_forces(design, d, factor).sum()) - force, 0.0, high, xtol=TINY
+    )
+    return float(root)
+
+
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the Winkler verdict on a design; the error is the model's, whatever the tolerance asked."""
+    if progress:
+        progress("winkler tier: closed form")
+    started, force = perf_counter(), request.force
+    gaps, approach = crest_gaps(design), _approach(design, force)
+    doubly, last = design.skin.curvature_radius_y is not None, float(gaps.max())
+    threshold = float(line_forces(design, last).sum())
+    shares = line_forces(design, approach)
+    depth = np.maximum(approach - gaps, 0.0)
+    touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
+    line = depth / math.fsum(compliances(design))
+    found = half_widths(design, line, approach, float(touched.sum()), last)
+    others = (line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer))
+    error = share_error(found, shares, tuple(others))
+    return Answer(
+        int(np.count_nonzero(shares > 0)),
+        Estimate(threshold, found.threshold * threshold, "N"),
+        Estimate(approach, found.approach * approach, "mm"),
+        tuple(Estimate(float(f), error, "N") for f in shares),
+        gaps.size,
+        abs(float(shares.sum()) / force - 1),
+        {"contact": perf_counter() - started},
+        tuple(_left_out(design, approach)),
+        fault=_beyond(design, min(approach, last or approach)) if doubly else "",
+    )
+
+
+def _left_out(design: Design, approach: float) -> Iterator[str]:
+    if design.skin.curvature_radius_y is None:
+        yield "winkler tier: ridges are taken as independent springs, slots and film are left out"
+        return
+    slope = _end_slope(design, approach)
+    yield "winkler tier: ridges are taken as rows of independent springs, slots and film are left out"
+    yield f"contact is taken as vertical: at slopes along y up to {slope:.2g}, {slope**2 / 2:.1%} off"
+
+
+def _beyond(design: Design, approach: float) -> str:
+    """Say that at this approach a ridge's middle is crushed, by its force per length over E' and its width,
+    or that the contact's end slopes too much."""
+    ridge = design.ridge
+    width = (ridge.root_width + ridge.tip_width) / 2
+    strain = approach / math.fsum(compliances(design)) / width
+    if strain > LARGEST_STRAIN:
+        return f"a ridge's middle is strained by {strain:.2g} (the range ends at {LARGEST_STRAIN:g})"
+    slope = _end_slope(design, approach)
+    return (
+        f"the contact's end slopes by {slope:.2g} (the range ends at {STEEPEST:g})"
+        if slope > STEEPEST
+        else ""
+    )
+
+
+def _end_slope(design: Design, approach: float) -> float:
+    """Slope along y where the contact of the first ridge ends."""
+    return math.sin(float(_contact_angles(design, np.maximum(approach - crest_gaps(design), 0.0)).max()))

@@ -1,0 +1,307 @@
+"""Do all ridges touch? The one question of this room, and its answer with error and price."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress
+from skincad.inputs.catalog import processes, silicone
+from skincad.inputs.design import Design
+from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
+from skincad.mechanics.problem import (
+    Answer,
+    ContactError,
+    LateError,
+    Manufacture,
+    Request,
+    SizeError,
+    Spread,
+    no_yield,
+)
+from skincad.mechanics.tiers.prices import LAWS, expected
+from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, load, run, tier_of
+from skincad.mechanics.validity import (
+    beyond_small_strain,
+    refuse_crushed,
+    slope_warnings,
+    strain_warnings,
+)
+from skincad.mechanics.verdict import (
+    ContactCheck,
+    before_refusal,
+    decided,
+    relative_error,
+    unasked_left_out,
+    with_model,
+    with_shortfall,
+)
+from skincad.shape.crests import crest_drops, shift_warnings
+
+LARGEST_FORCE = 1e6  # N, as contact.force
+HOPELESS = 1.5  # budgets that the linear tier's law may ask for and the tier still be tried
+LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
+# of an asked tolerance, what `auto` leaves to the mesh, and where the model leaves nothing out
+MESH_SHARE, LAST_SHARE = 0.3, 0.5
+FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
+
+
+def check(
+    design: Design,
+    *,
+    force: float | None = None,
+    tol: float | None = None,
+    budget: float | None = None,
+    tier: str = "auto",
+    measured: Path | str | None = None,
+    progress: Progress | None = None,
+) -> ContactCheck:
+    """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
+
+    `tier` names a model; `auto` climbs from the cheapest that may do, until the whole relative error of the
+    all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget` in seconds, no
+    further than it may last. A tier that refuses ends the climb at the one before. With a tier named, `tol`
+    and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights (columns ridge,
+    crest_mm), to judge that part. Passed means: all touch, and the all-touch force with its error still lies
+    at or below the force. Raises InputError for a force, tolerance, budget or tier out of range.
+    """
+    if not isinstance(design, Design):
+        raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
+    asked = design.contact.force if force is None else force
+    if not 0 < asked <= LARGEST_FORCE:
+        raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
+    if tol is not None and not 0 < tol < 1:
+        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.05")
+    if budget is not None and not (budget > 0 and math.isfinite(budget)):
+        raise InputError("--budget", "must be above 0 s", budget)
+    if measured is not None and design.skin.curvature_radius_y is not None:
+        raise InputError("--measured", "judges skins that are straight along y", measured, "leave it out")
+    drops = () if measured is None else crest_drops(measured, design)
+    notes = (*slope_warnings(design), *shift_warnings(drops, design))
+    climb = _Climb(design, asked, drops, notes, progress)
+    if tier == "auto":
+        return climb.auto(tol, budget)
+    tier_of(tier)
+    if reason := able(tier, design, bool(drops)):
+        raise InputError("--tier", reason, tier, "leave --tier out")
+    found = climb.judged(tier, Request(asked, tol, budget, drops, parts=not drops))
+    return with_shortfall(found, tol, found.model_error)
+
+
+class _Climb:
+    """One check: the tiers solved so far, and the verdict of each."""
+
+    def __init__(
+        self,
+        design: Design,
+        force: float,
+        drops: tuple[float, ...],
+        notes: tuple[str, ...],
+        progress: Progress | None,
+    ) -> None:
+        self.design, self.force, self.drops, self.notes = design, force, drops, notes
+        self.progress = progress
+        self.began, self.sampling, self.samplings = perf_counter(), 0.0, 0
+        self.done: dict[str, Answer] = {}
+        self.climbed: list[tuple[str, Estimate, float]] = []
+        self.ladder = [name for name in AUTO if not able(name, design, bool(drops))]
+
+    def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
+        """Climb until the error is met, the verdict clear or the budget used."""
+        request = Request(self.force, None, None, self.drops, parts=not self.drops)
+        name = self.ladder[self._start(tol)]
+        if budget is not None and name != "winkler":
+            return self._within(request, tol, budget)
+        return self._climbed(name, request, tol, budget)
+
+    def _within(self, request: Request, tol: float | None, budget: float) -> ContactCheck:
+        """Climb from the linear tier where it fits into the budget; the closed form is the least there is."""
+        least = self.ladder[0] == "winkler"
+        name = "linear" if "linear" in self.ladder else self.ladder[0]
+        load(name)  # the library's import is no part of the budget
+        self.began = perf_counter()
+        try:
+            if least and name == "linear" and expected(name, self.design, set()) > HOPELESS * budget:
+                raise LateError(expected(name, self.design, set()))
+            return self._climbed(name, replace(request, must_fit=least), tol, budget)
+        except LateError as late:
+            found = self.judged("winkler", replace(request, tol=FINEST))
+            words = f"the linear tier would take about {late.seconds:.2g} s of the budget of {budget:g} s"
+            found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
+            return with_shortfall(found, tol, 0.0)
+
+    def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
+        found: ContactCheck | None = None
+        while True:
+            left = None if budget is None else max(budget - self._spent(), LEAST)
+            try:
+                found = self.judged(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
+            except (InputError, RefusedError) as refusal:
+                found = found or self._solved_before(request, refusal)
+                if found is None:
+                    raise
+                found = before_refusal(found, name, refusal)
+                break
+            enough = budget is None and decided(found) if tol is None else relative_error(found, 0.0) <= tol
+            if found.beyond or enough or found.next_tier is None:
+                break
+            if budget is not None and self._spent() + found.next_tier[1] > budget:
+                break
+            name, request = found.next_tier[0], replace(request, must_fit=False)
+        if budget is not None and self._spent() > budget:
+            late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
+            found = replace(found, warnings=(*found.warnings, late))
+        return with_shortfall(unasked_left_out(found), tol, 0.0)
+
+    def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
+        """The verdict of the best tier that a refused one was built on; of a pad that is too large for any
+        mesh the closed form's."""
+        solved = [name for name in self.ladder if name in self.done]
+        if not solved and isinstance(refusal, SizeError) and self.ladder[0] == "winkler":
+            solved = ["winkler"]
+        return self.judged(solved[-1], replace(request, must_fit=False)) if solved else None
+
+    def _start(self, tol: float | None) -> int:
+        """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
+        first = self.ladder.index("linear") if "linear" in self.ladder else 0
+        if tol is None or self.drops:
+            return first
+        rough = run("winkler", self.design, Request(self.force), {}, None)
+        for i, name in enumerate(self.ladder):
+            bounds = left_out(TIERS[name].leaves_out, self.design, rough, self.force)
+            own = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
+            relative = (own.error or 0.0) / (own.value or 1.0) + math.fsum(b.threshold for b in bounds)
+            if relative <= tol:
+                return i
+        return len(self.ladder) - 1
+
+    def _spent(self) -> float:
+        return perf_counter() - self.began
+
+    def judged(self, name: str, request: Request) -> ContactCheck:
+        """Return the verdict by one tier, solved on what is solved already."""
+        started = self._spent()
+        for each in (*below(name), name):
+            if self.progress and each not in (*self.done, "winkler"):
+                self.progress(f"{each} tier", self._seconds(name))
+            found = run(each, self.design, request, self.done, self.progress)
+        refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
+        bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
+        made = None
+        if not self.drops and name != "winkler":
+            try:
+                with needing("the yield"):
+                    made = self._manufacture(found)
+            except (ContactError, ExhaustedError) as failure:  # the yield has no say in the verdict
+                found = replace(found, warnings=(*found.warnings, no_yield(failure)))
+        verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made)
+        self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
+        return verdict
+
+    def _manufacture(self, found: Answer) -> Manufacture | None:
+        """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
+        threshold = found.all_touch_force.value
+        if not threshold:
+            return None
+        parts = found.parts
+        if parts is None:  # the coarsest linear mesh is enough for a model that is scaled anyway
+            rough = Request(self.force, FINEST, parts=True)
+            parts = run("linear", self.design, rough, self.done, self.progress).parts
+        if parts is None:
+            return None
+        from skincad.mechanics.manufacture import manufacture
+
+        started = perf_counter()
+        made = manufacture(parts, self.force, threshold, spread_of(self.design))
+        self.sampling += perf_counter() - started
+        self.samplings += 1
+        return made
+
+    def _verdict(
+        self,
+        name: str,
+        found: Answer,
+        bounds: tuple[LeftOut, ...],
+        made: Manufacture | None,
+    ) -> ContactCheck:
+        design, force, small = self.design, self.force, FINITE_STRAIN in TIERS[name].leaves_out
+        beyond, warnings = "", (*found.warnings, *self.notes)
+        if small or name == "winkler":
+            beyond = beyond_small_strain(design, force, found)
+        plane = self.done.get(
+            "linear", found
+        )  # the solid looks at crowns alone; its yield has solved the plane
+        fault = found.fault or (plane.fault if small else "")
+        beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not know")
+        if small:
+            warnings += strain_warnings(design, found)
+        upper, ridges = found.all_touch_force.upper, design.ridge.count
+        passed = found.touching == ridges and upper is not None and upper <= force and not beyond
+        return ContactCheck(
+            design.name,
+            passed,
+            force,
+            ridges,
+            found.touching,
+            found.all_touch_force,
+            found.approach,
+            found.ridge_force,
+            name,
+            found.unknowns,
+            found.residual,
+            {"total": self._spent(), **found.seconds, **self._sampled(found)},
+            warnings,
+            bounds,
+            tuple(self.climbed),
+            self._next(name),
+            made,
+            design.contact.plate.shape,
+            beyond,
+        )
+
+    def _sampled(self, found: Answer) -> dict[str, float]:
+        """Time of the yield: its model's, which the linear tier built, and its parts'."""
+        return {"yield": found.seconds.get("yield", 0.0) + self.sampling} if self.sampling else {}
+
+    def _next(self, name: str) -> tuple[str, float] | None:
+        """The next tier with less left out and its seconds: its law's, at the speed seen so far."""
+        mine = TIERS[name]
+        better = [
+            other
+            for other in self.ladder
+            if TIERS[other].price > mine.price
+            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(mine.leaves_out))
+        ]
+        if not better:
+            return None
+        return better[0], self._seconds(better[0])
+
+    def _seconds(self, name: str) -> float:
+        """What a tier will take from here: its law's at the speed seen so far, and a yield."""
+        price = expected(name, self.design, set(self.done)) * self._speed()
+        return price + self.sampling / max(1, self.samplings)
+
+    def _speed(self) -> float:
+        """Seconds here for a second of the laws' machine, by the linear tier; 1 where that is not solved."""
+        plane = self.done.get("linear")
+        if plane is None:
+            return 1.0
+        spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
+        return spent / LAWS["linear"].at(plane.unknowns)
+
+
+def mesh_tolerance(name: str, tol: float | None) -> float:
+    """Return the relative error that `auto` asks of a tier's mesh for one of the whole."""
+    share = MESH_SHARE if TIERS[name].leaves_out else LAST_SHARE
+    return FINEST if tol is None else min(FINEST, share * tol)
+
+
+def spread_of(design: Design) -> Spread:
+    """Return how parts of a design differ: by its mold's process and its material's range."""
+    process, modulus = design.mold.process, silicone(design.material).young_modulus
+    sigma = processes(design.printer)[process].crest_sigma
+    return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))

@@ -1,0 +1,1 @@
+"""Results handed on: in words, as files, and into an out folder."""

@@ -1,0 +1,213 @@
+"""Files for slicer, machine shop and bench: STEP, STL, 3MF, DXF, SVG. Same input, same bytes.
+
+The one time in a file (STEP's header) is SOURCE_DATE_EPOCH, or 1970 where that is not set.
+"""
+
+from __future__ import annotations
+
+import math
+import uuid
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING
+
+import ezdxf
+import numpy as np
+import trimesh
+from ezdxf import units as dxf_units
+
+from skincad.fabrication.pattern import Line, StripPattern, pattern_notes, strip_patterns
+from skincad.inputs.design import Design
+from skincad.outputs.stepfile import make_deterministic
+from skincad.shape.cross_section import section
+from skincad.shape.curves import Loop
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from skincad.solids.mold import Mold
+
+_ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
+
+
+def write_step(solid: cq.Workplane, path: Path) -> None:
+    """Write one exact solid as STEP (AP214), mm, its product named by the file."""
+    solid.val().exportStep(str(path))
+    make_deterministic(path, path.stem)
+
+
+def write_assembly(assembly: cq.Assembly, path: Path) -> None:
+    """Write a named, coloured assembly as STEP (AP214), mm."""
+    assembly.export(str(path), "STEP")
+    make_deterministic(path, assembly.name)
+
+
+def assembly(closed: Mold, solids: dict[str, cq.Workplane], name: str) -> cq.Assembly:
+    """Return the closed mold with the skin, shims and pins in it, named and coloured, mm."""
+    import cadquery as cq
+
+    whole = cq.Assembly(name=name)
+    for part in closed.parts:
+        whole.add(solids[part.name], name=part.name, color=cq.Color(*part.colour))
+    return whole
+
+
+def write_stl(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a mesh as binary STL, mm, single precision."""
+    path.write_bytes(mesh.export(file_type="stl"))
+
+
+def write_3mf(meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float]]], path: Path) -> None:
+    """Write named, coloured meshes as one 3MF, mm, side by side along y."""
+    import lib3mf
+
+    library = lib3mf.get_wrapper()
+    model = library.CreateModel()
+    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+    palette = model.AddBaseMaterialGroup()
+    along = 0.0
+    for name, (mesh, colour) in meshes.items():
+        shape = model.AddMeshObject()
+        shape.SetName(name)
+        shape.SetUUID(_uuid(name, "object"))
+        low, high = mesh.bounds
+        corners = np.asarray(mesh.vertices) + np.array([0.0, along - low[1], 0.0])
+        along += high[1] - low[1] + 5.0
+        shape.SetGeometry(
+            [lib3mf.Position((float(x), float(y), float(z))) for x, y, z in corners],
+            [lib3mf.Triangle((int(a), int(b), int(c))) for a, b, c in mesh.faces],
+        )
+        rgb = [round(255 * c) for c in colour]
+        paint = palette.AddMaterial(name, library.RGBAToColor(*rgb, 255))
+        shape.SetObjectLevelProperty(palette.GetResourceID(), paint)
+        model.AddBuildItem(shape, library.GetIdentityTransform()).SetUUID(_uuid(name, "item"))
+    model.SetBuildUUID(_uuid("", "build"))
+    # by way of memory: on a full disk the library's own writer ends the process
+    path.write_bytes(bytes(model.QueryWriter("3mf").WriteToBuffer()))
+
+
+def _uuid(name: str, kind: str) -> str:
+    return str(uuid.uuid5(uuid.NAMESPACE_URL, f"skincad:{kind}:{name}"))
+
+
+def write_section_dxf(design: Design, path: Path) -> None:
+    """Write the section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS."""
+    shape = section(design)
+    _write_dxf([("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)], [], path)
+
+
+def write_strips_dxf(design: Design, path: Path) -> None:
+    """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), ELECTRODE, LEAD, and
+    MARK: where tabs are cut off, ridge and side, + sign, draw axis."""
+    strips = strip_patterns(design)
+    rows = [row for strip in strips for row in _strip_rows(strip)]
+    marks = [line for strip in strips for line in strip.cut_off]
+    _write_dxf(rows, _strip_texts(design, strips), path, marks)
+
+
+def _strip_rows(strip: StripPattern) -> list[tuple[str, Loop]]:
+    cuts = [("CUT", outline) for outline in (strip.cut, *strip.holes)]
+    return [*cuts, ("ELECTRODE", strip.electrode), ("LEAD", strip.lead)]
+
+
+def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, float, float]]:
+    """What is written on the pattern: text, x and z of its left foot, mm."""
+    texts = [(strip.label, *strip.label_at) for strip in strips]
+    texts += [("+", *strip.plus_at) for strip in strips]
+    left = min(strip.plus_at.x for strip in strips)
+    return [*texts, *((text, left, -2.0 - 2 * i) for i, text in enumerate(pattern_notes(design)))]
+
+
+def write_strips_svg(design: Design, path: Path) -> None:
+    """Write the same cutting pattern as SVG, mm: classes cut, electrode, lead and mark."""
+    strips = strip_patterns(design)
+    texts = _strip_texts(design, strips)
+    corners = [s.start for strip in strips for s in strip.cut]
+    left, foot = min(x for _, x, _ in texts) - 1, min(z for _, _, z in texts) - 1
+    right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + 1
+    right = max(right, left + 0.6 * max(len(text) for text, _, _ in texts))
+    outlines = [(layer.lower(), loop) for strip in strips for layer, loop in _strip_rows(strip)]
+    shapes = [f'  <path class="{name}" d="{_svg_path(outline)}"/>' for name, outline in outlines]
+    shapes += [
+        f'  <path class="mark" d="M{a.x:.9g} {-a.z:.9g} L{b.x:.9g} {-b.z:.9g}"/>'
+        for strip in strips
+        for a, b in strip.cut_off
+    ]
+    shapes += [f'  <text x="{x:.9g}" y="{-z:.9g}">{text}</text>' for text, x, z in texts]
+    style = (
+        "path{fill:none;stroke:#333;stroke-width:.03}.electrode{fill:#d8d8c8}.lead{fill:#c8a860}"
+        ".mark{stroke:#c00}text{font:1px sans-serif}"
+    )
+    _write_svg((left, -top, right - left, top - foot), style, shapes, path)
+
+
+def _write_dxf(
+    rows: Iterable[tuple[str, Loop]],
+    labels: list[tuple[str, float, float]],
+    path: Path,
+    lines: Iterable[Line] = (),
+) -> None:
+    with _no_clock():
+        document = ezdxf.new("R2010", units=dxf_units.MM)
+        space = document.modelspace()
+        for layer, outline in rows:
+            corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
+            space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
+        for start, end in lines:
+            space.add_line(start, end, dxfattribs={"layer": "MARK"})
+        for text, x, y in labels:
+            space.add_text(text, height=1.0, dxfattribs={"layer": "MARK"}).set_placement((x, y))
+        for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
+            document.classes.add_class(kind)
+        document.saveas(path)
+
+
+@contextmanager
+def _no_clock() -> Iterator[None]:
+    """Have the DXF library write constant times and identifiers, in here only."""
+    with _ONE_AT_A_TIME:
+        before = ezdxf.options.write_fixed_meta_data_for_testing
+        ezdxf.options.write_fixed_meta_data_for_testing = True
+        try:
+            yield
+        finally:
+            ezdxf.options.write_fixed_meta_data_for_testing = before
+
+
+def write_section_svg(design: Design, path: Path) -> None:
+    """Write the section with true arcs as SVG, mm, z up."""
+    shape = section(design)
+    half, top, margin = design.skin.width / 2, shape.top, 1.0
+    box = (-half - margin, -top - margin, 2 * (half + margin), top + 2 * margin)
+    curves = [
+        f'  <path class="{name}" d="{_svg_path(outline)}"/>'
+        for name, outline in [("outline", shape.outline), *(("slot", s.loop()) for s in shape.slots)]
+    ]
+    style = "path{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}"
+    _write_svg(box, style, curves, path)
+
+
+def _write_svg(box: tuple[float, float, float, float], style: str, shapes: list[str], path: Path) -> None:
+    """`box`: left, top (downward), width and height, mm."""
+    body = "\n".join(shapes)
+    path.write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{box[2]:.6g}mm" height="{box[3]:.6g}mm" '
+        f'viewBox="{box[0]:.6g} {box[1]:.6g} {box[2]:.6g} {box[3]:.6g}">\n'
+        f"  <style>{style}</style>\n{body}\n</svg>\n",
+        encoding="utf-8",
+    )
+
+
+def _svg_path(outline: Loop) -> str:
+    start = outline[0].start
+    steps = [f"M{start.x:.9g} {-start.z:.9g}"]
+    for segment in outline:
+        end = f"{segment.end.x:.9g} {-segment.end.z:.9g}"
+        if segment.bulge == 0.0 or not math.isfinite(segment.radius):
+            steps.append(f"L{end}")
+        else:
+            wide, turn = int(abs(segment.sweep) > math.pi), int(segment.bulge < 0)
+            steps.append(f"A{segment.radius:.9g} {segment.radius:.9g} 0 {wide} {turn} {end}")
+    return " ".join([*steps, "Z"])

@@ -1,0 +1,72 @@
+"""The picture of the frequency test: gain, fitted lines, and what the paper says of its own curve (Fig 7)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from skincad.circuit.bode import CircuitGain
+from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
+from skincad.pictures.canvas import Axes, png
+
+CURVE, LINES, PAPER, DATA = "#1f5fa8", "#c1531f", "#777777", "#222222"
+PAPER_DROP = 9000.0  # Hz; paper, section 3.2
+SIZE, DPI = (9.0, 5.6), 100
+
+
+def gain_picture(found: CircuitGain, path: Path) -> None:
+    """Write a PNG of the gain in dB re 1 V/N, its two fitted lines, the paper's statements and measured data.
+
+    The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
+    """
+    with png(path, SIZE, DPI, 255) as figure:
+        axes = figure.add_subplot()
+        if found.measured:
+            given = found.measured
+            shifted = given.gain - given.calibration.offset
+            label = f"measured, {-given.calibration.offset:+.4g} dB"
+            axes.semilogx(given.frequency, shifted, ".", color=DATA, markersize=4, label=label)
+        axes.semilogx(found.frequency, found.gain, color=CURVE, linewidth=1.6, label="network")
+        _draw_fit(axes, found)
+        _draw_paper(axes, found)
+        axes.set_xlabel("frequency, Hz")
+        axes.set_ylabel("gain, dB re 1 V/N")
+        axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
+        axes.legend(loc="upper left", fontsize=8)
+        axes.set_title(f"{found.name}: gain of film and amplifier", fontsize=11)
+
+
+def _draw_fit(axes: Axes, found: CircuitGain) -> None:
+    slopes = found.slopes
+    if slopes.cutoff.value is None:
+        label = f"fitted: {slopes.below}, no cut-off"
+    else:
+        label = f"fitted: {slopes.below}, {slopes.above}, cut-off {slopes.cutoff}"
+    ends = np.array([found.frequency[0], _corner(found), found.circuit.sweep.fit_high])
+    values = _lines(ends, _corner(found), slopes.level, slopes.below.value or 0.0, slopes.above.value or 0.0)
+    axes.semilogx(ends, values, color=LINES, linewidth=1.0, linestyle="--", label=label)
+
+
+def _draw_paper(axes: Axes, found: CircuitGain) -> None:
+    """The paper's statements: two slopes that meet at 1.2 kHz, and the drop at 9 kHz."""
+    ends = np.array([PAPER_LOW, PAPER_CUTOFF, PAPER_HIGH])
+    inside = found.frequency <= PAPER_HIGH
+    shape = _lines(found.frequency[inside], PAPER_CUTOFF, 0.0, PAPER_BELOW, PAPER_ABOVE)
+    level = float(np.mean(found.gain[inside] - shape))
+    values = _lines(ends, PAPER_CUTOFF, level, PAPER_BELOW, PAPER_ABOVE)
+    label = "paper: 20 dB/dec up to 1.2 kHz, 60 dB/dec above; level free"
+    axes.semilogx(ends, values, color=PAPER, linewidth=2.4, alpha=0.45, label=label)
+    axes.axvline(PAPER_CUTOFF, color=PAPER, linewidth=0.8, linestyle=":")
+    axes.axvline(PAPER_DROP, color=PAPER, linewidth=0.8, linestyle="-.", label="paper: drop at 9 kHz")
+
+
+def _corner(found: CircuitGain) -> float:
+    """The fitted cut-off, or the fitted range's middle where there is none, Hz."""
+    sweep = found.circuit.sweep
+    return found.slopes.cutoff.value or float(np.sqrt(sweep.low * sweep.fit_high))
+
+
+def _lines(frequency: np.ndarray, corner: float, level: float, below: float, above: float) -> np.ndarray:
+    decades = np.log10(frequency / corner)
+    return np.asarray(level + below * np.minimum(decades, 0.0) + above * np.maximum(decades, 0.0))

@@ -1,0 +1,121 @@
+"""The picture of a design: the skin, one ridge of its section, and the mold taken apart."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from skincad.fabrication.meshes import upright
+from skincad.inputs.design import Design
+from skincad.pictures.canvas import Axes, png
+from skincad.pictures.render import shaded, view
+from skincad.shape.cross_section import section
+from skincad.shape.curves import polygon
+from skincad.solids.mold import Mold
+from skincad.solids.plan import Prism, Turned
+from skincad.solids.skin import COLOUR
+
+SKIN, STRIP = "#eebfa6", "#b5482a"
+_PIXELS = (640, 760)
+
+
+def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh], path: Path) -> None:
+    """Write a PNG of skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
+    with png(path, (13.2, 7.4), 110, 128) as figure:
+        grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
+        _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
+        _draw_ridge(figure.add_subplot(grid[1, 0]), design)
+        _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
+        figure.suptitle(design.name)
+
+
+def _show(axes: Axes, title: str) -> None:
+    axes.set_title(title, fontsize=10)
+    axes.set_axis_off()
+
+
+def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
+    shown = upright(skin)
+    seen = view([shown], 32.0, 28.0, (720, 350))
+    axes.imshow(shaded([shown], [COLOUR], seen))
+    size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
+    _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
+
+
+def _draw_ridge(axes: Axes, design: Design) -> None:
+    """The middle ridges' section with its film strips, mm."""
+    shape, ridge = section(design), design.ridge
+    axes.fill(*polygon(shape.outline, 1e-4).T, facecolor=SKIN, edgecolor="#333", linewidth=0.8)
+    for slot in shape.slots:
+        axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor="#333", linewidth=0.5)
+        if design.film:
+            axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
+    reach = min(1.7 * ridge.pitch, 0.5 * design.skin.width)
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(design.skin.thickness - 0.9 * reach + ridge.height, shape.top + 0.12 * reach)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, mm")
+    axes.set_ylabel("z, mm")
+    axes.set_title(
+        "section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""), fontsize=10
+    )
+
+
+def _draw_mold(axes: Axes, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> None:
+    placed, colours, labels = [], [], []
+    for part in closed.parts:
+        if part.name not in meshes:
+            continue
+        moved = meshes[part.name].copy()
+        moved.vertices = moved.vertices + _apart(part.name, closed)
+        placed.append(moved)
+        colours.append(part.colour)
+        if part.made != "bought":
+            labels.append((part.name, moved))
+    seen = view(placed, 38.0, 30.0, _PIXELS)
+    axes.imshow(shaded(placed, colours, seen))
+    anchors = [(seen.pixel(_right_edge(shape)), name) for name, shape in labels]
+    free = 0.0
+    for (x, y), name in sorted(anchors, key=lambda anchor: anchor[0][1]):
+        free = max(free, y)
+        line = {"arrowstyle": "-", "color": "#666", "linewidth": 0.6}
+        axes.annotate(name, (x, y), (_PIXELS[0] + 10, free), fontsize=8, va="center", arrowprops=line)
+        free += 0.028 * _PIXELS[1]
+    _show(axes, "mold, taken apart (it is poured with the ridges down)")
+
+
+def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
+    """A point on the part's right upper edge, seen from in front."""
+    low, high = shape.bounds
+    return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
+
+
+def _apart(name: str, closed: Mold) -> np.ndarray:
+    """Where a part is drawn, relative to the closed mold, mm."""
+    high = _height(closed)
+    side = 1.1 * closed.length
+    if name.startswith(("end-", "pin-a", "pin-b")) and not name.startswith("pin-base"):
+        out = side * (1.0 if name.startswith("end") else 0.5) * (-1 if name[4] == "a" else 1)
+        body, lift = closed.part(name).body, 0.25 * high if name.endswith("keeper") else 0.0
+        lean = body.angle if isinstance(body, Turned) else 0.0
+        return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
+    places = {
+        ("cover", "pin-cover"): (0.0, 0.0, 2.3 * high),
+        ("carrier",): (0.0, 0.0, 1.7 * high),
+        ("skin", "strip"): (0.0, 0.0, 1.0 * high),
+        ("shim",): (0.0, 2.4 * side, 0.0),
+        ("cavity-base", "pin-base"): (0.0, 0.0, -0.7 * high),
+        ("cavity-left",): (-0.3 * high, 0.0, 0.0),
+        ("cavity-right",): (0.3 * high, 0.0, 0.0),
+    }
+    found = [place for names, place in places.items() if name.startswith(names)]
+    return np.array(found[0] if found else (0.0, 0.0, 0.0))
+
+
+def _height(closed: Mold) -> float:
+    blocks = [p.body for p in closed.parts if p.name.startswith("cavity")]
+    levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
+    return max(levels) - min(levels)

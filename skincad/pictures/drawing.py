@@ -1,0 +1,233 @@
+"""A drawing with the main dimensions, SVG: the section, one ridge enlarged, the closed mold from above."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from xml.sax.saxutils import escape
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import frame, section
+from skincad.shape.curves import Loop, polygon
+from skincad.solids.mold import Mold
+from skincad.solids.plan import Part, Prism, Revolved, Turned, corners
+
+PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
+TEXT = 2.8  # mm
+CHORD = 1e-3  # mm of the part; finer than a printed line
+
+
+@dataclass(frozen=True)
+class View:
+    """Part coordinates to the page: `origin` is where the part's (0, 0) lies, `scale` page mm a part mm."""
+
+    origin: tuple[float, float]
+    scale: float
+
+    def at(self, x: float, z: float) -> tuple[float, float]:
+        """Return the page's point, y down."""
+        return self.origin[0] + self.scale * x, self.origin[1] - self.scale * z
+
+    def path(self, outline: Loop, kind: str) -> str:
+        """Return a closed outline as an SVG path."""
+        points = [self.at(x, z) for x, z in polygon(outline, CHORD)]
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in points)
+        return f'<polygon class="{kind}" points="{steps}"/>'
+
+
+def drawing(design: Design, closed: Mold) -> str:
+    """Return the drawing as an SVG document."""
+    bent = design.skin.curvature_radius_y is not None
+    rows = [*_section_view(design), *_ridge_view(design), *(_bent_view if bent else _mold_view)(closed)]
+    title = f"{design.name}: all lengths in mm, silicone {design.material.name or 'own'}"
+    rows.append(_text(5.0, PAGE[1] - 4.0, title, "start"))
+    style = (
+        "polygon,rect{stroke:#222;stroke-width:.25}.skin{fill:#f3d3c4}.slot{fill:#fff}.mold{fill:#dde1e6}"
+        ".hole{fill:#fff}.dim{stroke:#1f5fa8;stroke-width:.18;fill:none}"
+        f"text{{font:{TEXT}px sans-serif;fill:#1f3f68}}"
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{PAGE[0]:g}mm" height="{PAGE[1]:g}mm" '
+        f'viewBox="0 0 {PAGE[0]:g} {PAGE[1]:g}">\n<style>{style}</style>\n' + "\n".join(rows) + "\n</svg>\n"
+    )
+
+
+def _section_view(design: Design) -> list[str]:
+    shape, skin = section(design), design.skin
+    scale = min(120.0 / skin.width, 45.0 / shape.top)
+    view = View((80.0, 62.0), scale)
+    half = skin.width / 2
+    rows = [view.path(shape.outline, "skin"), *(view.path(s.loop(), "slot") for s in shape.slots)]
+    left, base = view.at(-half, 0.0)
+    right = view.at(half, 0.0)[0]
+    rows += _across(left, right, base + 8.0, f"{skin.width:g}", base)
+    middle = view.at(0.0, shape.top)[1]
+    rows += _upright(right + 8.0, base, middle, f"{shape.top:.4g} to the crest", right)
+    at_base = view.at(0.0, skin.thickness)[1]
+    rows += _upright(left - 8.0, base, at_base, f"{skin.thickness:g}", left)
+    radius = (
+        f"R {skin.curvature_radius:g}, {design.ridge.count} ridges at {design.ridge.pitch:g} along the arc"
+    )
+    if skin.curvature_radius_y is not None:
+        radius += f"; R {skin.curvature_radius_y:g} along y"
+    rows.append(_text(80.0, middle - 4.0, radius))
+    rows.append(
+        _text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; length along the ridges {skin.length:g}")
+    )
+    return rows
+
+
+def _ridge_view(design: Design) -> list[str]:
+    """The middle ridge, or the one beside the middle, upright and enlarged."""
+    ridge, number = design.ridge, (design.ridge.count + 1) // 2
+    own = frame(design, number)
+    shape = section(design)
+    reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
+    scale = min(38.0 / (2 * reach), 24.0 / (1.5 * ridge.height))
+    view = View((48.0, 110.0), scale)
+
+    low = -0.8 * ridge.height
+    window = shapely.box(-reach, low, reach, 2 * ridge.height)
+
+    def shown(outline: Loop, kind: str) -> str:
+        points = polygon(outline, CHORD / 10) - np.array(own.origin)
+        turned = np.column_stack([points @ np.array(own.tangent), points @ np.array(own.normal)])
+        part = shapely.Polygon(turned).intersection(window)
+        corners = shapely.get_coordinates(part)
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(t, n) for t, n in corners))
+        return f'<polygon class="{kind}" points="{steps}"/>'
+
+    rows = [shown(shape.outline, "skin")]
+    rows += [shown(s.loop(), "slot") for s in shape.slots if s.ridge == number]
+    crest, foot = view.at(0.0, ridge.height)[1], view.at(0.0, 0.0)[1]
+    left, right = view.at(-ridge.root_width / 2, 0.0)[0], view.at(ridge.root_width / 2, 0.0)[0]
+    rows += _across(left, right, view.at(0.0, low)[1] + 5.0, f"root {ridge.root_width:g}", foot)
+    tip = [view.at(s * ridge.tip_width / 2, ridge.height)[0] for s in (-1, 1)]
+    rows += _across(tip[0], tip[1], crest - 4.0, f"tip {ridge.tip_width:g}, crown {ridge.crown:g}", crest)
+    rows += _upright(view.at(reach, 0.0)[0] + 5.0, foot, crest, f"{ridge.height:g}", right)
+    words = (
+        f"ridge {number}, scale {scale:.3g} : 1; fillets {ridge.tip_fillet:g} tip, {ridge.root_fillet:g} root"
+    )
+    rows.append(_text(48.0, 134.5, words))
+    if design.slot:
+        slot = design.slot
+        words = (
+            f"slots {slot.thickness:g} x {slot.depth:g}, {slot.offset:g} from the axis, tilt {slot.tilt:g}"
+        )
+        rows.append(_text(48.0, 139.0, words))
+    return rows
+
+
+def _mold_view(closed: Mold) -> list[str]:
+    """The closed mold's outer size, from above."""
+    boxes = [_extent(p.body) for p in closed.parts if p.made == "made" and isinstance(p.body, Prism)]
+    low = [min(b[0][i] for b in boxes) for i in range(3)]
+    high = [max(b[1][i] for b in boxes) for i in range(3)]
+    size = [b - a for a, b in zip(low, high, strict=True)]
+    scale = min(50.0 / size[0], 36.0 / size[1])
+    view = View((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    rows = []
+    for name, kind in (("cavity", "mold"), ("carrier", "hole")):
+        for part in closed.parts:
+            if part.name.startswith(name) and isinstance(part.body, Prism):
+                (x0, y0, _), (x1, y1, _) = _extent(part.body)
+                corner = view.at(x0, y1)
+                rows.append(
+                    f'<rect class="{kind}" x="{corner[0]:.3f}" y="{corner[1]:.3f}" '
+                    f'width="{scale * (x1 - x0):.3f}" height="{scale * (y1 - y0):.3f}"/>'
+                )
+    left, bottom = view.at(low[0], low[1])
+    right, top = view.at(high[0], high[1])
+    rows += [
+        *(_line(left, y, right, y) for y in (bottom, top)),
+        *(_line(x, bottom, x, top) for x in (left, right)),
+    ]
+    rows += [*_across(left, right, bottom + 5.0, f"{size[0]:.4g}", bottom)]
+    rows += _upright(right + 5.0, bottom, top, f"{size[1]:.4g}", right)
+    rows.append(_text(142.0, 134.5, f"closed mold from above, scale {scale:.3g} : 1; height {size[2]:.4g}"))
+    return rows
+
+
+def _bent_view(closed: Mold) -> list[str]:
+    """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
+    kinds = {"cavity": "mold", "end-": "mold", "cover": "mold", "carrier": "hole", "skin": "skin"}
+    rings = [
+        (k, _side(part)) for name, k in kinds.items() for part in closed.parts if part.name.startswith(name)
+    ]
+    points = np.vstack([ring for _, ring in rings])
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = float(min(50.0 / (high - low)[0], 36.0 / (high - low)[1]))
+    view = View((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    rows = []
+    for kind, ring in rings:
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(y, z) for y, z in ring))
+        rows.append(f'<polygon class="{kind}" points="{steps}"/>')
+    (left, bottom), (right, top) = view.at(*low), view.at(*high)
+    rows += _across(left, right, bottom + 5.0, f"{high[0] - low[0]:.4g}", bottom)
+    rows += _upright(right + 5.0, bottom, top, f"{high[1] - low[1]:.4g}", right)
+    cavity = closed.part("cavity").body
+    lean = math.degrees(cavity.grid.half) if isinstance(cavity, Prism) and cavity.grid else 0.0
+    words = f"closed mold from the side, scale {scale:.3g} : 1; ends lean by {lean:.3g} degrees"
+    return [*rows, _text(142.0, 134.5, words)]
+
+
+def _side(part: Part) -> NDArray[np.float64]:
+    """A part's outline in (y, z), `(n, 2)` mm: of a body that turns, its section's height turned."""
+    body = part.body
+    if isinstance(body, Prism) and body.axis == "x":
+        return corners(body, body.outline, CHORD)
+    if isinstance(body, Revolved) and body.grid:
+        z = polygon(body.outline, CHORD)[:, 1]
+        angles = body.grid.angles(body.low, body.high, CHORD)
+        arcs = [[body.placed(np.array([[0.0, end]]), a)[0, 1:] for a in angles] for end in (z.min(), z.max())]
+        return np.array([*arcs[0], *arcs[1][::-1]])
+    own = body.body if isinstance(body, Turned) else body
+    if not isinstance(own, Prism):
+        raise ValueError(f"{part.name}: no pin is drawn from the side")
+    (_, y0, z0), (_, y1, z1) = _extent(own)
+    ring = np.array([[0.0, y, z] for y, z in ((y0, z0), (y1, z0), (y1, z1), (y0, z1))])
+    if isinstance(body, Turned):
+        ring = body.placed(ring)
+    return ring[:, 1:]
+
+
+def _extent(body: Prism) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    points = polygon(body.outline, CHORD)
+    (a0, b0), (a1, b1) = points.min(axis=0), points.max(axis=0)
+    if body.axis == "y":
+        return (a0, body.low, b0), (a1, body.high, b1)
+    return (a0, b0, body.low), (a1, b1, body.high)
+
+
+def _across(x0: float, x1: float, y: float, text: str, start: float) -> list[str]:
+    """A dimension along the page's x at height y, its extension lines from `start`."""
+    ends = [_line(x, start, x, y) for x in (x0, x1)]
+    return [*ends, _line(x0, y, x1, y), *_ticks((x0, y), (x1, y)), _text((x0 + x1) / 2, y - 0.9, text)]
+
+
+def _upright(x: float, y0: float, y1: float, text: str, start: float) -> list[str]:
+    ends = [_line(start, y, x, y) for y in (y0, y1)]
+    anchor = "start" if x > start else "end"
+    aside = 1.2 if x > start else -1.2
+    return [
+        *ends,
+        _line(x, y0, x, y1),
+        *_ticks((x, y0), (x, y1)),
+        _text(x + aside, (y0 + y1) / 2 + 1.0, text, anchor),
+    ]
+
+
+def _line(x0: float, y0: float, x1: float, y1: float) -> str:
+    return f'<line class="dim" x1="{x0:.3f}" y1="{y0:.3f}" x2="{x1:.3f}" y2="{y1:.3f}"/>'
+
+
+def _ticks(*places: tuple[float, float]) -> list[str]:
+    return [_line(x - 0.8, y + 0.8, x + 0.8, y - 0.8) for x, y in places]
+
+
+def _text(x: float, y: float, words: str, anchor: str = "middle") -> str:
+    return f'<text x="{x:.3f}" y="{y:.3f}" text-anchor="{anchor}">{escape(words)}</text>'

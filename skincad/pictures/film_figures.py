@@ -1,0 +1,137 @@
+"""Pictures of what the skin feels: the stress in the ridges under normal and tangential force (Fig 8)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.estimate import Estimate
+from skincad.mechanics.film.answer import FilmStress
+from skincad.mechanics.film.view import View
+from skincad.pictures.canvas import Axes, Figure, PolyCollection, Triangulation, png
+
+Array = NDArray[np.float64]
+SERIES = (("S1", "#1f5fa8", "o", -0.15), ("S2", "#c1531f", "s", 0.15), ("S1 - S2", "#222222", "D", 0.0))
+SHOWN = 0.97  # share of the silicone's drawn area whose stress lies within the colours
+MAP = "RdBu_r"
+WINDOW = 0.27  # of the view's extent, each way from the films
+FILM = "#111111"
+SIZE, DPI = (9.0, 6.9), 100  # 900 pixels wide
+NOTED_RIDGE = (
+    3  # or the last before the middle: "the third ridge from an end", as the paper's figures 12 and 13
+)
+
+
+def film_stress_picture(normal: FilmStress, both: FilmStress, path: Path) -> None:
+    """Write a PNG laid out as the paper's Fig 8: (a) `normal` force alone, (b) `both` forces.
+
+    S1, S2 and their difference by ridge with error bars; below, the stress in the deformed section of the
+    ridges that both carry as views.
+    """
+    shown = [r for r in (v.ridge for v in normal.views) if r in {v.ridge for v in both.views}][:2]
+    with png(path, SIZE if shown else (SIZE[0], 4.0), DPI, 255) as figure:
+        columns = 2 * max(1, len(shown))
+        grid = figure.add_gridspec(2 if shown else 1, columns, height_ratios=[1.0, 0.8] if shown else None)
+        left = figure.add_subplot(grid[0, : columns // 2])
+        right = figure.add_subplot(grid[0, columns // 2 :], sharey=left)
+        _draw_ridges(left, normal, f"(a) normal force {normal.force:g} N")
+        _draw_ridges(right, both, f"(b) normal {both.force:g} N, tangential {both.tangential:g} N to +x")
+        left.set_ylabel("mean stress across the film, MPa\n(tension positive)")
+        left.legend(loc="upper left", fontsize=8)
+        if shown:
+            states = [[v for v in each.views if v.ridge in shown] for each in (normal, both)]
+            _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
+        figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
+        figure.suptitle(f"{normal.name}: stress in the ridges")
+
+
+def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:
+    ridges = np.arange(1, found.ridges + 1)
+    axes.axhline(0.0, color="#888", linewidth=0.8)
+    for (label, colour, marker, aside), estimates in zip(
+        SERIES, (found.s1, found.s2, found.differential), strict=True
+    ):
+        values, errors = _numbers(estimates)
+        style: dict[str, Any] = {
+            "color": colour,
+            "marker": marker,
+            "markersize": 4.5,
+            "capsize": 3,
+            "linewidth": 1.0,
+        }
+        axes.errorbar(ridges + aside, values, errors, label=label, linestyle="none", **style)
+    axes.set_title(title, fontsize=10)
+    axes.set_xlabel("ridge")
+    if found.ridges <= 20:
+        axes.set_xticks(ridges)
+    axes.grid(axis="y", color="#ddd", linewidth=0.6)
+
+
+def _numbers(estimates: tuple[Estimate, ...]) -> tuple[list[float], list[float]]:
+    return [e.value or 0.0 for e in estimates], [e.error or 0.0 for e in estimates]
+
+
+def _draw_fields(figure: Figure, places: list[Axes], states: list[list[View]]) -> None:
+    """Draw the views of both states on one scale of colours, deformed as they are."""
+    views = [view for state in states for view in state]
+    limit = max(usual(view.place, view.triangles[~view.film], view.stress) for view in views)
+    for axes, view in zip(places, views, strict=True):
+        points = view.place + view.shift
+        triangles = view.triangles
+        silicone = Triangulation(points[:, 0], points[:, 1], triangles[~view.film])
+        drawn = axes.tripcolor(silicone, view.stress, cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
+        if view.film.any():
+            axes.add_collection(
+                PolyCollection(list(points[triangles[view.film]]), facecolor=FILM, edgecolor=FILM)
+            )
+        nearest = np.hypot(*(view.place - view.middle).T).argmin()
+        middle, half = points[nearest], WINDOW * float(np.ptp(view.place, axis=0).max())
+        axes.set_xlim(middle[0] - half, middle[0] + half)
+        axes.set_ylim(middle[1] - half, middle[1] + half)
+        axes.set_aspect("equal")
+        axes.set_title(f"ridge {view.ridge}", fontsize=9)
+        axes.tick_params(labelsize=7)
+    places[0].set_ylabel("z, mm", fontsize=8)
+    bar = figure.colorbar(drawn, ax=places, location="bottom", shrink=0.6, aspect=40, extend="both")
+    bar.set_label("stress across the ridge in the deformed section, MPa; films black", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+
+
+def usual(place: Array, triangles: NDArray[np.int64], values: Array) -> float:
+    """Return the size below which SHOWN of the triangles' area lies; at films' corners a stress has no bound.
+
+    `place` `(p, 2)` and `values` `(p,)` of points, `triangles` `(t, 3)` of them.
+    """
+    a, b, c = (place[triangles[:, i]] for i in range(3))
+    area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    size = np.abs(values[triangles].mean(axis=1))
+    order = np.argsort(size)
+    below = np.searchsorted(np.cumsum(area[order]), SHOWN * area.sum())
+    return float(size[order][min(below, size.size - 1)])
+
+
+def _note(normal: FilmStress, both: FilmStress) -> str:
+    """What the picture shows of the paper's statement, with its figures."""
+    ridge = min(NOTED_RIDGE, normal.ridges // 2)
+    share = normal.lean_share(ridge) if ridge else Estimate(None, None, "1")
+    lines = []
+    if share.value is not None:
+        middle = ", zero at the middle one" if normal.ridges % 2 else ""
+        lines.append(
+            "(a) Outer ridges lean, so under the normal force alone their S1 - S2 is not zero:\n"
+            f"      {share.value:.0%} +- {share.error or 0.0:.0%} of S1 at ridge {ridge}{middle}."
+        )
+    friction = [e.value for e in both.needed_friction]
+    if both.tangential:
+        highest = [mu or 0.0 for mu in friction]
+        lifted = [str(i + 1) for i, mu in enumerate(friction) if mu is None]
+        needs = (
+            f"it takes the normal force off ridge {', '.join(lifted)}"
+            if lifted
+            else f"it needs friction of {max(highest):.2g} at ridge {1 + int(np.argmax(highest))}"
+        )
+        lines.append(f"(b) Full stick is an assumption, normal force first: {needs}.")
+    return "\n".join(lines)

@@ -1,0 +1,116 @@
+"""The work-precision diagram of a ladder: error against time, both logarithmic, one line a method.
+
+It is read in grey too: methods differ by marker and by dashes; rungs that no other beats are filled.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from statistics import median
+from textwrap import fill
+from typing import Any
+
+from skincad.ladders.ladder import Ladder, Measure, Rung
+from skincad.ladders.precision import slope
+from skincad.pictures.canvas import Axes, NullFormatter, png
+
+STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
+    ("#000000", "o", "-"),
+    ("#0072b2", "s", (0, (6, 2))),
+    ("#b3470a", "^", (0, (2, 1.5))),
+    ("#007a5a", "D", (0, (7, 2, 1.5, 2))),
+    ("#8f4c86", "v", (0, (1, 1.5))),
+    ("#6f6000", "P", (0, (10, 3))),
+    ("#4c7ea6", "X", (0, (4, 1.5, 1, 1.5, 1, 1.5))),
+)
+FRONT, FLOOR = "#c9c9c9", "#ededed"
+PANELS = 2  # measures that are drawn: the first with two errors to show
+SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
+# rungs above the reference's own error, and the ratio of the longest of their times to the shortest
+LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
+TIGHT = 12.0  # an axis has at least this ratio between its ends
+HEADROOM = 0.3  # of the errors' decades
+WIDEST, HIGHEST = 56, 52  # letters of a line: a title's, an error axis's
+
+
+def diagram(ladder: Ladder, machine: dict[str, Any], path: Path) -> None:
+    """Write a PNG of the ladder's first measures; without anything to draw, one that says so."""
+    shown = [m for m in ladder.measures if len({r.errors[m.name] for r in _seen(ladder, m)}) > 1][:PANELS]
+    with png(path, SIZE, DPI, 255) as figure:
+        figure.suptitle(ladder.title, fontsize=11)
+        places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
+        models = list(dict.fromkeys(rung.model for rung in ladder.rungs))
+        style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
+        for axes, measure in zip(places, shown, strict=False):
+            _panel(axes, ladder, measure, style)
+        if not shown:
+            places[0].text(0.5, 0.5, "no rung can be judged on this design", ha="center")
+            places[0].set_axis_off()
+        where = f"{machine['processor']}, {machine['cores']} cores; medians"
+        figure.supxlabel(f"{where}, bars from the shortest to the longest run", fontsize=8, color="#555555")
+
+
+def _seen(ladder: Ladder, measure: Measure) -> list[Rung]:
+    return [rung for rung in ladder.rungs if rung.errors.get(measure.name, 0.0) > 0]
+
+
+def _panel(axes: Axes, ladder: Ladder, measure: Measure, style: dict[str, tuple[str, str, Any]]) -> None:
+    rungs = _seen(ladder, measure)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    best = [rung for rung in ladder.best(measure) if rung in rungs]
+    if measure.compares and best:
+        x, y = [r.seconds for r in best], [r.errors[measure.name] for r in best]
+        wide: dict[str, Any] = {"color": FRONT, "linewidth": 5.0, "zorder": 0.5}
+        axes.plot(x, y, drawstyle="steps-post", label="Pareto front", **wide)
+    for model, (colour, marker, dashes) in style.items():
+        mine = [rung for rung in rungs if rung.model == model]
+        if not mine:
+            continue
+        if ladder.lines:
+            path = sorted((r.seconds, r.errors[measure.name]) for r in mine)
+            axes.plot(*zip(*path, strict=True), color=colour, linestyle=dashes, linewidth=1.3)
+        for rung in mine:
+            error = rung.errors[measure.name]
+            runs = rung.instead or rung.runs
+            axes.hlines(error, min(runs), max(runs), color=colour, linewidth=0.8)
+            look: dict[str, Any] = {"marker": marker, "color": colour, "markersize": 6, "linestyle": ""}
+            filled = rung in best or not ladder.lines
+            axes.plot(median(runs), error, markerfacecolor=colour if filled else "white", **look)
+        label = model + (_slope(mine, measure) if ladder.lines else "")
+        axes.plot([], [], color=colour, marker=marker, linestyle=dashes if ladder.lines else "", label=label)
+    _words(axes, measure, "time, s" if ladder.lines else "time of the scene with the effect, s")
+
+
+def _slope(rungs: list[Rung], measure: Measure) -> str:
+    """The exponent of error against time in words, of the rungs above the reference's own error."""
+    told = [rung for rung in rungs if rung.errors[measure.name] > measure.floor]
+    found = slope([r.seconds for r in told], [r.errors[measure.name] for r in told])
+    times = [r.seconds for r in told]
+    if found is None or len(told) < LEAST_FOR_SLOPE or max(times) < SPREAD_FOR_SLOPE * min(times):
+        return ""
+    return f", slope {round(found, 1) + 0.0:g}"
+
+
+def _words(axes: Axes, measure: Measure, time: str) -> None:
+    if measure.floor:
+        low, high = axes.get_ylim()
+        low = min(low, measure.floor / 3)
+        axes.axhspan(low, measure.floor, color=FLOOR, zorder=0, label="reference's own error")
+        axes.set_ylim(low, high)
+    for ends, set_ends in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
+        if ends[1] < TIGHT * ends[0]:  # no power of ten may lie within: room for one
+            middle = math.sqrt(ends[0] * ends[1])
+            set_ends(middle / math.sqrt(TIGHT), middle * math.sqrt(TIGHT))
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** HEADROOM)  # for the legend
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel(time, fontsize=9)
+    unit = "" if measure.unit == "1" else f", {measure.unit}"
+    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, HIGHEST), fontsize=9)
+    against = measure.reference.partition(":")[0].partition(",")[0]
+    axes.set_title(fill(f"against {against}", WIDEST), fontsize=9)
+    axes.grid(which="major", color="#e0e0e0", linewidth=0.6)
+    axes.legend(fontsize=7.5, loc="best", framealpha=0.9)

@@ -1,0 +1,127 @@
+"""What an experiment's recorder shows of a scene: the films' outputs at its sampling, laid out as Fig 15."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.errors import InputError
+from skincad.circuit.calibrate import PAPER_CUTOFF
+from skincad.circuit.resample import Recording, recorded
+from skincad.pictures.canvas import Axes, png
+from skincad.scenes.simulation import Simulation
+
+ONE, OTHER, PAIR = "#1f5fa8", "#c1531f", "#222222"
+PHASES = {"$P_A$": "#e3ecf7", "$P_B$": "#f9e4d8"}
+FEWEST = 50  # samples that are worth a picture
+PAPERS_RIDGE = 3
+UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Both strips' outputs and their difference at the recorder's rate, V."""
+
+    ridge: int
+    s1: Recording
+    s2: Recording
+    pair: Recording
+
+
+def recording(found: Simulation) -> Recorded | None:
+    """Return what is recorded of ridge 3, or of the last told one.
+
+    None without a sampling, where the march's steps are coarser or in no ratio of small numbers to it, and
+    for fewer than 50 samples.
+    """
+    outputs, wanted = found.read.get("output_V"), found.read.get("sampling_Hz")
+    time = found.march.time
+    if not outputs or wanted is None or time.size < 2 or wanted * float(time[-1]) < FEWEST:
+        return None
+    ridge = PAPERS_RIDGE if str(PAPERS_RIDGE) in outputs else int(list(outputs)[-1])
+    rate = 1 / float(time[1] - time[0])
+    try:
+        parts = [recorded(np.array(outputs[str(ridge)][k]), rate, wanted) for k in ("S1", "S2", "pair")]
+    except InputError:  # the recorder's rate and the march's do not go together: nothing is written of it
+        return None
+    return Recorded(ridge, *parts)
+
+
+def recording_picture(found: Simulation, seen: Recorded, path: Path) -> None:
+    """Write a PNG: S1 and S2, their difference vd with the phases P_A and P_B, and what is not seen.
+
+    P_A is from the start of the pull to the ridge's slip, P_B from there to gross slip.
+    """
+    with png(path, (9.0, 6.4), 100) as figure:
+        strips, pair = figure.subplots(2, 1, sharex=True)
+        largest = max(float(np.abs(part.values).max()) for part in (seen.s1, seen.s2, seen.pair))
+        unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
+        for part, name, colour in ((seen.s1, "S1", ONE), (seen.s2, "S2", OTHER)):
+            strips.plot(factor * part.values, color=colour, linewidth=1.0, label=f"ridge {seen.ridge} {name}")
+        pair.plot(factor * seen.pair.values, color=PAIR, linewidth=1.0, label="$v_d$ = S1 - S2")
+        for axes in (strips, pair):
+            _draw_phases(axes, found, seen)
+            axes.set_ylabel(f"output, {unit}")
+            axes.grid(color="#ddd", linewidth=0.6)
+            axes.legend(loc="lower left", fontsize=8)
+        _name_slips(pair, found, seen)
+        pair.set_xlabel(f"sample at {seen.pair.rate:g} Hz\n\n{caption(found, seen)}")
+        figure.suptitle(
+            f"{found.scene.name}: {found.read['circuit']} as recorded at {seen.pair.rate:g} Hz", fontsize=11
+        )
+
+
+def caption(found: Simulation, seen: Recorded) -> str:
+    """Return what this recording cannot show."""
+    rate, step = seen.pair.rate, 1e3 / seen.pair.rate
+    seen_to = min(seen.pair.passband, found.scene.readout.bandwidth_Hz)
+    unseen = ": nothing of the cut-off at 1.2 kHz, nor of the stress-jerk above it, is seen"
+    ratio = found.read["signal_to_noise_dB"][str(seen.ridge)]
+    lines = [
+        f"True up to {seen_to:.4g} Hz{unseen if seen_to < PAPER_CUTOFF else ''}.",
+        f"A sample is {step:.3g} ms: no lead time is claimed for what is shorter.",
+    ]
+    if ratio is not None:
+        lines.append(
+            f"Drawn without noise; film and amplifier leave a signal-to-noise ratio of {ratio:.3g} dB."
+        )
+    if rate and seen.pair.warnings:
+        lines += list(seen.pair.warnings)
+    return "\n".join(lines)
+
+
+def phases(found: Simulation, ridge: int) -> dict[str, tuple[float, float]]:
+    """Return the phases' spans in s: none for a ridge that does not slip for good."""
+    slip = found.slip_steps[ridge - 1]
+    if slip is None:
+        return {}
+    time = found.march.time
+    pull: NDArray[np.float64] = np.abs(found.march.column("tangential"))
+    start = int(np.argmax(pull > 1e-3 * pull.max()))
+    end = found.gross_slip_step if found.gross_slip_step is not None else time.size - 1
+    marks = [float(time[i]) for i in (start, slip, end)]
+    return dict(zip(PHASES, pairwise(marks), strict=True))
+
+
+def _draw_phases(axes: Axes, found: Simulation, seen: Recorded) -> None:
+    for name, (start, end) in phases(found, seen.ridge).items():
+        rate = seen.pair.rate
+        axes.axvspan(start * rate, end * rate, color=PHASES[name], zorder=0)
+        axes.annotate(name, ((start + end) / 2 * rate, 0.92), xycoords=("data", "axes fraction"), ha="center")
+
+
+def _name_slips(axes: Axes, found: Simulation, seen: Recorded) -> None:
+    """The slips of the ridge and of its neighbours, and gross slip."""
+    time, rate = found.march.time, seen.pair.rate
+    marks = {f"ridge {r}": found.slip_steps[r - 1] for r in (seen.ridge - 1, seen.ridge) if r >= 1}
+    for name, step in {**marks, "all": found.gross_slip_step}.items():
+        if step is not None:
+            axes.axvline(time[step] * rate, color="#888", linewidth=0.8, linestyle="--")
+            where = (time[step] * rate, 0.02)
+            axes.annotate(
+                f" {name} slips", where, xycoords=("data", "axes fraction"), fontsize=7, rotation=90
+            )

@@ -1,0 +1,175 @@
+"""The march through a scene's history. It names no effect.
+
+The state is replaced only when a step has converged and lies within the law's limits. A march that cannot go
+on stops with what it has and says where and why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.effects.kinds import Model, Reading, Step, Term
+from skincad.mechanics.contact.grip import Drive, GrossSlip
+from skincad.mechanics.problem import ContactError
+from skincad.mechanics.validity import Limits
+
+Array = NDArray[np.float64]
+GROSS_SLIP, INTERRUPTED = "gross slip", "interrupted"
+ENDLESS = Limits(inf)
+WINDOW = 200  # steps; to look for collisions takes as long as some 20 quasi-static ones
+
+
+@dataclass(frozen=True, eq=False)
+class March:
+    """The accepted readings, entry 0 the unloaded start, at `time` `(steps + 1,)` s.
+
+    `stopped` says why the march ended early, None at its end; `failed` whether that was a step that did not
+    converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` of the march. `states`
+    are the model's own of the steps that were to be kept, and the last; `model` is what it advanced. Neither
+    states nor model are in a pickle or a copy: they hold the FE library's own objects.
+    """
+
+    time: Array
+    readings: tuple[Reading, ...]
+    ridge: NDArray[np.int64]
+    unknowns: int
+    stopped: str | None
+    failed: bool
+    seconds: float
+    states: Mapping[int, Any] = field(default_factory=dict)
+    model: Model | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "states": {}, "model": None}
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.stopped == INTERRUPTED
+
+    def column(self, name: str) -> Array:
+        """Return a field of the readings, stacked along steps."""
+        return np.array([getattr(reading, name) for reading in self.readings])
+
+
+def march(
+    model: Model,
+    times: Array,
+    drives: Sequence[Drive],
+    terms: Sequence[Term],
+    tick: Callable[[int], None] | None = None,
+    keep: Collection[int] = (),
+    mass: float = 0.0,
+    limits: Limits = ENDLESS,
+    partial: bool = False,
+) -> March:
+    """Return the march of a model through `drives` at `times` `(steps + 1,)` s; `tick` is told each step.
+
+    The plate's `mass`, g, counts where a term asks for masses. States of the steps in `keep` are kept. Gross
+    slip ends it, for a plate driven by force has no equilibrium then; its entry is the state that just slips.
+    A step that does not converge or goes beyond `limits` ends it, and so does what collides unseen: that is
+    looked for every WINDOW steps and at the end. Where it is found the march goes back to where it last
+    looked, and on from there looking at each step. Ctrl-C ends it where what is done by then is wanted
+    (`partial`), and raises KeyboardInterrupt otherwise.
+    """
+    began, path = perf_counter(), _Path(model, limits, keep)
+    stopped, failed = None, False
+    try:
+        while (i := len(path.readings)) < len(drives) and stopped is None:
+            step = Step(float(times[i - 1]), float(times[i]), drives[i - 1], drives[i], mass)
+            wrong = ""
+            try:
+                after = model.advanced(path.state, step, [term.share(step) for term in terms])
+                wrong = path.refused(after)
+            except GrossSlip as end:
+                stopped, wrong = GROSS_SLIP, path.refused(end.last)
+            except ContactError as failure:
+                wrong = str(failure)
+            if path.due(bool(wrong or stopped) or i + 1 == len(drives)) and (found := path.collision()):
+                again = not path.careful
+                path.back()
+                if again:
+                    stopped = None
+                    continue
+                wrong = found
+            if wrong:
+                stopped, failed = f"step {i}, t = {times[i]:.6g} s: {wrong}", True
+            elif tick and not stopped:
+                tick(i)
+    except KeyboardInterrupt:
+        if not partial:
+            raise
+        stopped = INTERRUPTED
+        if path.collision():
+            path.back()
+    done, states = np.asarray(times[: len(path.readings)]), path.states
+    spent = perf_counter() - began
+    return March(
+        done, tuple(path.readings), model.ridge, model.unknowns, stopped, failed, spent, states, model
+    )
+
+
+class _Path:
+    """What a march has accepted, and of it what nobody has looked at for collisions.
+
+    They are looked for in the states in which a ridge is pressed harder, or pulled harder to one side, than
+    in any before: what is loaded less in all three ways is taken to be as sound as those.
+    """
+
+    def __init__(self, model: Model, limits: Limits, keep: Collection[int]) -> None:
+        self.model, self.limits, self.keep = model, limits, keep
+        self.state = model.start()
+        self.readings = [model.reading(self.state, self.state)]
+        self.kept = {0: self.state} if 0 in keep else {}
+        self.careful = False
+        self.hardest, self.unseen = [0.0] * 3, dict[int, Any]()
+        self.sound = 0, self.state, self.hardest.copy()
+
+    @property
+    def states(self) -> dict[int, Any]:
+        """Those to keep, and the last."""
+        return {**self.kept, len(self.readings) - 1: self.state}
+
+    def refused(self, state: Any) -> str:
+        """Accept a state, or return why it is beyond the limits."""
+        grip, ridge = self.model.grip(state), self.model.ridge
+        across = np.bincount(ridge, grip.tangential)
+        loads = tuple(map(float, (np.bincount(ridge, grip.normal).max(), across.max(), -across.min())))
+        wrong = self.limits.crushed(grip.approach) or self.limits.overloaded(loads[0], max(loads[1:]))
+        if wrong:
+            return wrong
+        self.readings.append(self.model.reading(self.state, state))
+        self.state = state
+        if len(self.readings) - 1 in self.keep:
+            self.kept[len(self.readings) - 1] = state
+        for i, load in enumerate(loads):
+            if load > self.hardest[i]:
+                self.hardest[i], self.unseen[i] = load, state
+        return ""
+
+    def due(self, ends: bool) -> bool:
+        """Whether to look for collisions now."""
+        return ends or self.careful or len(self.readings) > self.sound[0] + WINDOW
+
+    def collision(self) -> str | None:
+        """Return what collides in a state that nobody has looked at; without any, all is sound so far."""
+        for state in {id(state): state for state in self.unseen.values()}.values():
+            if wrong := self.model.fault(state):
+                return wrong
+        self.unseen = {}
+        self.sound = len(self.readings) - 1, self.state, self.hardest.copy()
+        return None
+
+    def back(self) -> None:
+        """Return to where all was sound, and be careful from there on."""
+        step, self.state, hardest = self.sound
+        self.careful, self.unseen, self.hardest = True, {}, hardest.copy()
+        del self.readings[step + 1 :]
+        self.kept = {at: state for at, state in self.kept.items() if at <= step}

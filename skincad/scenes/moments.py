@@ -1,0 +1,18 @@
+"""The steps of a march whose state is kept, to be drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from skincad.scenes.scene import Scene
+
+
+def kept_steps(scene: Scene) -> frozenset[int]:
+    """Return the steps whose state is kept: named ones, and an animation's."""
+    return frozenset({*scene.readout.steps, *frames(scene)})
+
+
+def frames(scene: Scene) -> list[int]:
+    """Return the steps of an animation, evenly over the history."""
+    count = min(scene.readout.frames, scene.history.steps + 1)
+    return np.unique(np.linspace(0, scene.history.steps, count).round().astype(int)).tolist() if count else []

@@ -1,0 +1,1 @@
+"""The exact section: curves, ridges and slots in the plane (x, z), mm."""

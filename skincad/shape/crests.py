@@ -1,0 +1,49 @@
+"""Crest heights of a cast part, as measured, against the design's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from skincad.base.columns import read_columns
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import frame
+
+MOST_SHIFT = 0.02  # of the skin's thickness; F9 goes with its power -0.65, so this changes it by 1.3 %
+
+
+def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
+    """Return by how much each crest of a measured part lies lower than designed, mm, ridge 1 first.
+
+    Columns `ridge` and `crest_mm`: the summit's height over the flat back, every ridge once.
+    """
+    columns = read_columns(path, ("ridge", "crest_mm"))
+    count, ridges = design.ridge.count, columns.get("ridge", np.array([]))
+    if sorted(ridges.tolist()) != list(range(1, count + 1)) or "crest_mm" not in columns:
+        raise InputError(str(path), f"must give crest_mm of each ridge from 1 to {count} once")
+    measured = dict(zip(ridges.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
+    summits = {ridge: frame(design, ridge).at(0.0, design.ridge.height).z for ridge in measured}
+    drops = tuple(summits[ridge] - measured[ridge] for ridge in range(1, count + 1))
+    worst = max(range(count), key=lambda i: abs(drops[i]))
+    if abs(drops[worst]) > design.ridge.height:
+        raise InputError(
+            f"{path}, ridge {worst + 1}",
+            f"must be within {design.ridge.height:g} mm (ridge.height) of the designed "
+            f"{summits[worst + 1]:.4g} mm over the back",
+            measured[worst + 1],
+        )
+    return drops
+
+
+def shift_warnings(drops: tuple[float, ...], design: Design) -> tuple[str, ...]:
+    """Say that all crests of a measured part are shifted: the contact does not feel it, the thickness may."""
+    shift = -float(np.median(drops)) if drops else 0.0
+    if abs(shift) <= MOST_SHIFT * design.skin.thickness:
+        return ()
+    side = "higher" if shift > 0 else "lower"
+    return (
+        f"the median crest lies {abs(shift):.3g} mm {side} than designed: the gauge's zero, or a back of "
+        f"another thickness than the {design.skin.thickness:g} mm that the model takes",
+    )

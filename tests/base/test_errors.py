@@ -1,0 +1,86 @@
+"""What leaves the package: which errors say that a resource ran out, and what nobody may catch."""
+
+from __future__ import annotations
+
+import ast
+import errno
+import pickle
+import weakref
+from pathlib import Path
+
+import pytest
+
+import skincad
+from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhausted, needing
+
+RAN_OUT = [
+    (MemoryError(), "memory"),
+    (OSError(errno.ENOMEM, "Cannot allocate memory"), "memory"),
+    (RuntimeError("std::bad_alloc"), "memory"),
+    (ImportError("libTKernel.so: failed to map segment from shared object"), "memory"),
+    (RuntimeError("can't start new thread"), "threads or processes"),
+    (OSError(errno.EMFILE, "Too many open files"), "open files"),
+    (OSError(errno.ENOSPC, "No space left on device"), "space on the disk"),
+]
+ELSE = [
+    InputError("-o", "cannot be written (Cannot allocate memory)"),
+    RefusedError("std::bad_alloc"),
+    RuntimeError("Factor is exactly singular"),
+    ImportError("libGL.so.1: cannot open shared object file: No such file or directory"),
+    FileNotFoundError(errno.ENOENT, "No such file or directory"),
+    ZeroDivisionError(),
+]
+
+
+@pytest.mark.parametrize(("failure", "resource"), RAN_OUT, ids=str)
+def test_a_resource_that_ran_out_is_told_by_its_name(failure: Exception, resource: str) -> None:
+    assert exhausted(failure) == resource
+    with (
+        pytest.raises(ExhaustedError, match=f"the mesh needs more {resource} than there is"),
+        needing("the mesh"),
+    ):
+        raise failure
+
+
+@pytest.mark.parametrize("failure", ELSE, ids=lambda each: type(each).__name__)
+def test_no_other_failure_is_taken_for_it(failure: Exception) -> None:
+    assert exhausted(failure) == ""
+    with pytest.raises(type(failure)) as passed, needing("the mesh"):
+        raise failure
+    assert passed.value is failure
+
+
+class _Large:
+    """What a computation holds when it runs out."""
+
+
+def test_what_ran_out_is_given_back() -> None:
+    """The error that goes on keeps nothing of the computation alive, so that there is room to go on."""
+    seen: list[weakref.ref[_Large]] = []
+
+    def compute() -> None:
+        large = _Large()
+        seen.append(weakref.ref(large))
+        raise MemoryError
+
+    with pytest.raises(ExhaustedError) as told, needing("the mesh"):
+        compute()
+    assert seen[0]() is None
+    assert str(pickle.loads(pickle.dumps(told.value))) == str(told.value)
+
+
+def test_nothing_catches_all_but_the_command_lines_end() -> None:
+    """What catches every exception hides faults, and memory that ran out, behind another word."""
+    found = []
+    for file in Path(skincad.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.ExceptHandler):
+                kinds = (
+                    []
+                    if node.type is None
+                    else [n.id for n in ast.walk(node.type) if isinstance(n, ast.Name)]
+                )
+                wide = node.type is None or {"Exception", "BaseException"} & set(kinds)
+                if wide and not isinstance(node.body[-1], ast.Raise):
+                    found.append(file.name)
+    assert found == ["cli.py"]

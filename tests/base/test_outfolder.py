@@ -1,0 +1,279 @@
+import fcntl
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from skincad.base import outfolder
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.manifest import COMMANDS
+from skincad.base.outfolder import checked_folder, replaced
+
+
+def write(folder: Path, command: str = "make", **texts: str) -> None:
+    with replaced(folder, command) as staging:
+        for name, text in texts.items():
+            (staging / f"{name}.txt").write_text(text)
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {p.name: p.read_text() for p in folder.iterdir() if p.is_file() and p.name != "make.json"}
+
+
+def test_a_result_appears_whole_and_replaces_the_earlier_one(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1", b="2")
+    write(tmp_path / "x", a="3")
+    assert contents(tmp_path / "x") == {"a.txt": "3"}  # b.txt was ours and is not made anew
+    assert [p.name for p in tmp_path.iterdir()] == ["x"]
+
+
+def test_a_persons_own_files_in_the_folder_are_kept(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1")
+    (tmp_path / "x" / "notes.md").write_text("mine")
+    (tmp_path / "x" / "slices").mkdir()
+    (tmp_path / "x" / "slices" / "one.gcode").write_text("G1")
+    write(tmp_path / "x", a="2")
+    assert contents(tmp_path / "x")["notes.md"] == "mine"
+    assert (tmp_path / "x" / "slices" / "one.gcode").read_text() == "G1"
+
+
+def test_a_failure_leaves_the_earlier_result_untouched(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1")
+    with pytest.raises(RuntimeError), replaced(tmp_path / "x") as staging:
+        (staging / "a.txt").write_text("half")
+        raise RuntimeError
+    assert contents(tmp_path / "x") == {"a.txt": "1"}
+    assert [p.name for p in tmp_path.iterdir()] == ["x"]
+
+
+def test_a_folder_of_other_things_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / "thesis.tex").write_text("years")
+    with pytest.raises(InputError, match="no earlier result"):
+        write(tmp_path / "home", a="1")
+    assert contents(tmp_path / "home") == {"thesis.tex": "years"}
+
+
+def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    write(tmp_path / "link", a="1")
+    assert (tmp_path / "link").is_symlink()
+    assert contents(tmp_path / "real")["a.txt"] == "1"
+
+
+def test_a_path_through_a_file_is_an_input_error(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"^-o: .*cannot be written"):
+        write(tmp_path / "file" / "x", a="1")
+
+
+def test_a_disk_that_fills_half_way_is_an_input_error_and_changes_nothing(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1")
+    with pytest.raises(InputError, match="No space left"), replaced(tmp_path / "x") as staging:
+        (staging / "a.txt").write_text("half")
+        raise OSError(28, os.strerror(28))
+    assert contents(tmp_path / "x")["a.txt"] == "1"
+
+
+MOVES = 5  # of the test below: make.json and a.txt leave; a.txt, b.txt and make.json come
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit, OSError])
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("move", range(MOVES))
+def test_an_interruption_between_two_renames_brings_the_earlier_result_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, move: int, after: bool, interruption: type[BaseException]
+) -> None:
+    write(tmp_path / "x", a="1")
+    rename, seen = Path.rename, list[Path]()
+
+    def interrupted(self: Path, target: Path) -> Path:
+        seen.append(self)
+        if after:
+            rename(self, target)
+        if len(seen) == move + 1:
+            raise interruption
+        return target if after else rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    with pytest.raises((interruption, InputError)):
+        write(tmp_path / "x", a="2", b="2")
+    whole = after and move == MOVES - 1  # the manifest is in its place: all is
+    assert contents(tmp_path / "x") == ({"a.txt": "2", "b.txt": "2"} if whole else {"a.txt": "1"})
+    assert not [p for p in (tmp_path / "x").iterdir() if p.name.startswith(".")]
+    assert [p.name for p in tmp_path.iterdir()] == ["x"]
+    monkeypatch.undo()
+    write(tmp_path / "x", a="3")  # and its manifest says what is there
+    assert contents(tmp_path / "x") == {"a.txt": "3"}
+
+
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("function", ["mkdir", "rename", "unlink", "rmdir"])
+def test_an_interruption_anywhere_leaves_the_old_or_the_new_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, function: str, after: bool
+) -> None:
+    """Ctrl-C before or after each change of the disk; what it leaves over, the next run puts right."""
+    real = getattr(Path, function)
+    for count in range(1, 20):
+        folder = tmp_path / f"{count}"
+        write(folder, a="1")
+        calls = 0
+
+        def interrupted(self: Path, *rest: Path, at: int = count, **options: bool) -> object:
+            nonlocal calls
+            calls += 1
+            if calls == at and not after:
+                raise KeyboardInterrupt
+            done = real(self, *rest, **options)
+            if calls == at:
+                raise KeyboardInterrupt
+            return done
+
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, function, interrupted)
+            try:
+                write(folder, a="2", b="2")
+            except KeyboardInterrupt:
+                pass
+            else:
+                assert count > 1
+                return
+        checked_folder(folder)
+        assert contents(folder) in ({"a.txt": "1"}, {"a.txt": "2", "b.txt": "2"})
+        assert not list(folder.glob(".*"))
+    raise AssertionError("it never ends")
+
+
+def test_a_folder_keeps_its_mode(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1")
+    (tmp_path / "x").chmod(0o700)
+    write(tmp_path / "x", a="2")
+    assert (tmp_path / "x").stat().st_mode & 0o777 == 0o700
+
+
+def test_a_users_file_of_a_name_that_we_write_now_is_replaced_only_by_it(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1")
+    (tmp_path / "x" / "b.txt").write_text("mine")
+    write(tmp_path / "x", a="2")
+    assert contents(tmp_path / "x") == {"a.txt": "2", "b.txt": "mine"}
+
+
+def test_the_folder_one_is_in_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in (Path(), tmp_path.parent):
+        with pytest.raises(InputError, match="the folder you are in"):
+            checked_folder(folder)
+
+
+def test_a_name_that_is_too_long_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="-o: "):
+        checked_folder(tmp_path / ("x" * 300))
+
+
+def test_what_cannot_be_written_is_known_before_any_work(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for folder in (tmp_path / "file" / "x", tmp_path / "file" / "x" / "y", Path("/proc/none/x")):
+        with pytest.raises(InputError, match=r"-o: .* cannot be written"):
+            checked_folder(folder)
+    checked_folder(tmp_path / "new" / "deeper")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize("second", COMMANDS)
+@pytest.mark.parametrize("first", COMMANDS)
+def test_each_command_replaces_its_own_files_only(tmp_path: Path, first: str, second: str) -> None:
+    for command in (first, second):
+        with replaced(tmp_path / "x", command) as staging:
+            (staging / f"{command}.txt").write_text("1")
+            (staging / f"{command}-more.txt").write_text("1")
+    with replaced(tmp_path / "x", second) as staging:
+        (staging / f"{second}.txt").write_text("2")
+    expected = {f"{first}.txt": "1", f"{first}-more.txt": "1"} if first != second else {}
+    there = contents(tmp_path / "x")
+    assert {name: text for name, text in there.items() if name.endswith(".txt")} == {
+        **expected,
+        f"{second}.txt": "2",
+    }
+    assert {p.name for p in (tmp_path / "x").glob("*.json")} == {f"{first}.json", f"{second}.json"}
+
+
+def test_a_file_of_another_command_is_not_written_over(tmp_path: Path) -> None:
+    write(tmp_path / "x", "make", a="1")
+    for names in (["a.txt"], []):  # known before any work, and else before anything is put in place
+        with pytest.raises(
+            InputError, match=r"a\.txt is another's or was changed since it was written; move it away"
+        ):
+            checked_folder(tmp_path / "x", "circuit", names) if names else write(
+                tmp_path / "x", "circuit", a="2"
+            )
+    assert contents(tmp_path / "x") == {"a.txt": "1"}
+
+
+def test_a_manifest_says_who_wrote_what(tmp_path: Path) -> None:
+    with replaced(tmp_path / "x", "circuit", {"name": "n"}) as staging:
+        (staging / "b").write_text("")
+        (staging / "a").write_text("")
+    told = json.loads((tmp_path / "x" / "circuit.json").read_text())
+    assert (told["command"], told["name"], told["files"]) == ("circuit", "n", ["a", "b"])
+    nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"  # SHA-256 of no bytes
+    assert told["sha256"] == {"a": nothing, "b": nothing}
+    assert told["skincad"]
+
+
+def test_a_number_that_json_has_not_is_refused_and_the_earlier_result_stays(tmp_path: Path) -> None:
+    write(tmp_path / "x", a="1")
+    before = (tmp_path / "x" / "make.json").read_bytes()
+    for number in (float("nan"), float("inf")):
+        with pytest.raises(RefusedError, match="not finite"), replaced(tmp_path / "x", "make", {"n": number}):
+            pass
+    assert contents(tmp_path / "x") == {"a.txt": "1"}
+    assert (tmp_path / "x" / "make.json").read_bytes() == before
+
+
+def test_a_failed_first_run_leaves_no_folder(tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError), replaced(tmp_path / "new" / "deeper"):
+        raise RuntimeError
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_that_waits_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / "x", a="1")
+    held = os.open(tmp_path / "x", os.O_RDONLY)
+    fcntl.flock(held, fcntl.LOCK_EX)
+    clock, waits = [0.0], list[str]()
+
+    def sleep(seconds: float) -> None:
+        clock[0] += seconds
+        waits.append(capsys.readouterr().err)
+        if waits[-1]:
+            os.close(held)  # the other one is done
+
+    monkeypatch.setattr(outfolder.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(outfolder.time, "sleep", sleep)
+    write(tmp_path / "x", a="2")
+    assert waits[-1] == f"skincad: waiting for another skincad run in {tmp_path / 'x'}\n"
+    assert len(waits) > 1  # not at once: most waits are too short to be told
+    assert not any(waits[:-1])
+    assert capsys.readouterr().err == ""
+    assert contents(tmp_path / "x") == {"a.txt": "2"}
+
+
+def test_a_lock_on_the_parent_folder_keeps_nobody_waiting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def waits(_: float) -> None:
+        raise AssertionError("it waits")
+
+    monkeypatch.setattr(outfolder.time, "sleep", waits)
+    held = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(held, fcntl.LOCK_EX)
+    try:
+        write(tmp_path / "x", a="1")
+        write(tmp_path / "x", a="2")
+    finally:
+        os.close(held)
+    assert contents(tmp_path / "x") == {"a.txt": "2"}

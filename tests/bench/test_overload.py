@@ -1,0 +1,55 @@
+"""Scenes with forces up to a thousand times what the pad bears: refused, stopped with a reason, or right."""
+
+from __future__ import annotations
+
+import hypothesis
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+
+from bench.campaign.cases import Case, figures
+from bench.campaign.invariants import sane
+from bench.campaign.strategies import scenes
+from skincad.base.errors import InputError, RefusedError
+
+OVERLOAD = 1000.0
+
+
+def became(case: Case) -> str:
+    """What became of a case, "" for one that is wrong."""
+    try:
+        found = figures(case)
+    except InputError as refusal:
+        return f"refused: {refusal.key}"
+    except RefusedError as failure:
+        return f"unsolved: {failure}"
+    wrong = list(sane(case, found))
+    assert not wrong, (wrong, case.toml())
+    return f"stopped: {found['stopped']}" if found["failed"] else "right"
+
+
+def run(count: int, seed: int) -> list[str]:
+    """What became of `count` cases."""
+    told: list[str] = []
+
+    @hypothesis.seed(seed)
+    @settings(
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(scenes(overload=OVERLOAD))
+    def one(case: Case) -> None:
+        told.append(became(case))
+
+    one()
+    return told
+
+
+@pytest.mark.slow
+def test_overloaded_scenes_are_refused_or_right() -> None:
+    """60 of them; of 300 with the seed 71 the same was seen."""
+    told = run(60, seed=72)
+    for kind in ("refused: history.normal_force_N", "stopped: step", "right"):
+        assert any(each.startswith(kind) for each in told), told

@@ -1,0 +1,168 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad import check
+from skincad.base.columns import MOST_ROWS, read_columns
+from skincad.base.errors import InputError
+from skincad.circuit.bode import COLUMNS
+from skincad.inputs.design import Design
+from skincad.inputs.material_test import TESTS, material_test
+from skincad.shape.crests import crest_drops
+from skincad.shape.cross_section import frame
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "has no rows of numbers"),
+        ("ridge,crest_mm\n", "has no rows of numbers"),
+        ("ridge,height\n1,4.5\n", "unknown; known: crest_mm, ridge"),
+        ("ridge,crest_m\n1,4.5\n", "did you mean 'crest_mm'"),
+        ("ridge,crest_mm\n1,4.5\n", "must give crest_mm of each ridge from 1 to 9 once"),
+        ("ridge,crest_mm\n1,4.5,3\n", "row 1: must have 2 values, got 3"),
+        ("ridge,crest_mm\n1,high\n", "row 1: must be a finite number, got 'high'"),
+        ("ridge,crest_mm\n1,nan\n", "row 1: must be a finite number, got 'nan'"),
+        ("ridge,crest_mm\n" + "\n".join(f"{i},3.0" for i in range(1, 10)), "must be within 0.5 mm"),
+    ],
+)
+def test_a_bad_file_is_refused_with_its_row_and_remedy(
+    tmp_path: Path, yamada: Design, text: str, words: str
+) -> None:
+    path = tmp_path / "crests.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        crest_drops(path, yamada)
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def as_designed(path: Path, design: Design) -> Path:
+    rows = [f"{r},{frame(design, r).at(0.0, design.ridge.height).z!r}" for r in range(1, 10)]
+    path.write_text("ridge,crest_mm\n" + "\n".join(rows))
+    return path
+
+
+def test_a_missing_file_and_a_wrong_tier_are_refused(tmp_path: Path, yamada: Design) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        check(yamada, measured=tmp_path / "none.csv")
+    with pytest.raises(InputError, match="--measured: is not judged by --tier winkler"):
+        check(yamada, measured=as_designed(tmp_path / "crests.csv", yamada), tier="winkler")
+
+
+ROWS = ((1.0, 4.5156), (2.0, -0.25), (3.0, 1.5e-7), (1e3, 10.0))
+SPELLINGS = {
+    "commas": "ridge,crest_mm\n{rows}",
+    "semicolons": "ridge;crest_mm\n{rows}",
+    "tabs": "ridge\tcrest_mm\n{rows}",
+    "quoted names": '"ridge";"crest_mm"\n{rows}',
+    "blanks": " ridge ; crest_mm \n\n{rows}\n  \n",
+    "trailing separators": "ridge;crest_mm;;\n;;;\n{rows};;\n;;;",
+    "comments": "# by hand, 21.11.; in mm\nridge;crest_mm\n# 1,5;2.5\n{rows}\n",
+    "quoted numbers": "ridge;crest_mm\n{quoted}",
+}
+
+
+def spelt(text: str, decimal: str) -> str:
+    separator = next(mark for mark in "\t;," if mark in text)
+    rows = [[repr(value).replace(".", decimal) for value in row] for row in ROWS]
+    return text.format(
+        rows="\n".join(separator.join(row) for row in rows),
+        quoted="\n".join(separator.join(f'"{cell}"' for cell in row) for row in rows),
+    )
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_one_table_reads_the_same_however_a_spreadsheet_writes_it(
+    tmp_path: Path, spelling: str, decimal: str, line_end: str, encoding: str
+) -> None:
+    if (spelling, decimal) == ("commas", ","):
+        return  # refused, below
+    path = tmp_path / "crests.csv"
+    path.write_bytes(spelt(SPELLINGS[spelling], decimal).replace("\n", line_end).encode(encoding))
+    columns = read_columns(path, ("ridge", "crest_mm"))
+    assert list(columns) == ["ridge", "crest_mm"]
+    assert np.array_equal(np.stack([*columns.values()], axis=1), np.array(ROWS))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("ridge,crest_mm\n1,4,5\n", "row 1: must have 2 values, got 3; write decimals with a point, or sep"),
+        (
+            'ridge,crest_mm\n1,"4,5"\n',
+            "row 1: must be a finite number, got '4,5'; write decimals with a point",
+        ),
+        (
+            "ridge;crest_mm\n1;4,5\n2;4.5\n",
+            "row 2: must be a finite number, got '4.5'; write all decimals with",
+        ),
+        (
+            "ridge;crest_mm\n1;1.234,5\n",
+            "row 1: must be a finite number, got '1.234,5'; write all decimals with",
+        ),
+        ("ridge;crest_mm\n1;1,234,5\n", "row 1: must be a finite number, got '1,234,5'"),
+        (
+            "ridge;crest_mm\n1\t4,5\n",
+            "row 1: must have 2 values, got 1; separate them by semicolon, as in the",
+        ),
+        ("ridge;crest_mm\n;4,5\n", "row 1: must be a finite number, got ''"),
+        ("ridge;height\n1;4,5\n", "column 'height': unknown; known: crest_mm, ridge"),
+        ("ridge;crest_mm,\n1;4,5\n", "column 'crest_mm,': unknown; did you mean 'crest_mm'"),
+        ("ridge crest_mm\n1 4.5\n", "unknown; separate columns by comma, semicolon, tab: ridge,crest_mm"),
+        ("ridge;crest_mm\n1;1_0\n", "row 1: must be a finite number, got '1_0'"),
+        ("ridge;crest_mm\n1;\u0661\n", "row 1: must be a finite number, got '\u0661'"),
+        ("ridge;crest_mm\n" * 2, "row 1: must be a finite number, got 'ridge'"),
+    ],
+)
+def test_what_two_readings_would_fit_is_refused_with_the_way_out(
+    tmp_path: Path, text: str, words: str
+) -> None:
+    path = tmp_path / "crests.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        read_columns(path, ("ridge", "crest_mm"))
+    assert words in str(refused.value)
+
+
+def test_utf_16_without_its_mark_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "crests.csv"
+    path.write_bytes("ridge;crest_mm\n1;4,5\n".encode("utf-16-le"))
+    with pytest.raises(InputError, match="is not UTF-8 text; save it as CSV in UTF-8"):
+        read_columns(path, ("ridge", "crest_mm"))
+
+
+def test_every_reader_takes_a_european_spreadsheet(tmp_path: Path, yamada: Design) -> None:
+    plain, european = as_designed(tmp_path / "crests.csv", yamada), tmp_path / "crests-eu.csv"
+
+    def translated() -> None:
+        european.write_text(
+            "\ufeff" + plain.read_text().replace(",", ";").replace(".", ","), encoding="utf-8"
+        )
+
+    translated()
+    assert crest_drops(european, yamada) == crest_drops(plain, yamada)
+    for pair in TESTS[:2]:
+        plain.write_text(",".join(pair) + "\n" + "\n".join(f"{i / 100},{i / 7}" for i in range(20)))
+        translated()
+        one, other = material_test(plain), material_test(european)
+        assert np.array_equal(one.deformation, other.deformation)
+        assert np.array_equal(one.load, other.load)
+    gain = np.random.default_rng(1).normal(0, 100, 50)
+    rows = "\n".join(f"{10.5 + i},{level}" for i, level in enumerate(gain))
+    plain.write_text(f"frequency_Hz,gain_dB\n{rows}\n")
+    translated()
+    one, other = (read_columns(path, COLUMNS) for path in (plain, european))
+    assert all(np.array_equal(one[name], other[name]) for name in COLUMNS)
+    assert np.array_equal(other["gain_dB"], gain)
+
+
+def test_more_rows_than_any_test_has_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "crests.csv"
+    path.write_text("ridge;crest_mm\n" + ";\n" * (MOST_ROWS + 1))
+    with pytest.raises(InputError, match=f"must have at most {MOST_ROWS} rows"):
+        read_columns(path, ("ridge", "crest_mm"))

@@ -1,0 +1,104 @@
+"""A workshop's own processes: how they reach a design, and how a bad file is refused."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.inputs.catalog import processes, processes_text
+from skincad.inputs.process import PROCESSES
+from skincad.mechanics.touching import spread_of
+from tests.conftest import run_skincad
+
+OWN = """
+[sla]
+pixel = 0.035
+crest_sigma = 0.02
+
+[my-mill]
+based_on = "cnc"
+tool_radius = 0.1
+"""
+
+
+@pytest.fixture
+def printer(tmp_path: Path) -> Path:
+    path = tmp_path / "printer.toml"
+    path.write_text(OWN)
+    return path
+
+
+def test_every_shipped_value_is_a_key_with_a_source() -> None:
+    assert tuple(processes()) == PROCESSES
+    rows = [row for row in processes_text().splitlines() if " = " in row and not row.startswith("#")]
+    assert len(rows) == sum(len(table) for table in tomllib.loads(processes_text()).values())
+    assert all("# assumption" in row or "# source" in row for row in rows)
+
+
+def test_an_own_file_changes_what_it_names_and_no_more(printer: Path) -> None:
+    design = skincad.load("lab-bench", printer=printer)
+    own, shipped = processes(design.printer), processes()
+    assert own["sla"] == shipped["sla"].model_copy(update={"pixel": 0.035, "crest_sigma": 0.02})
+    assert own["my-mill"] == shipped["cnc"].model_copy(update={"tool_radius": 0.1})
+    assert own["edm"] == shipped["edm"]
+    assert spread_of(design).crest_sigma == 0.02
+
+
+def test_the_design_carries_it_without_the_file(printer: Path) -> None:
+    design = skincad.load("lab-bench", ["mold.process=my-mill"], printer=printer)
+    assert design.with_(ridge={"height": 1.01}).printer == design.printer
+    assert skincad.Design.model_validate(design.model_dump(exclude_none=True)) == design
+    assert design.model_dump()["printer"] == tomllib.loads(OWN)
+    assert hash(design) == hash(design.with_())
+    assert design != design.with_(printer={"my-mill": {"based_on": "edm"}})
+
+
+def test_the_command_lines_keys_come_last(printer: Path) -> None:
+    design = skincad.load("lab-bench", ["printer.sla.pixel=0.01"], printer=printer)
+    assert processes(design.printer)["sla"].pixel == 0.01
+    assert processes(design.printer)["sla"].crest_sigma == 0.02
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[sla]\npixl = 1.0", "printer.sla.pixl: unknown key; did you mean 'pixel'?"),
+        ("[sla]\npixel = -1.0", "printer.sla.pixel: must be greater than or equal to 0 (mm), got -1"),
+        ("[sla]\npixel = nan", "printer.sla.pixel: must be a finite number (mm), got nan"),
+        ("[mine]\npixel = 1.0", "printer.mine.based_on: is missing for a new process; name fdm, sla"),
+        ("[mine]\nbased_on = 'x'", "printer.mine.based_on: must be 'fdm', 'sla', 'cnc' or 'edm', got 'x'"),
+        ("[sla]\nbased_on = 'cnc'", "printer.sla.based_on: must not be given for sla, got 'cnc'"),
+        ("['a b c']\nbased_on = 'cnc'", "printer: the name must be 3 to 32 lower-case letters"),
+        ('["abc\\n"]\nbased_on = "cnc"', "printer: the name must be 3 to 32 lower-case letters"),
+        ("pixel = 1.0", "printer.pixel: must be a table, [printer.pixel], got 1"),
+        ("[sla", "printer.toml: is not TOML"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "printer.toml"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        skincad.load("lab-bench", printer=path)
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_process_is_shipped_or_ones_own(printer: Path) -> None:
+    with pytest.raises(InputError, match="'edm' or 'my-mill', got 'my-mil'"):
+        skincad.load("lab-bench", ["mold.end_plate_process=my-mil"], printer=printer)
+
+
+def test_the_command_line_takes_a_printer_and_refuses_a_bad_one(tmp_path: Path, printer: Path) -> None:
+    good = run_skincad("check", "plain-ridges", "--tol", "0.1", "--printer", str(printer), cwd=tmp_path)
+    assert good.returncode in (0, 1), good.stderr
+    printer.write_text("[sla]\npixl = 1.0")
+    for command in ("check", "make"):
+        bad = run_skincad(command, "plain-ridges", "--printer", str(printer), cwd=tmp_path)
+        assert bad.returncode == 2
+        assert bad.stderr == "skincad: printer.sla.pixl: unknown key; did you mean 'pixel'?\n"
+    missing = run_skincad("make", "plain-ridges", "--printer", "none.toml", cwd=tmp_path)
+    assert missing.returncode == 2
+    assert "none.toml: cannot be read" in missing.stderr
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,228 @@
+"""The ladders on a small design: what is on them, and errors that fall as theory says."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from skincad import load
+from skincad.base.errors import InputError
+from skincad.base.stopwatch import Progress
+from skincad.effects import EFFECTS
+from skincad.inputs.design import Design
+from skincad.ladders import circuit, contact, effects, slip, tessellation
+from skincad.ladders.circuit import HOLDS, PER_PERIOD
+from skincad.ladders.ladder import LADDERS, Ladder, Rung, ladder_of
+
+
+@pytest.fixture(scope="module")
+def small() -> Design:
+    """Three ridges, with slots and film."""
+    return load("yamada-2002").with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 1.0})
+
+
+@pytest.fixture(scope="module")
+def plain(small: Design) -> Design:
+    return small.with_(slot=None, film=None, contact={"film": None})
+
+
+def teller(told: list[str]) -> Progress:
+    """A Progress that keeps the stages."""
+
+    def tell(stage: str, left: float | None = None, /) -> None:
+        told.append(stage)
+
+    return tell
+
+
+def errors(found: Ladder, model: str, measure: str) -> list[float]:
+    return [rung.errors[measure] for rung in found.rungs if rung.model == model]
+
+
+def assert_whole(found: Ladder) -> None:
+    """What every ladder promises: errors by its own measures, each with a reference and how it is known."""
+    known = {measure.name for measure in found.measures}
+    assert found.rungs
+    for rung in found.rungs:
+        assert set(rung.errors) <= known
+        assert rung.seconds > 0
+        assert all(np.isfinite(error) and error >= 0 for error in rung.errors.values())
+    assert all(measure.reference and measure.checked for measure in found.measures)
+    assert {row["model"] for row in found.rows() if row["error"] is not None}
+
+
+@pytest.mark.parametrize("name", LADDERS)
+def test_every_ladder_of_the_table_has_its_prices(name: str, small: Design, plain: Design) -> None:
+    for design in (small, plain):
+        once, thrice = (ladder_of(name).prices(design, repeats) for repeats in (1, 3))
+        assert all(stage.startswith(f"{name}: ") for stage in once)
+        assert all(0 < once[stage] <= thrice[stage] for stage in once)
+    assert callable(ladder_of(name).ladder)
+
+
+def test_a_tier_that_refuses_a_design_has_no_price(small: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bar must not end what the ladder would skip with its reason."""
+
+    def refuse(name: str, design: Design) -> float:
+        raise InputError("slot", "must lie inside the outline")
+
+    monkeypatch.setattr(contact, "own", refuse)
+    prices = contact.prices(small, 1)
+    assert prices["contact: solid"] == prices["contact: corrected"] == 0.0
+
+
+def test_an_unknown_ladder_is_refused_with_what_was_meant() -> None:
+    with pytest.raises(InputError, match="--ladder: unknown ladder, got 'contcat'; did you mean 'contact'"):
+        ladder_of("contcat")
+
+
+def test_holds_converge_at_their_orders(small: Design) -> None:
+    """Zero-order hold 1, the others 2: from 256 to 4096 samples, where higher terms are a few per cent."""
+    found = circuit.ladder(small, 1, None)
+    assert_whole(found)
+    finer = np.log(PER_PERIOD[-1] / PER_PERIOD[-3])
+    for hold, order in zip(HOLDS, (2.0, 1.0, 2.0), strict=True):
+        output = errors(found, hold, "output")
+        assert np.log(output[-3] / output[-1]) / finer == pytest.approx(order, abs=0.05)
+
+
+def test_the_first_order_hold_is_exact_for_a_kink(small: Design) -> None:
+    """Straight between samples, so only rounding of up to 40 000 steps is left; the others need the rate."""
+    found = circuit.ladder(small, 1, None)
+    assert max(errors(found, HOLDS[0], "kink")) < 1e-8
+    for hold in HOLDS[1:]:
+        kink = errors(found, hold, "kink")
+        assert all(b < a for a, b in pairwise(kink))
+        assert kink[-1] > 1e-6
+
+
+def test_meshes_keep_their_chord_and_their_volume_follows_it(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tessellation, "CHORDS", dict.fromkeys((3e-2, 3e-3, 3e-4), 0.1))
+    told: list[str] = []
+    found = tessellation.ladder(small, 1, teller(told))
+    assert told == list(tessellation.prices(small, 1))
+    assert_whole(found)
+    chords = [share * small.ridge.height for share in (3e-2, 3e-3, 3e-4)]
+    for model in (tessellation.MANIFOLD, tessellation.KERNEL):
+        deviation, volume = errors(found, model, "deviation"), errors(found, model, "volume")
+        # a tenth is the reference's own error, added to all
+        assert all(d <= 1.1 * chord * (1 + 1e-9) for d, chord in zip(deviation, chords, strict=True))
+        assert all(b < a for a, b in pairwise(volume))
+        # a chord cuts off 2/3 of its height on average, so volume follows the chord; not at few chords an arc
+        assert volume[-1] < volume[0] / 5
+
+
+def small_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two meshes and few steps: what is asked of them here does not hang on how fine they are."""
+    monkeypatch.setattr(
+        contact,
+        "LEVELS",
+        {"linear": ((0.5, 2), (0.5, 3), (1.0, 4)), "finite-strain": ((0.5, 2), (0.5, 3), (0.5, 4))},
+    )
+    monkeypatch.setattr(contact, "MESH", 0.05)
+    monkeypatch.setattr(slip, "MESHES", ((0.5, 2), (0.5, 3)))
+    monkeypatch.setattr(slip, "STEPS", (22, 55, 110, 220, 440))
+    monkeypatch.setattr(effects, "STEPS", 22)
+    monkeypatch.setattr(effects, "FEWER", {})
+
+
+@pytest.fixture(scope="module")
+def pressed(plain: Design) -> Ladder:
+    with pytest.MonkeyPatch.context() as patch:
+        small_ladders(patch)
+        told: list[str] = []
+        found = contact.ladder(plain, 1, teller(told))
+        assert told == list(contact.prices(plain, 1))
+        return found
+
+
+def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
+    assert_whole(pressed)
+    assert not pressed.skipped
+    assert {rung.model for rung in pressed.rungs} == {
+        "winkler", "linear", "finite-strain", "solid", "corrected", *contact.BEST[:2],
+    }  # fmt: skip
+
+
+def test_higher_orders_cost_and_gain(pressed: Ladder) -> None:
+    for model in ("linear", "finite-strain"):
+        rungs = [rung for rung in pressed.rungs if rung.model == model]
+        lower, higher = rungs[:2]
+        assert higher.unknowns > lower.unknowns
+        assert higher.errors["mesh F9"] < lower.errors["mesh F9"]
+        assert higher.errors["mesh approach"] < lower.errors["mesh approach"]
+
+
+def test_no_mesh_buys_what_a_model_leaves_out(pressed: Ladder) -> None:
+    """The linear tier's whole error is its model's: finer meshes leave it within a twentieth."""
+    whole = errors(pressed, "linear", "whole approach")
+    assert max(whole) < 1.05 * min(whole)
+    for measure in ("whole F9", "whole approach"):
+        assert errors(pressed, "corrected", measure)[0] < min(errors(pressed, "linear", measure))
+        assert errors(pressed, "corrected", measure)[0] < errors(pressed, "winkler", measure)[0]
+
+
+def test_the_reference_is_named_with_its_own_error(pressed: Ladder) -> None:
+    whole = next(measure for measure in pressed.measures if measure.name == "whole F9")
+    assert whole.reference.startswith("solid-finite-strain")
+    assert 0 < whole.floor < 0.05  # its stated error: the mesh that was asked
+    assert not next(m for m in pressed.measures if m.name == "mesh F9").compares
+
+
+def test_what_cannot_judge_a_design_is_skipped_with_its_reason(
+    plain: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small_ladders(monkeypatch)
+    curved = plain.with_(skin={"curvature_radius_y": 40.0})
+    found = contact.ladder(curved, 1, None)
+    assert [rung.model for rung in found.rungs] == ["winkler"]
+    assert all("curvature_radius_y" in why for why in found.skipped.values())
+
+
+@pytest.fixture(scope="module")
+def slipped(small: Design) -> Ladder:
+    with pytest.MonkeyPatch.context() as patch:
+        small_ladders(patch)
+        told: list[str] = []
+        found = slip.ladder(small, 1, teller(told))
+        assert told == list(slip.prices(small, 1))
+        return found
+
+
+def test_more_steps_find_the_signal(slipped: Ladder) -> None:
+    assert_whole(slipped)
+    signal = errors(slipped, "time step", "signal")
+    assert signal[-1] < signal[0] / 3  # the step moves the slip's instant: first order, ten times the steps
+    assert len([r for r in slipped.rungs if r.model == "mesh"]) == 1
+
+
+def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    small_ladders(monkeypatch)
+    found = slip.ladder(plain, 1, None)
+    assert not found.skipped
+    assert "travel" in found.measures[0].what
+
+
+QUICK = ("film", "friction", "piezo", "small_strain")
+
+
+@pytest.mark.parametrize("named", [QUICK, pytest.param(tuple(EFFECTS), marks=pytest.mark.slow)])
+def test_every_effect_is_tried_or_skipped_with_a_reason(
+    named: tuple[str, ...], small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small_ladders(monkeypatch)
+    monkeypatch.setattr(effects, "EFFECTS", {name: EFFECTS[name] for name in named})
+    found = effects.ladder(small, 1, None)
+    tried = {rung.model for rung in found.rungs}
+    assert tried | set(found.skipped) == set(named)
+    assert {"friction", "film"} <= tried
+    left_out = {r.model: r.errors for r in found.rungs if r.setting.startswith("left out")}
+    assert left_out["friction"]["signal"] > left_out["film"]["signal"] > 0
+    named: list[Rung] = [r for r in found.rungs if r.setting.startswith("named")]
+    assert all(not rung.errors for rung in named)
+    price = {rung.model: rung.runs for rung in named}  # a diagram shows what an error costs to be without
+    assert all(rung.instead == price[rung.model] for rung in found.rungs if rung.errors)

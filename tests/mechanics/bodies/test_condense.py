@@ -1,0 +1,65 @@
+"""One factorisation: what it says of a matrix that has none, and of what is not the matrix's fault."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from netgen.geom2d import SplineGeometry
+from netgen.meshing import NgException
+from ngsolve import Mesh
+from scipy import sparse
+
+from skincad.mechanics.bodies import condense, mesh, neo_hooke
+from skincad.mechanics.problem import ContactError, pad_of
+from tests.mechanics.designs import filleted
+
+
+def test_a_singular_matrix_has_no_factors() -> None:
+    with pytest.raises(ContactError, match="singular"):
+        condense.factors(sparse.csc_matrix(np.zeros((3, 3))))
+
+
+def test_another_failure_of_the_factorisation_is_not_called_singular(monkeypatch: pytest.MonkeyPatch) -> None:
+    def splu(*_: object, **__: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(condense, "splu", splu)
+    with pytest.raises(RuntimeError, match="thread"):
+        condense.factors(sparse.identity(3, format="csc"))
+
+
+def test_a_tangent_is_singular_only_where_its_library_says_so() -> None:
+    """Of a state that is no state NGSolve finds an element's block singular; memory is another matter."""
+    square = SplineGeometry()
+    square.AddRectangle((0, 0), (1, 1), bcs=("back", "free", "contact1", "free"))
+    square.SetMaterial(1, "skin")
+    made = neo_hooke.body(Mesh(square.GenerateMesh(maxh=0.5)), 2, {"skin": (1.0, 0.49)})
+    nowhere = np.full(made.free.size, np.nan)
+    with pytest.raises(ContactError, match="the tangent stiffness of an element is singular"):
+        neo_hooke.tangent(made, nowhere, nowhere)
+
+
+@pytest.mark.parametrize("failure", [NgException("Could not allocate localheap"), MemoryError()])
+def test_memory_that_ran_out_is_no_singular_tangent(
+    failure: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Form:
+        def AssembleLinearization(self, _: object) -> None:  # noqa: N802
+            raise failure
+
+    class Body:
+        form = Form()
+
+    monkeypatch.setattr(neo_hooke, "_vector", lambda *_: None)
+    with pytest.raises(type(failure)):
+        neo_hooke.tangent(Body(), np.zeros(1), np.zeros(1))  # type: ignore[arg-type]
+
+
+def test_netgen_without_memory_is_no_bad_section(monkeypatch: pytest.MonkeyPatch) -> None:
+    def without(*_: object) -> object:
+        raise NgException("std::bad_alloc")
+
+    monkeypatch.setattr(mesh, "_geometry", without)
+    pad = pad_of(filleted())
+    with pytest.raises(NgException):
+        mesh.triangles(pad, mesh.default_sizes(pad, 1.0))

@@ -1,0 +1,286 @@
+"""The neo-Hookean pad under a plate with friction: closed forms, tangent, invariants, the other solvers."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from skincad.mechanics import reference as closed_forms
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.large_field import strip_stress
+from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
+from skincad.mechanics.contact.dragged import Dragged, State, dragged, linearised, newton, unloaded
+from skincad.mechanics.contact.frictional import grip
+from skincad.mechanics.contact.grip import STICK, Cone, Drive, GrossSlip, Pressed
+from skincad.mechanics.contact.newton import RESIDUAL, press_to, pressed
+from skincad.mechanics.contact.stride import to
+from skincad.mechanics.film.sliding import sliding
+from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stress import filled_pad
+from skincad.mechanics.problem import ContactError, Pad, pad_of
+from tests.mechanics.bodies.test_elements import block
+from tests.mechanics.designs import filleted, yamada
+
+STICKY = Cone(20.0, 20.0)
+SMOOTH = Cone(0.0, 0.0)
+
+
+def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None = None) -> Dragged:
+    unit = unit_of(pad)
+    mesh = elements.curved(triangles(pad, sizes or default_sizes(pad, fineness)), order)
+    scale = pad.young_modulus * unit * pad.length
+    materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
+    return dragged(mesh, order, materials, pad.top, unit, scale)
+
+
+@cache
+def three() -> tuple[Pad, Dragged]:
+    """Three ridges, coarse: 0.1 s a step."""
+    pad = pad_of(filleted().with_(ridge={"count": 3}, skin={"width": 5.0}))
+    return pad, whole(pad, 0.35)
+
+
+def march(pad: Dragged, drives: list[Drive], cone: Cone, start: State | None = None) -> list[State]:
+    found = [start or unloaded(pad)]
+    for before, after in pairwise([Drive(0.0, 0.0), *drives] if start is None else drives):
+        found.append(to(pad, found[-1], before, after, cone))
+    return found[1:]
+
+
+@cache
+def pulled() -> list[State]:
+    """Pressed by 1.2 N in three steps, pulled to 0.54 N of 0.6 in six."""
+    drives = [Drive(0.4 * i, 0.0) for i in (1, 2, 3)] + [Drive(1.2, 0.09 * i) for i in range(1, 7)]
+    return march(three()[1], drives, Cone(0.5, 0.5))
+
+
+def test_a_block_sheared_with_stick_is_simple_shear() -> None:
+    """Bonded by friction, pressed to l h, then dragged by s: P_xz = G s / h and P_zz = G (l - 1 / l) +
+    lambda (l - 1) in its middle, for F = [[1, s / h], [0, l]]. 1e-3: its ends, 8 heights away.
+    """
+    pad = block(8.0, 0.5, 0.3)
+    what = whole(pad, sizes=Sizes(0.1, 0.1, 0.1, 0.1))
+    drives = [Drive(1.0, travel=0.0), *(Drive(1.0, travel=0.05 * i) for i in (1, 2))]
+    found = march(what, drives, STICKY)[-1]
+    shear, rest = closed_forms.lame(0.7, 0.3)
+    stretch = 1 - found.grip.approach / 0.5
+    middle = np.abs(what.x) < 0.3
+    nodal = what.weight[middle] * pad.length
+    along = found.grip.tangential[middle] / nodal
+    across = -found.grip.normal[middle] / nodal
+    assert (found.grip.status == STICK)[middle].all()
+    assert along.mean() == pytest.approx(closed_forms.neo_hookean_shear(0.2, shear), rel=1e-3)
+    assert across.mean() == pytest.approx(shear * (stretch - 1 / stretch) + rest * (stretch - 1), rel=1e-3)
+
+
+def test_without_friction_it_is_the_finite_strain_tier() -> None:
+    """On one mesh, to ten times the residuals."""
+    pad, what = three()
+    unit = unit_of(pad)
+    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.35)), 2)
+    wanted = press_to(pressed(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}, pad.top / unit), 1.2 / what.scale)
+    found = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
+    assert found.values == pytest.approx(wanted.values, abs=10 * RESIDUAL * np.abs(wanted.values).max())
+    assert found.grip.normal.sum() == pytest.approx(1.2, rel=1e-10)
+    assert not found.grip.tangential.any()
+
+
+def test_small_loads_are_small_strain_to_first_order() -> None:
+    """The relative distance of travels and films' stresses halves with the load: order 1 within 0.15."""
+    design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
+    part = part_of(*filled_pad(design), halved=False)
+    mesh = triangles(part.pad, default_sizes(part.pad, 0.35))
+    small = sliding(part, mesh, 2, True)
+    stiff = {"skin": (1.0, part.pad.poisson_ratio), "film": (3750.0, 0.35)}
+    scale = part.pad.young_modulus * part.unit * part.pad.length
+    what = dragged(elements.curved(mesh, 2), 2, stiff, part.pad.top, part.unit, scale)
+    strips = strip_stress(what.body, 2, stiff, part.slots, part.thickness, part.unit)
+    apart = []
+    for force in (1e-3, 5e-4, 2.5e-4):
+        # one touching point moves on to the next as it grows: bonded points make the contact the same
+        drives = [Drive(force, travel=0.0), Drive(force, 0.3 * force)]
+        found = march(what, drives, STICKY)[-1]
+        skin = Pressed(small.compliance, small.gap, np.zeros(2 * small.gap.size))
+        linear = grip(skin, unloaded(what).grip, drives[0], STICKY)
+        linear = grip(skin, linear, drives[1], STICKY)
+        assert (linear.status == found.grip.status).all()
+        stress = small.strips @ np.concatenate([linear.tangential, -linear.normal])
+        films = strips.at(found.values) * part.pad.young_modulus
+        largest = np.abs(stress).max()
+        apart.append([found.grip.travel / linear.travel - 1, np.abs(films - stress).max() / largest])
+    rates = np.log2(np.abs(np.array(apart[:-1]) / np.array(apart[1:])))
+    assert np.abs(apart[-1]).max() < 0.02
+    assert rates == pytest.approx(np.ones_like(rates), abs=0.15)
+
+
+@pytest.mark.parametrize("drives", [(0.3, None), (None, 0.7)], ids=["stick", "slip"])
+def test_tangent_is_the_derivative(drives: tuple[float | None, float | None]) -> None:
+    """What the linearised contact predicts for a change of the drive by 1e-5, against central differences.
+
+    In stick the pull changes; in slip, where all slides, the normal force. 1e-3: what the states' residuals
+    of 1e-9 and the change's second order leave of the difference.
+    """
+    what, (pull, travel) = three()[1], drives
+    cone = STICKY if pull else Cone(0.3, 0.3)
+    steps = [Drive(1.0, travel=0.0), Drive(1.0, travel=(travel or 0.1) / 2)]
+    start = march(what, [*steps, Drive(1.0, pull, travel)], cone)[-1]
+    change = 1e-5
+
+    def drive(share: float) -> Drive:
+        more = share * change
+        return Drive(1.0, pull + more) if pull else Drive(1.0 + more, travel=(travel or 0.0) + 0.05)
+
+    here = newton(what, start, drive(0.0), cone)
+    linearised(what, here.values, what.body.residual(here.values))
+    skin = predicted(what, here)
+    ahead, back = (newton(what, start, drive(s), cone).grip for s in (1.0, -1.0))
+    guess = grip(skin, start.grip, drive(1.0), cone)
+    assert (ahead.status == back.status).all()
+    assert guess.slips[guess.touches].all() != bool(pull)
+    for name in ("approach", "travel"):
+        slope = (getattr(ahead, name) - getattr(back, name)) / 2
+        largest = abs(ahead.approach - back.approach) + abs(ahead.travel - back.travel)
+        assert getattr(guess, name) - getattr(here.grip, name) == pytest.approx(slope, abs=1e-3 * largest)
+
+
+def predicted(what: Dragged, here: State) -> Pressed:
+    """The linearised contact at a state, which is in balance with its contact forces."""
+    linear = what.kept[0]
+    force = np.concatenate([here.grip.tangential, -here.grip.normal])
+    place = what.rows @ here.values[what.contact] * what.unit
+    return Pressed(linear.compliance, what.gap, place - linear.compliance @ force)
+
+
+def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
+    """Checked apart from the solver's own measure, to its 1e-9."""
+    what = three()[1]
+    m = what.gap.size
+    for state in pulled():
+        contact = state.grip
+        moved = what.rows @ state.values[what.contact] * what.unit
+        gap = what.gap - contact.approach - moved[m:]
+        length, largest = np.ptp(what.gap), contact.normal.max()
+        assert gap.min() >= -1e-9 * length
+        assert np.abs(gap * contact.normal).max() <= 1e-9 * length * largest
+        assert (np.abs(contact.tangential) - 0.5 * contact.normal).max() <= 1e-9 * largest
+        assert (contact.tangential * contact.slipped).max() <= 1e-9 * length * largest
+        assert state.residual <= RESIDUAL
+        assert state.dissipated >= -1e-9 * largest * length
+
+
+def test_what_the_plate_does_is_stored_or_dissipated() -> None:
+    """Trapezoids: the missing work falls at least as the step, from 0.7 % at six steps of pulling."""
+    what, missing = three()[1], []
+    for count in (3, 6, 12):
+        drives = [Drive(1.2 * i / count, 0.0) for i in range(1, count + 1)]
+        drives += [Drive(1.2, 0.54 * i / count) for i in range(1, count + 1)]
+        found = march(what, drives, Cone(0.5, 0.5))
+        work = 0.0
+        for a, b in pairwise([unloaded(what), *found]):
+            force = [(x.grip.normal.sum(), x.grip.tangential.sum()) for x in (a, b)]
+            moves = b.grip.approach - a.grip.approach, b.grip.travel - a.grip.travel
+            work += float(np.mean(force, axis=0) @ moves)
+        stored = what.body.energy(found[-1].values) * what.scale * what.unit
+        missing.append(abs(work - stored - sum(state.dissipated for state in found)) / work)
+    assert missing[1] < 0.01
+    assert missing[2] < 0.6 * missing[1] < 0.6 * missing[0]
+
+
+def test_a_held_load_does_not_creep() -> None:
+    what = three()[1]
+    first = state = pulled()[-2]
+    drive = Drive(1.2, 0.45)
+    for _ in range(20):
+        state = newton(what, state, drive, Cone(0.5, 0.5))
+    stuck = first.grip.status == STICK
+    assert stuck.any()
+    assert (first.grip.anchor[stuck] == state.grip.anchor[stuck]).all()
+    assert state.grip.travel == pytest.approx(first.grip.travel, rel=10 * RESIDUAL)
+
+
+def test_same_march_same_bits() -> None:
+    """Whatever the pad was used for before."""
+    drives = [Drive(0.4, 0.0), Drive(0.8, 0.0), Drive(0.8, 0.1)]
+    one, other = (march(three()[1], drives, Cone(0.5, 0.5))[-1] for _ in range(2))
+    assert (one.values == other.values).all()
+    assert (one.grip.tangential == other.grip.tangential).all()
+
+
+def test_more_friction_than_sticks_changes_nothing() -> None:
+    """Where all sticks the cone is not felt."""
+    what = three()[1]
+    drives = [Drive(0.8, travel=0.0), Drive(0.8, travel=0.1)]
+    one, other = (march(what, drives, Cone(mu, mu))[-1] for mu in (20.0, 15.0))
+    assert one.grip.tangential == pytest.approx(other.grip.tangential, abs=1e-8)
+
+
+def test_pulling_back_mirrors_everything() -> None:
+    """To the mesh, which is no mirror image of itself: 1 %."""
+    what = three()[1]
+    back = [Drive(0.6, 0.0), Drive(1.2, 0.0), *(Drive(1.2, -0.15 * i) for i in (1, 2, 3))]
+    ahead = [Drive(d.normal, -(d.tangential or 0.0)) for d in back]
+    one, other = (march(what, d, Cone(0.5, 0.5))[-1].grip for d in (ahead, back))
+    assert one.travel == pytest.approx(-other.travel, rel=0.01)
+    of = [np.array([g.normal[what.ridge == r].sum() for r in (1, 2, 3)]) for g in (one, other)]
+    assert of[0] == pytest.approx(of[1][::-1], rel=0.01)
+
+
+def test_gross_slip_tells_the_state_that_slips() -> None:
+    with pytest.raises(GrossSlip) as end:
+        to(three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), Cone(0.5, 0.5))
+    last = end.value.last
+    assert isinstance(last, State)
+    assert last.grip.slips.all() or last.grip.gross
+    assert last.grip.tangential.sum() == pytest.approx(0.6, rel=1e-9)
+    assert last.residual <= RESIDUAL
+
+
+def test_lifting_the_plate_forgets_it() -> None:
+    what = three()[1]
+    lifted = to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), Cone(0.5, 0.5))
+    assert not lifted.values.any()
+    assert not lifted.grip.normal.any()
+
+
+def test_a_step_without_equilibrium_is_refused() -> None:
+    """More than the skin bears: an accepted state balances, so this is an error, not a state."""
+    with pytest.raises(ContactError):
+        to(three()[1], unloaded(three()[1]), Drive(0.0, 0.0), Drive(60.0, 0.0), SMOOTH, 0)
+
+
+def test_strips_stress_turns_with_the_strip() -> None:
+    """A strip stretched by 1.3 along itself, and then turned by 50 degrees: one stress, the closed form's.
+
+    1e-9: rounding, beside a bulk modulus of 170 E.
+    """
+    design = yamada().with_(ridge={"count": 1}, skin={"width": 3.0})
+    part = part_of(*filled_pad(design), halved=False)
+    mesh = elements.curved(triangles(part.pad, default_sizes(part.pad, 0.25)), 2)
+    ratio, along = 0.3, 1.3
+    both = {"skin": (1.0, ratio), "film": (1.0, ratio)}
+    what = dragged(mesh, 2, both, part.pad.top, part.unit, 1.0)
+    strips = strip_stress(what.body, 2, both, part.slots, part.thickness, part.unit)
+    shear, rest = closed_forms.lame(1.0, ratio)
+    wanted = [rest * (along - 1), shear / along * (along**2 - 1) + rest * (along - 1), rest * (along - 1)]
+    for angle in (0.0, np.radians(50.0)):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        for i, slot in enumerate(part.slots):
+            direction = np.array(slot.direction)
+            stretch = turn @ (np.eye(2) + (along - 1) * np.outer(direction, direction))
+            values = affine(what, stretch - np.eye(2), (rest + 2 * shear / 3) * (along - 1))
+            assert strips.at(values)[i] == pytest.approx(wanted, abs=1e-9)
+
+
+def affine(what: Dragged, gradient: np.ndarray, pressure: float) -> np.ndarray:
+    """The state of one displacement gradient and pressure, the clamped back along with it."""
+    import ngsolve as ng
+
+    field = ng.GridFunction(what.body.space)
+    place = ng.CF((ng.x, ng.y))
+    # Set() keeps clamped unknowns at zero: the strips are far from the back
+    field.components[0].Set(ng.CF(tuple(map(tuple, gradient)), dims=(2, 2)) * place)
+    field.components[1].Set(ng.CF(pressure))
+    return np.array(field.vec.FV().NumPy())

@@ -1,0 +1,64 @@
+"""The contact solver alone, on dense compliances."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skincad.mechanics.contact import frictionless as contact
+from skincad.mechanics.contact.frictionless import press, press_by_least_squares
+from skincad.mechanics.problem import ContactError
+
+
+def problem(seed: int, size: int = 60) -> tuple[np.ndarray, np.ndarray]:
+    """A smooth kernel like an elastic half-plane's, with rough gaps: condition about 1e3."""
+    random = np.random.default_rng(seed)
+    at = np.linspace(0.0, 1.0, size)
+    flexibility = np.exp(-np.abs(at[:, None] - at) / 0.3) + 0.01 * np.eye(size)
+    return flexibility, 0.3 * (at - 0.5) ** 2 + 0.02 * random.random(size)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("force", [1e-9, 0.01, 1.0, 1e6])
+def test_two_algorithms_agree(seed: int, force: float) -> None:
+    flexibility, gap = problem(seed)
+    one, other = press(flexibility, gap, force), press_by_least_squares(flexibility, gap, force)
+    # 1e-7 of the force: the second way roots on the approach, of which a light force is a small difference
+    assert np.abs(one.force - other.force).max() <= 1e-7 * max(force, 1e-6)
+    assert one.residual <= contact.COMPLEMENTARITY
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_fallback_gives_the_same_state(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    flexibility, gap = problem(seed)
+    quick = press(flexibility, gap, 0.5)
+    monkeypatch.setattr(contact, "SWEEPS", 0)  # as if the sweeps cycled
+    slow = press(flexibility, gap, 0.5)
+    assert np.array_equal(quick.active, slow.active)
+    assert slow.force == pytest.approx(quick.force, abs=1e-12)  # the same linear system: rounding only
+
+
+def test_start_does_not_matter() -> None:
+    flexibility, gap = problem(3)
+    for start in (np.ones(60, bool), np.arange(60) == 59, np.arange(60) % 2 == 0):
+        assert (
+            press(flexibility, gap, 0.2, start).active.tolist()
+            == press(flexibility, gap, 0.2).active.tolist()
+        )
+
+
+def test_flat_gaps_share_by_stiffness() -> None:
+    state = press(np.diag([1.0, 2.0, 4.0]), np.zeros(3), 7.0)
+    assert state.force == pytest.approx([4.0, 2.0, 1.0], rel=1e-14)  # by hand, rounding only
+    assert state.approach == pytest.approx(4.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("force", [0.0, -1.0, float("nan"), float("inf")])
+def test_no_force_is_refused(force: float) -> None:
+    with pytest.raises(ContactError, match="above 0"):
+        press(np.eye(2), np.zeros(2), force)
+
+
+def test_an_indefinite_flexibility_is_refused() -> None:
+    with pytest.raises(ContactError, match="coarser contact mesh"):
+        press(np.array([[1.0, 2.0], [2.0, 1.0]]), np.zeros(2), 1.0)

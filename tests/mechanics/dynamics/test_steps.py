@@ -1,0 +1,457 @@
+"""Masses and memory: oscillator with friction, creep and relaxation, impacts, frequency, order, energy."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.integrate import solve_ivp
+from scipy.sparse.linalg import eigsh
+
+from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
+from skincad.mechanics.contact.frictional import grip
+from skincad.mechanics.contact.grip import STICK, Cone, Drive, Grip, GrossSlip, Pressed, at_rest
+from skincad.mechanics.contact.halving import halved
+from skincad.mechanics.dynamics import reference
+from skincad.mechanics.dynamics import steps as dynamics
+from skincad.mechanics.dynamics.moving_body import moving
+from skincad.mechanics.dynamics.pad import linear
+from skincad.mechanics.dynamics.state import Half, Linear, Moved, at_rest_on
+from skincad.mechanics.dynamics.steps import Dynamics
+from skincad.mechanics.dynamics.time_scheme import Matter
+from skincad.mechanics.film.sliding import sliding
+from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.problem import ContactError
+from skincad.shape.curves import area
+from tests.mechanics.bodies.test_elements import block
+from tests.mechanics.film.test_sliding import meshed
+
+ROUGH, SMOOTH = Cone(0.5, 0.5), Cone(0.0, 0.0)
+GRIPPING = Cone(20.0, 20.0)
+
+
+def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
+    """A point on springs in x and, of 10 N/mm, in z; N/mm and g. With a `link` in x the mass is not the
+    point's own but the third unknown's, which the spring then holds."""
+    points = sparse.csr_matrix(np.eye(2, 3))
+    none = sparse.csr_matrix((0, 3))
+    half = Half(points, np.array([2]), np.array([0, 1]), (none, none))
+    k, m = np.diag([stiff, 10.0, 1.0]), 1e-6 * np.diag([mass, 0.0, 1.0])
+    if link is not None:
+        k, m = np.diag([link, 10.0, stiff + link]), 1e-6 * np.diag([0.0, 0.0, mass])
+        k[0, 2] = k[2, 0] = -link
+    one = np.ones(1, dtype=np.int64)
+    soft = np.diag([stiff, 0.0, 0.0])
+    matrices = (sparse.csr_matrix(each) for each in (k, soft, m))
+    return Dynamics(Linear(*matrices, (half,), 1.0, np.zeros(1), one, 3))
+
+
+def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> Moved:
+    """Pressed by `normal` N, at rest, the point at `place` mm in x."""
+    rest = at_rest_on(pad.pad)
+    down = normal / pad.pad.stiff[1, 1]
+    u = np.array([[place], [-down], [place]])
+    force = Grip(*np.zeros((3, 1)), np.zeros(1, dtype=np.int8), np.zeros(1), down, 0.0, 0.0)
+    held = replace(force, normal=np.array([normal]), anchor=np.array([place]))
+    plate, drive = np.array([[down, 0.0], [0.0, 0.0], [0.0, 0.0]]), Drive(normal, travel=0.0)
+    return replace(rest, u=u, grip=held, pulled=pad.pad.stiff @ u, plate=plate, drive=drive)
+
+
+@pytest.mark.parametrize("damped", [0.5, 0.8, 1.0])
+def test_an_oscillator_with_friction_loses_2_mu_n_by_k_each_half_swing_and_then_sticks(damped: float) -> None:
+    """From 1 mm on k = 1 N/mm, mu N = 0.12 N: turns at -0.76, 0.52, -0.28, 0.04, and rests there.
+
+    At the turns to 5e-4; between them to 1 %, for the link of 1000 k, without damping, rings after a turn.
+    """
+    stiff, mass, limit = 1.0, 1.0, 0.12
+    pad, omega = springs(stiff, mass, 1000.0), math.sqrt(stiff / (1e-6 * mass))
+    swing = math.pi / omega
+    # the acceleration that the start calls for, or the first step is of first order
+    state = begun(pad, 1.0, 0.24)
+    state = replace(state, a=np.array([[0.0], [0.0], [-(stiff - limit) / (1e-6 * mass)]]))
+    found = [1.0]
+    for _ in range(1000):
+        state = pad.step(state, Drive(0.24, travel=0.0), swing / 200, ROUGH, Matter(damped))
+        found.append(float(state.u[2, 0]))
+    wanted = reference.rubbed_swing(1.0, stiff, 1e-6 * mass, limit, swing / 200 * np.arange(1001))
+    assert wanted[[0, 200, 400, 600, 800, 1000]] == pytest.approx([1.0, -0.76, 0.52, -0.28, 0.04, 0.04])
+    assert found == pytest.approx(wanted, abs=0.01)
+    assert found[::200] == pytest.approx(wanted[::200], abs=5e-4)
+    assert state.grip.status[0] == STICK
+    assert found[-1] == pytest.approx(found[-100], abs=2 * limit / 1000.0)
+
+
+def test_a_driven_oscillator_sticks_and_slips() -> None:
+    """A plate drags at 100 mm/s: the point sticks to mu_s N / k, then swings about mu_k N / k until it is as
+    fast as the plate again. Exact piece by piece; 1.5 % of the swing, the worst as it sticks again:
+    the link of 1000 k gives way and rings."""
+    stiff, mass, normal, speed, cone = 1.0, 1.0, 1.0, 100.0, Cone(0.5, 0.3)
+    pad, dt = springs(stiff, mass, 1000.0), 5e-6
+    state, found = replace(begun(pad, 0.0, normal), v=np.array([[speed], [0.0], [speed]])), [0.0]
+    for i in range(1, 2000):
+        state = pad.step(state, Drive(normal, travel=speed * i * dt), dt, cone, Matter(0.8))
+        found.append(float(state.u[2, 0]))
+    limits, time = (cone.static * normal, cone.kinetic * normal), dt * np.arange(2000)
+    wanted, again = reference.dragged_swing(speed, stiff, 1e-6 * mass, limits, time)
+    free = time < again
+    assert np.array(found)[free] == pytest.approx(wanted[free], abs=0.015 * np.ptp(wanted[free]))
+    assert free.sum() > 1000
+
+
+def ramped(pad: Dynamics, matter: Matter, speed: float, dt: float, steps: int) -> list[float]:
+    """Tangential force of a stuck point that the plate moves at `speed` mm/s."""
+    state, force = begun(pad, 0.0, 1.0), [0.0]
+    for i in range(1, steps + 1):
+        state = pad.step(state, Drive(1.0, travel=speed * i * dt), dt, GRIPPING, matter)
+        force.append(float(state.grip.tangential[0]))
+    return force
+
+
+def test_prony_relaxes_as_its_closed_form() -> None:
+    """k c (t + sum of g tau (1 - exp(-t / tau))) for a ramp: exact for straight strains, so to rounding."""
+    branches = ((0.5, 1e-3), (0.3, 1e-5))
+    force = ramped(springs(4.0, 1.0), Matter(relaxing=branches), 10.0, 1e-4, 50)
+    time = 1e-4 * np.arange(51)
+    wanted = reference.ramped_prony(4.0 * 10.0, branches, time)
+    assert force == pytest.approx(wanted, rel=1e-10)
+
+
+def test_kelvin_voigt_creeps_as_its_closed_form() -> None:
+    """F / k (1 - exp(-t / tau)) under a sudden force: BDF2's start leaves dt / tau, 1 %, of it."""
+    tau, force, pad = 1e-3, 0.3, springs(4.0, 1.0)
+    state, place = begun(pad, 0.0, 1.0), [0.0]
+    for _ in range(400):
+        state = pad.step(state, Drive(1.0, force), tau / 100, GRIPPING, Matter(rate=tau))
+        place.append(state.plate[0, 1])
+    time = tau / 100 * np.arange(401)
+    assert place == pytest.approx(reference.kelvin_voigt_creep(force, 4.0, tau, time), abs=0.01 * force / 4.0)
+    assert place[-1] == pytest.approx(force / 4.0 * (1 - math.exp(-4)), rel=1e-3)
+
+
+def smooth_error(matter: Matter, steps: int) -> float:
+    """A point that sticks to a plate, pulled by F (1 - cos w t): the travel's error at the end, mm.
+
+    Reference: the same two masses and branches as ordinary equations, to 1e-11.
+    """
+    stiff, mass, end, swing = 4.0, 0.2, 4e-3, 3000.0
+    pad = springs(stiff, mass if matter.damped is not None else 0.0)
+    state = begun(pad, 0.0, 1.0)
+    dt = end / steps
+
+    def pull(time: float) -> float:
+        return 0.3 * (1 - math.cos(swing * time)) ** 2
+
+    state = replace(state, drive=Drive(1.0, 0.0))
+    for i in range(1, steps + 1):
+        state = pad.step(state, Drive(1.0, pull(i * dt)), dt, GRIPPING, matter)
+    moved = 1e-6 * (mass + matter.plate)
+
+    def slope(time: float, y: np.ndarray) -> np.ndarray:
+        place, speed, *memory = y
+        held = stiff * (place + sum(memory))
+        if matter.damped is None:  # no masses: the dashpot or the branches alone carry the speed
+            rate = (pull(time) - held) / (stiff * matter.rate) if matter.rate else 0.0
+            speed, gain = rate, 0.0
+        else:
+            gain = (pull(time) - held - stiff * matter.rate * speed) / moved
+        relax = [g * speed - h / tau for h, (g, tau) in zip(memory, matter.relaxing, strict=True)]
+        return np.array([speed, gain, *relax])
+
+    begin = np.zeros(2 + len(matter.relaxing))
+    wanted = solve_ivp(slope, (0.0, end), begin, rtol=1e-11, atol=1e-14, method="DOP853").y[0, -1]
+    return abs(float(state.plate[0, 1]) - float(wanted))
+
+
+@pytest.mark.parametrize(
+    "matter",
+    [
+        Matter(1.0, 0.3),
+        Matter(0.8, 0.3),
+        Matter(0.0, 0.3),
+        Matter(0.8, 0.3, 1e-4),
+        Matter(0.8, 0.3, 0.0, ((0.5, 1e-3), (0.4, 2e-4))),
+        Matter(rate=3e-4),
+    ],
+)
+def test_order_2_where_all_is_smooth(matter: Matter) -> None:
+    """Within 0.2, the issue's, from 400 to 800 steps."""
+    coarse, fine = smooth_error(matter, 400), smooth_error(matter, 800)
+    assert math.log2(coarse / fine) == pytest.approx(2.0, abs=0.2)
+
+
+def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
+    """A bar along z, E A = `stiff` N, of `mass` g, clamped below, of linear elements; its top has no mass."""
+    n = pieces + 3  # the clamped end, the free ones, and the point's x
+    k, m = np.zeros((n, n)), np.zeros((n, n))
+    for i in range(pieces):
+        at = np.ix_([i, i + 1], [i, i + 1])
+        k[at] += stiff * pieces / length * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        m[at] += 1e-6 * mass / pieces / 6 * np.array([[2.0, 1.0], [1.0, 2.0]])
+    m[pieces] = m[:, pieces] = 0.0
+    m *= 1e-6 * mass / m.sum()
+    k[-2, -2] = k[-1, -1] = 1.0
+    points = sparse.csr_matrix((np.ones(2), ([0, 1], [n - 1, pieces])), shape=(2, n))
+    none = sparse.csr_matrix((0, n))
+    inner = np.concatenate([np.arange(1, pieces), [n - 2]])
+    half = Half(points, inner, np.array([n - 1, pieces]), (none, none))
+    one = np.ones(1, dtype=np.int64)
+    matrices = (sparse.csr_matrix(each) for each in (k, 0 * k, m))
+    return Dynamics(Linear(*matrices, (half,), 1.0, np.zeros(1), one, n))
+
+
+def flying(pad: Dynamics, place: float, speed: float) -> Moved:
+    """An unloaded pad and a plate at `place` mm that comes down at `speed` mm/s."""
+    return replace(at_rest_on(pad.pad), plate=np.array([[place, 0.0], [speed, 0.0], [0.0, 0.0]]))
+
+
+def struck_error(steps: int) -> float:
+    """A plate of 1 g strikes a bar of two elements: how far it is off 0.3 ms after it began 0.05 mm above."""
+    pad, speed, end = bar(2, 10.0, 500.0, 1.0), 1000.0, 3e-4
+    state = flying(pad, -0.05, speed)
+    for _ in range(steps):
+        state = pad.step(state, Drive(0.0, 0.0), end / steps, SMOOTH, Matter(0.8, 1.0))
+    spring, inner = 100.0, float(pad.pad.mass[1, 1])
+
+    def slope(time: float, y: np.ndarray) -> np.ndarray:
+        plate, speed, mass, rate = y
+        return np.array([speed, spring * (mass - plate) / 1e-6, rate, spring * (plate - 2 * mass) / inner])
+
+    begin = np.array([0.0, speed, 0.0, 0.0])
+    wanted = solve_ivp(slope, (0.0, end - 5e-5), begin, rtol=1e-11, atol=1e-14).y[0, -1]
+    assert state.grip.touches.all()
+    return abs(float(state.plate[0, 0]) - float(wanted))
+
+
+def test_the_order_that_impacts_leave() -> None:
+    """2 still, within 0.2: without mass a point meets the plate without a jump, the force grows from 0."""
+    counts = [113, 226, 452, 904, 1808]
+    errors = [struck_error(count) for count in counts]
+    order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert order == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("damped", [0.5, 0.8, 1.0])
+@pytest.mark.parametrize("steps", [800, 3200])
+def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -> None:
+    """v0 exp(-z t / m) until the wave is back from the clamped end, z the bar's impedance.
+
+    1.5 %: 100 elements smear the wave's front. The energy is what came, undamped to 3e-4, and however small
+    the steps are: with mass at the bar's end the same run gains up to 290 % there.
+    """
+    pad, heavy, speed = bar(100, 10.0, 5.0, 1.0), 1.0, 500.0
+    wave = math.sqrt(5.0 * 10.0 / 1e-6)  # mm/s: sqrt(EA L / mass)
+    end = 2 * 10.0 / wave
+    state, seen = flying(pad, 0.0, speed), []
+    for _ in range(steps):
+        state = pad.step(state, Drive(0.0, 0.0), end / steps, SMOOTH, Matter(damped, heavy))
+        seen.append(state.plate[1, 0])
+    time = end / steps * np.arange(1, steps + 1)
+    wanted = reference.struck_bar(speed, 1e-6 * heavy, 5.0 / wave, time)
+    assert seen == pytest.approx(wanted, abs=0.015 * speed)
+    energy, came = pad.elastic(state) + pad.kinetic(state), 1e-6 * heavy * speed**2 / 2
+    assert energy == pytest.approx(came, rel=3e-4 if damped == 1.0 else 2e-3)
+
+
+@cache
+def pad_in_motion() -> tuple[Dynamics, Linear]:
+    part, mesh, _ = meshed()
+    found = linear(part, mesh, 3, True)
+    return Dynamics(found), found
+
+
+def test_at_rest_it_is_the_condensed_pad() -> None:
+    """Compliance and strips' stresses of the two ways. 1e-8: the rounding of nu 0.499 and stiff strips."""
+    pad, (_, _, small) = pad_in_motion()[0], meshed()
+    compliance = pad.factorised(1.0, Matter()).skin.compliance
+    assert compliance == pytest.approx(small.compliance, abs=1e-8 * np.abs(small.compliance).max())
+    state = pad.step(at_rest_on(pad.pad), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
+    force = np.concatenate([state.grip.tangential, -state.grip.normal])
+    wanted = small.strips @ force
+    assert pad.strips(state) == pytest.approx(wanted, abs=1e-7 * np.abs(wanted).max())
+    assert pad.elastic(state) == pytest.approx(force @ small.compliance @ force / 2, rel=1e-7)
+
+
+def test_it_weighs_what_its_section_does() -> None:
+    """Area of skin and films by their densities, to 1e-6: the mesh follows the arcs to order 3."""
+    part, mesh, _ = meshed()
+    found = moving(part, mesh, 3, False)
+    lift = found.body.system.lift[: found.mass.shape[0]]
+    films = sum(abs(area(loop)) for loop in part.pad.strips)
+    skin = abs(area(part.pad.section.outline)) - films
+    wanted = 1e-12 * part.pad.length * (skin * part.pad.density + films * part.pad.film_density)
+    assert lift @ found.mass @ lift == pytest.approx(wanted, rel=1e-6)
+    # what its contact points would bear is spread over the rest
+    spread = pad_in_motion()[1].mass
+    assert lift @ spread @ lift == pytest.approx(wanted, rel=1e-6)
+    assert not spread[found.body.system.contact].count_nonzero()
+    assert np.abs(spread - found.mass).max() > 0
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.499])
+def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
+    """sqrt(G / rho) / (4 h). 0.5 %: a layer of 100 by 1 has free ends."""
+    pad = replace(block(100.0, 1.0, ratio), density=1000.0)
+    part = part_of(pad, 0.0)
+    found = moving(part, triangles(part.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    held = found.body.held[1] if part.mirrored else np.empty(0, dtype=np.int64)
+    free = np.setdiff1d(found.free, held)
+    stiff, mass = (each[free][:, free] for each in (found.stiff, found.mass))
+    wanted = reference.shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
+    squares, modes = eigsh(stiff, 4, mass, sigma=(2 * math.pi * wanted) ** 2)
+    # the ends have modes of their own; the layer's moves the most of it to one side
+    system = found.body.system
+    aside = np.roll(system.lift, int(system.contact[0] - found.body.along_x[0]) * -1)[free]
+    sways = int(np.argmax(np.abs(modes.T @ mass @ aside)))
+    assert math.sqrt(squares[sways]) / (2 * math.pi) == pytest.approx(wanted, rel=0.005)
+
+
+def test_a_pad_creeps_as_its_material() -> None:
+    """Pulled by a held force, all moves by 1 / (1 + g), then relaxes to 1. 1 %: what volume changes bear,
+    which stays elastic, and films, which do not relax."""
+    pad = pad_in_motion()[0]
+    slow, quick = Matter(), Matter(relaxing=((1.0, 1e3),))
+    still, moved = (
+        pad.step(
+            pad.step(at_rest_on(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, matter),
+            Drive(1.2, 0.05),
+            1.0,
+            GRIPPING,
+            matter,
+        )
+        for matter in (slow, quick)
+    )
+    assert moved.plate[0, 0] < 0.7 * still.plate[0, 0]
+    long = Matter(relaxing=((1.0, 1e-6),))
+    relaxed = pad.step(
+        pad.step(at_rest_on(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, long),
+        Drive(1.2, 0.05),
+        1.0,
+        GRIPPING,
+        long,
+    )
+    assert relaxed.plate[0] == pytest.approx(still.plate[0], rel=1e-5)
+
+
+def marched(matter: Matter, steps: int = 120, dt: float = 1e-5) -> tuple[Dynamics, Moved, np.ndarray]:
+    """Pressed by 1.2 N, then pulled by more than friction holds; work, friction and viscous losses, mJ."""
+    pad = pad_in_motion()[0]
+    state, sums = at_rest_on(pad.pad), np.zeros(3)
+    for i in range(1, steps + 1):
+        drive = Drive(1.2 * min(1.0, 2 * i / steps), 0.9 * max(0.0, 2 * i / steps - 1))
+        state = pad.step(state, drive, dt, ROUGH, matter)
+        sums += state.work, state.friction, state.viscous
+    return pad, state, sums
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "matter", [Matter(0.8, 0.1), Matter(0.8, 0.1, 2.4e-5), Matter(0.8, 1.0, 0.0, ((0.5, 1e-4),))]
+)
+def test_energy_of_a_pad_in_motion_and_gross_slip_goes_on(matter: Matter) -> None:
+    """1e-3 of the work is the issue's: what is missing went into impacts and the highest modes."""
+    pad, state, (work, friction, viscous) = marched(matter)
+    missing = work - friction - viscous - pad.elastic(state) - pad.kinetic(state)
+    assert abs(missing) < 1e-3 * work
+    assert state.grip.residual <= 1e-10
+
+
+def test_without_a_mass_gross_slip_is_told_with_its_state() -> None:
+    with pytest.raises(GrossSlip) as end:
+        marched(Matter(rate=2.4e-5), 20)
+    assert isinstance(end.value.last, Moved)
+    assert end.value.last.grip.slips.any()
+
+
+def test_a_plate_with_mass_may_leave() -> None:
+    """Thrown up from a pressed skin at 1 m/s, without force: nothing touches, and it flies on."""
+    pad = springs(1.0, 1.0)
+    state = begun(pad, 0.0, 0.5)
+    state = replace(state, plate=np.array([[0.05, 0.0], [-1000.0, 0.0], [0.0, 0.0]]))
+    for _ in range(40):
+        state = pad.step(state, Drive(0.0, 0.0), 1e-5, ROUGH, Matter(0.8, 1.0))
+    assert not state.grip.touches.any()
+    before = state.plate[0, 0]
+    state = pad.step(state, Drive(0.0, 0.0), 1e-5, ROUGH, Matter(0.8, 1.0))
+    assert state.plate[0, 0] - before == pytest.approx(1e-5 * state.plate[1, 0], rel=1e-9)
+
+
+def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first try is made to fail: two halves, with a factorisation of their own, arrive at the end."""
+    tries: list[object] = []
+
+    def failing(*arguments: object) -> Grip:
+        tries.append(arguments)
+        if len(tries) == 1:
+            raise ContactError("made to fail")
+        return grip(*arguments)
+
+    monkeypatch.setattr(dynamics, "grip", failing)
+    pad, tau = springs(4.0, 1.0), 1e-3
+    state = replace(begun(pad, 0.0, 1.0), drive=Drive(1.0, travel=0.0))
+    state = pad.step(state, Drive(1.0, travel=0.05), tau, GRIPPING, Matter(relaxing=((0.5, tau),)))
+    assert len(tries) == 3
+    assert len(pad.operators) == 2
+    wanted = 4.0 * 0.05 * (1 + 0.5 * (1 - math.exp(-1.0)))
+    assert state.grip.tangential[0] == pytest.approx(wanted, rel=1e-9)
+    assert state.viscous > 0
+
+
+def test_slow_motion_is_the_quasi_static_one() -> None:
+    """Over 10 s, 1e4 swings of the pad, with damping: forces as of the condensed pad, to 1e-4."""
+    pad, (_, _, small) = pad_in_motion()[0], meshed()
+    still = Pressed(small.compliance, small.gap, np.zeros(2 * small.gap.size))
+    resting, state = at_rest(small.gap.size), at_rest_on(pad.pad)
+    last = Drive(0.0, travel=0.0)
+    for i in range(1, 11):
+        drive = Drive(1.2 * min(i, 5) / 5, travel=0.02 * max(0, i - 5))
+        resting = halved(lambda _: still, resting, last, drive, ROUGH)
+        state = pad.step(state, drive, 1.0, ROUGH, Matter(0.0, 1.0, 2.4e-5))
+        last = drive
+    largest = resting.normal.max()
+    assert state.grip.normal == pytest.approx(resting.normal, abs=1e-4 * largest)
+    assert state.grip.tangential == pytest.approx(resting.tangential, abs=1e-4 * largest)
+
+
+def test_the_half_and_the_whole_agree() -> None:
+    """A flat block that is swayed and pressed: split by symmetry, and on a mesh of all of it; 2 %: the
+    meshes differ, and kinetic energy is what is left of a ringing that dies."""
+    pad = replace(block(4.0, 1.0, 0.45), density=1000.0)
+    half = part_of(pad, 0.0)
+    whole = replace(half, pad=pad, mirrored=False, unit=unit_of(pad))
+    ends = []
+    for part in (half, whole):
+        sizes = Sizes(0.25, 0.5, 0.5, 0.1)
+        body = Dynamics(linear(part, triangles(part.pad, sizes), 2, False))
+        state = at_rest_on(body.pad)
+        for i in range(1, 41):
+            drive = Drive(0.1, 0.01 * min(i, 10) / 10)
+            state = body.step(state, drive, 2e-5, GRIPPING, Matter(0.8, 0.05, 2.4e-5))
+        ends.append([*state.plate[0], body.elastic(state), body.kinetic(state)])
+    assert half.mirrored
+    assert ends[0] == pytest.approx(ends[1], rel=0.02)
+
+
+def test_sliding_and_moving_pads_have_the_same_points() -> None:
+    part, mesh, small = meshed()
+    found = pad_in_motion()[1]
+    assert (found.gap == sliding(part, mesh, 3, False).gap).all()
+    assert (found.ridge == small.ridge).all()
+
+
+@pytest.mark.parametrize("damped", [0.3, 0.5, 0.8, 1.0])
+def test_a_step_leaves_of_the_highest_modes_what_is_asked(damped: float) -> None:
+    """1e4 swings a step, nothing touches. 2 %: a double root decays as n times its power."""
+    pad = springs(1e3, 1e-3)
+    state = replace(begun(pad, 1.0), v=np.array([[1e6], [0.0], [0.0]]))
+    state = replace(state, plate=np.array([[-9.0, 0.0], [0.0, 0.0], [0.0, 0.0]]))
+    sizes = []
+    for _ in range(200):
+        state = pad.step(state, Drive(0.0, travel=0.0), 0.01, SMOOTH, Matter(damped, 1.0))
+        sizes.append(abs(float(state.a[0, 0])))
+    assert not state.grip.touches.any()
+    left = (max(sizes[190:]) / max(sizes[90:100])) ** (1 / 100)
+    assert left == pytest.approx(damped, rel=0.02)

@@ -1,0 +1,69 @@
+"""The condensed pad of both components: against the film-stress solver, its mirror image and the press."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from skincad.mechanics.bodies.mesh import triangles, unit_of
+from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.film.rungs import RUNGS
+from skincad.mechanics.film.sliding import Sliding, sliding
+from skincad.mechanics.film.stick import Part, level, part_of
+from skincad.mechanics.film.stress import filled_pad
+from tests.mechanics.designs import yamada
+
+ORDER = 3
+
+
+def three() -> Part:
+    return part_of(*filled_pad(yamada().with_(ridge={"count": 3}, skin={"width": 5.0})))
+
+
+@cache
+def meshed() -> tuple[Part, object, Sliding]:
+    part = three()
+    mesh = triangles(part.pad, RUNGS[0].sizes(part))
+    return part, mesh, sliding(part, mesh, ORDER, True)
+
+
+def test_stresses_and_approach_are_the_film_stress_solvers() -> None:
+    """The stresses come from one adjoint solve each; there, from the displacements' own integrals."""
+    part, mesh, pad = meshed()
+    other = level(part, mesh, ORDER, 1.2, False)
+    m = pad.gap.size
+    state = press(pad.compliance[m:, m:], pad.gap, 1.2)
+    found = pad.strips @ np.concatenate([np.zeros(m), -state.force])
+    # 1e-9: rounding of two solves with strips 3750 times as stiff as the skin
+    assert found == pytest.approx(other.pressed.strips, abs=1e-9 * np.abs(other.pressed.strips).max())
+
+
+def test_pad_is_its_own_mirror_image() -> None:
+    _, _, pad = meshed()
+    m = pad.gap.size
+    turn = np.concatenate([-np.ones(m), np.ones(m)])
+    image = np.concatenate([np.arange(m)[::-1], m + np.arange(m)[::-1]])
+    mirrored = (turn[:, None] * pad.compliance * turn)[np.ix_(image, image)]
+    # rounding: both halves share one solution
+    assert mirrored == pytest.approx(pad.compliance, abs=1e-13 * np.abs(pad.compliance).max())
+    assert pad.x == pytest.approx(-pad.x[::-1], abs=1e-14)
+    assert (pad.ridge == 4 - pad.ridge[::-1]).all()
+
+
+def test_the_half_agrees_with_the_whole() -> None:
+    """Another mesh and no mirror conditions: a shear of all points and a press, to 0.5 % of mesh."""
+    part, _, half = meshed()
+    slots, unit = part.whole.section.slots, unit_of(part.whole)
+    whole = Part(part.whole, part.whole, False, slots, part.thickness, unit)
+    pad = sliding(whole, triangles(whole.pad, RUNGS[0].sizes(whole)), ORDER, True)
+    answers = []
+    for each in (half, pad):
+        m = each.gap.size
+        load = np.concatenate([each.weight, -0.5 * each.weight]) / each.weight.sum()
+        moved = each.compliance @ load
+        answers.append(np.array([moved[:m] @ each.weight, moved[m:] @ each.weight]) / each.weight.sum())
+        answers.append((each.strips @ load)[:, 0])
+    assert answers[0] == pytest.approx(answers[2], rel=5e-3)
+    assert answers[1] == pytest.approx(answers[3], abs=0.02 * np.abs(answers[1]).max())

@@ -1,0 +1,441 @@
+"""The verdict: FACTS.md's numbers, similarity, limits, and the contract of `check`."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from netgen.meshing import NgException
+
+from skincad.base.errors import ExhaustedError, InputError, RefusedError
+from skincad.inputs.catalog import load, template_names
+from skincad.mechanics import touching as check_module
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.problem import Answer, pad_of
+from skincad.mechanics.tiers import prices
+from skincad.mechanics.tiers import table as tiers
+from skincad.mechanics.tiers.linear import level
+from skincad.mechanics.tiers.prices import LAWS, expected, own
+from skincad.mechanics.touching import check
+from skincad.mechanics.validity import buckling_force
+from skincad.mechanics.verdict import ContactCheck
+from tests.mechanics.designs import filleted, linear_check, reference, void_slots, yamada
+
+
+def test_reference_section() -> None:
+    found = linear_check(reference())
+    # 0.5 % and 0.003 N are what FACTS.md's own numbers claim
+    assert found.all_touch_force.value == pytest.approx(3.026, rel=5e-3)
+    assert found.approach.value == pytest.approx(0.1733, rel=5e-3)
+    shares = [f.value for f in found.ridge_force]
+    assert shares[:5] == pytest.approx([0.0885, 0.378, 0.551, 0.646, 0.676], abs=0.003)
+
+
+def test_filleted_section() -> None:
+    found = linear_check(filleted())
+    assert found.all_touch_force.value == pytest.approx(3.046, rel=5e-3)
+    assert found.approach.value == pytest.approx(0.17306, rel=5e-3)
+    assert found.ridge_force[0].value == pytest.approx(0.0866, abs=0.003)
+
+
+@pytest.mark.parametrize(("thickness", "force"), [(0.04, 2.90), (0.10, 2.71)])
+def test_void_slots_lower_the_force(thickness: float, force: float) -> None:
+    found = linear_check(void_slots(thickness))
+    assert found.all_touch_force.value == pytest.approx(
+        force, rel=0.02
+    )  # FACTS' slots lay elsewhere by a bit
+
+
+@pytest.fixture(scope="module")
+def judged() -> ContactCheck:
+    return check(yamada())
+
+
+def test_yamada_passes_with_all_nine(judged: ContactCheck) -> None:
+    found = judged
+    assert (found.passed, found.touching, found.ridges, found.force) == (True, 9, 9, 4.0)
+    # the plate's force is the sum of the shares: the contact residual
+    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(4.0, rel=1e-9)
+    assert found.residual < 1e-6
+
+
+@pytest.mark.slow
+def test_ridges_start_to_touch_at_the_stated_force() -> None:
+    """Just below the force the outer ridges are free, just above all touch; nodes differ by 1e-4 from it."""
+    force = linear_check(yamada()).all_touch_force.value
+    assert force is not None
+    below, above = linear_check(yamada(), force=force * 0.999), linear_check(yamada(), force=force * 1.001)
+    assert below.touching == 7
+    assert above.touching == 9
+    assert not below.passed
+    assert not above.passed  # within its error: judged at the pessimistic end
+
+
+def test_shares_are_symmetric() -> None:
+    found = linear_check(yamada())
+    shares = np.array([f.value for f in found.ridge_force])
+    error = found.ridge_force[0].error or 0.0
+    assert np.abs(shares - shares[::-1]).max() <= error  # the mesh is not symmetric, its error covers that
+
+
+def test_similarity() -> None:
+    """Lengths times 2 and modulus by 4 leave every force: the mesh is the same, so 1e-6 is rounding."""
+    small = yamada()
+    lengths = {
+        "skin": ("curvature_radius", "thickness", "width", "length"),
+        "ridge": ("pitch", "height", "root_width", "tip_width", "crown", "tip_fillet", "root_fillet"),
+        "slot": ("thickness", "depth", "offset", "elevation"),
+        "film": ("thickness",),
+    }
+    data = small.model_dump()
+    change = {table: {key: 2 * data[table][key] for key in keys} for table, keys in lengths.items()}
+    change["film"]["young_modulus"] = data["film"]["young_modulus"] / 4
+    large = small.with_(**change, material={"young_modulus": 0.2})
+    one, two = linear_check(small, tol=0.05), linear_check(large, tol=0.05)
+    assert two.all_touch_force.value == pytest.approx(one.all_touch_force.value, rel=1e-6)
+    assert [f.value for f in two.ridge_force] == pytest.approx([f.value for f in one.ridge_force], rel=1e-6)
+    assert two.approach.value == pytest.approx(2 * (one.approach.value or 0.0), rel=1e-6)
+
+
+def test_force_is_smooth_in_the_design() -> None:
+    """Steps of 1e-4 mm in height at one order: second differences stay below 2e-4 of the force.
+
+    A change of the mesh's topology moves F9 by 2e-5 to 1e-4 at k = 3 (FACTS.md); bisecting on touching
+    nodes would jump by about 1e-3.
+    """
+    forces = []
+    for i in range(7):
+        pad = pad_of(filleted().with_(ridge={"height": 0.5 + 1e-4 * i}))
+        forces.append(level(pad, triangles(pad, default_sizes(pad)), 3, 4.0).all_touch_force)
+    steps = np.diff(np.array(forces, dtype=float))
+    assert np.abs(np.diff(steps)).max() <= 2e-4 * (forces[0] or 0.0)
+
+
+@pytest.mark.slow
+def test_no_locking_towards_incompressible() -> None:
+    """F9 tends to its limit linearly in 1 - 2 nu, so each tenth of that leaves a tenth of the distance."""
+    ratios = (0.499, 0.4999, 0.49999, 0.499999, 0.4999999)
+    forces = [
+        linear_check(filleted().with_(material={"poisson_ratio": nu}), tol=0.05).all_touch_force.value
+        for nu in ratios
+    ]
+    distance = np.abs(np.array(forces[:-1], dtype=float) - (forces[-1] or 0.0))
+    assert (distance[1:] / distance[:-1] < 0.15).all()  # 0.1 in exact arithmetic
+    assert distance[0] < 0.01 * (forces[-1] or 0.0)
+
+
+EXTREMES = {
+    "compressible": lambda: yamada().with_(material={"poisson_ratio": 0.0}),
+    "no crown": lambda: reference().with_(ridge={"crown": 0.0}),
+    "nearly flat": lambda: yamada().with_(skin={"curvature_radius": 1e6}),
+    "flat": lambda: reference().with_(skin={"curvature_radius": 1e8}),
+    "flat without crown": lambda: reference().with_(ridge={"crown": 0.0}, skin={"curvature_radius": 1e8}),
+    "two": lambda: yamada().with_(ridge={"count": 2}),
+    "eight": lambda: yamada().with_(ridge={"count": 8}),
+    "tilted": lambda: yamada().with_(slot={"offset": 0.17, "elevation": -0.05, "tilt": 45.0}),
+    "tilted voids": lambda: yamada().with_(
+        slot={"offset": 0.17, "elevation": -0.05, "tilt": 45.0}, film=None, contact={"film": "loose"}
+    ),
+    "pointed": lambda: reference().with_(ridge={"tip_width": 0.02, "crown": 0.0}),
+}
+
+
+@pytest.mark.parametrize("name", EXTREMES)
+def test_extremes(name: str) -> None:
+    design = EXTREMES[name]()
+    found = linear_check(design, tol=0.05)
+    assert found.touching == design.ridge.count
+    assert not [w for w in found.warnings if "not met" in w]
+    assert found.residual <= 1e-6
+    shares = np.array([f.value for f in found.ridge_force])
+    assert shares.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium, solved exactly
+    assert (shares > 0).all()
+
+
+def test_force_falls_with_the_curvature() -> None:
+    """Far towards flat the force goes as 1 / R; 5 % because two errors of 2 % or so meet."""
+    forces = [
+        linear_check(reference().with_(skin={"curvature_radius": radius})).all_touch_force.value
+        for radius in (1e6, 1e8)
+    ]
+    assert (forces[0] or 0.0) / (forces[1] or 1.0) == pytest.approx(100.0, rel=0.05)
+
+
+def test_one_ridge_touches_at_once() -> None:
+    found = linear_check(yamada().with_(ridge={"count": 1}), force=1.0)
+    assert found.all_touch_force.value == 0.0
+    assert found.passed
+    assert any("nominal ridge strain 0.1" in w for w in found.warnings)
+
+
+@pytest.mark.slow
+def test_101_ridges() -> None:
+    skin = {"curvature_radius": 4000.0, "width": 103.0, "length": 12.0}
+    design = reference().with_(skin=skin, ridge={"count": 101}, contact={"force": 500.0})
+    found = linear_check(design, tol=0.05)
+    assert found.touching == 101
+    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(500.0, rel=1e-9)
+
+
+def test_too_many_ridges_are_refused() -> None:
+    skin = {"curvature_radius": 1e6, "width": 999.0}
+    with pytest.raises(InputError, match=r"ridge\.count: the linear tier takes at most"):
+        linear_check(reference().with_(skin=skin, ridge={"count": 900}))
+
+
+@pytest.mark.parametrize(
+    ("force", "touching"), [pytest.param(1e-9, 1, marks=pytest.mark.slow), (0.5, 5), (12.0, 9)]
+)
+def test_light_and_heavy_loads(force: float, touching: int) -> None:
+    found = linear_check(filleted(), force=force, tol=0.05)
+    assert found.touching == touching
+    assert any("small-strain" in w for w in found.warnings) == (force > 10)
+
+
+def test_ridges_that_buckle_or_are_crushed_have_no_verdict() -> None:
+    tall = linear_check(filleted().with_(ridge={"height": 4.0}), force=4.0, tol=0.05)
+    assert "buckles at" in tall.beyond
+    assert not tall.passed
+    crushed = linear_check(filleted().with_(skin={"curvature_radius": 9.0}), force=60.0, tol=0.05)
+    assert "nominal strain" in crushed.beyond
+    assert not crushed.passed
+    assert linear_check(filleted(), force=12.0, tol=0.05).beyond == ""  # all touch long before
+
+
+def test_buckling_force_is_the_columns() -> None:
+    slender = yamada().with_(ridge={"height": 5.0})
+    plane = 0.8 / (1 - 0.499**2)
+    by_hand = math.pi**2 * plane * (12 * 0.625**3 / 12) / (4 * 25)
+    assert buckling_force(slender) == pytest.approx(by_hand, rel=1e-12)
+    assert math.isinf(buckling_force(yamada()))
+
+
+def test_a_crushing_force_is_refused() -> None:
+    with pytest.raises(InputError, match="--force: must stay below about"):
+        linear_check(filleted(), force=1e6)
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_every_template_is_checked(name: str) -> None:
+    found = linear_check(load(name), tol=0.05)
+    assert found.ridges == len(found.ridge_force)
+    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(found.force, rel=1e-9)
+
+
+@pytest.mark.parametrize("tier", ["solid-finite", "liner"])
+def test_unknown_tiers_say_what_to_do(tier: str) -> None:
+    with pytest.raises(InputError, match=r"^--tier: .*; "):
+        check(yamada(), tier=tier)
+
+
+@pytest.mark.parametrize("bad", [{"force": 0.0}, {"force": float("nan")}, {"tol": 0.0}, {"tol": 1.5}])
+def test_bad_arguments_are_refused(bad: dict[str, float]) -> None:
+    with pytest.raises(InputError):
+        linear_check(yamada(), **bad)
+
+
+def test_json_has_the_contracts_keys() -> None:
+    found = linear_check(reference(), tol=0.05).as_json()
+    keys = (
+        "name passed force_N ridges touching all_touch_force_N approach_mm ridge_force_N tier unknowns "
+        "residual yield seconds warnings"
+    )
+    assert set(keys.split()) <= found.keys()
+    assert set(found["seconds"]) == {"total", "mesh", "assemble", "condense", "contact", "yield"}
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+
+
+def test_progress_is_told() -> None:
+    told: list[tuple[str, float | None]] = []
+    linear_check(reference(), tol=0.05, progress=lambda stage, left=None: told.append((stage, left)))
+    assert [stage.partition(":")[0] for stage, _ in told] == ["linear tier"] * 3
+    assert told[0][1] > 0  # the whole tier's, by its law
+    assert [left for _, left in told[1:]] == [None, None]
+
+
+def modules_after(code: str) -> set[str]:
+    run = subprocess.run(
+        [sys.executable, "-c", f"{code}\nimport sys; print(*{{m.split('.')[0] for m in sys.modules}})"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(run.stdout.split())
+
+
+def test_imports_stay_light() -> None:
+    assert not modules_after("import skincad.mechanics.touching") & {"ngsolve", "netgen", "OCP", "cadquery"}
+    code = (
+        "from skincad.inputs.catalog import load; from skincad.mechanics.touching import check\n"
+        "check(load('yamada-2002'), tier='linear', tol=0.05)"
+    )
+    loaded = modules_after(code)
+    assert "ngsolve" in loaded
+    assert not loaded & {"OCP", "cadquery"}
+
+
+def test_a_budget_buys_the_rungs_that_fit_and_a_larger_one_a_smaller_error() -> None:
+    three = filleted().with_(ridge={"count": 3}, skin={"width": 4.0})
+    quick, patient = linear_check(three, budget=1e-3), linear_check(three, budget=60.0)
+    assert patient.unknowns > quick.unknowns
+    assert patient.all_touch_force.error < quick.all_touch_force.error
+    assert any("more than the budget" in w for w in quick.warnings)  # one mesh is the least
+    assert not any("budget" in w or "not met" in w for w in patient.warnings)
+
+
+@pytest.mark.parametrize("budget", [0.0, -1.0, math.nan, math.inf])
+def test_a_budget_that_is_no_time_is_refused(budget: float) -> None:
+    with pytest.raises(InputError, match="--budget: must be above 0 s"):
+        check(load("yamada-2002"), budget=budget)
+
+
+def test_auto_climbs_until_the_verdict_is_clear(judged: ContactCheck) -> None:
+    found = judged
+    assert found.tier == "corrected"
+    assert [tier for tier, _, _ in found.climbed] == ["linear"]
+    before = found.climbed[0][1]
+    assert before.value < 4.0 < before.upper  # what the linear tier leaves open
+    assert found.all_touch_force.upper < 4.0
+    assert found.passed
+    assert check(yamada(), force=20.0).tier == "linear"  # clear at once
+
+
+SOLID = pytest.param(0.01, "solid-finite-strain", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("tol", "tier"), [(0.95, "winkler"), (0.45, "linear"), (0.15, "corrected"), SOLID])
+def test_auto_takes_the_cheapest_tier_that_meets_the_tolerance(tol: float, tier: str) -> None:
+    found = check(yamada(), tol=tol)
+    assert found.tier == tier
+    assert found.all_touch_force.error <= tol * found.all_touch_force.value
+    assert not any("not met" in w for w in found.warnings)
+
+
+def test_the_error_is_the_meshs_and_the_models() -> None:
+    found = check(yamada(), tier="linear")
+    mesh = found.all_touch_force.error - found.model_error
+    assert 0 < mesh < 0.01 * found.all_touch_force.value < 0.1 * found.model_error
+    assert [bound.effect for bound in found.left_out] == ["free ends", "finite strain"]
+    assert found.margin == pytest.approx(4.0 - found.all_touch_force.upper)
+    assert found.next_tier[0] == "corrected"
+
+
+@pytest.mark.slow
+def test_parts_that_go_through_each_other_have_no_verdict() -> None:
+    """The skin between ridges reaches the plate: linear contact knows crowns and tip fillets alone."""
+    found = linear_check(yamada(), force=40.0, tol=0.05)
+    assert "meets the plate" in found.beyond
+    assert not found.passed
+    assert "meets the plate" in check(filleted(), tier="solid", force=40.0, tol=0.05).beyond
+    shallow = reference().with_(ridge={"height": 0.1, "crown": 0.02})
+    assert "meets the plate" in linear_check(shallow, force=20.0, tol=0.05).beyond
+
+
+def test_slots_that_close_have_no_verdict() -> None:
+    """Empty slots lying flat under the ridges close under their load."""
+    flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05})
+    assert linear_check(flat, tol=0.05, force=1.0).beyond == ""
+    assert "closes" in linear_check(flat, tol=0.05, force=8.0).beyond
+
+
+def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the law alone, and where that lets it try, by what the first mesh took."""
+    for hopeless in (check_module.HOPELESS, math.inf):
+        monkeypatch.setattr(check_module, "HOPELESS", hopeless)
+        found = check(yamada(), budget=1e-3)
+        assert found.tier == "winkler"
+        assert any("would take about" in w and "of the budget of 0.001 s" in w for w in found.warnings)
+        assert found.next_tier[0] == "linear"
+        assert found.next_tier[1] > 1e-3
+
+
+@pytest.mark.slow
+def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
+    """Three plain ridges, pressed hard: clear by the linear tier, and much of the budget is left."""
+    small = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 4.0})
+    assert check(small).tier == "linear"
+    found = check(small, budget=1e3)
+    assert found.next_tier is None
+    assert [tier for tier, _, _ in found.climbed][:2] == ["linear", "corrected"]
+
+
+def test_a_force_out_of_a_better_tiers_range_has_no_verdict() -> None:
+    """The small strains of `corrected` would say that all touch; at finite strain a ridge buckles."""
+    small = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 6.0})
+    found = check(small, tol=0.01)
+    assert found.tier == "corrected"
+    assert not found.passed
+    assert "finite-strain model's range" in found.beyond
+    assert found.next_tier is None
+
+
+def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = ["corrected"]
+
+    def refuse(name: str) -> Any:
+        def answer(*_: object) -> Answer:
+            raise RefusedError("it does not balance")
+
+        return answer if name in refused else load_tier(name)
+
+    load_tier = tiers.load
+    monkeypatch.setattr(tiers, "load", refuse)
+    for asked in ({}, {"tol": 0.1}):  # with the tolerance corrected comes first, built on linear
+        found = check(reference(), **asked)
+        assert found.tier == "linear"
+        assert any("the corrected tier" in w and "does not balance" in w for w in found.warnings)
+        assert any("not met" in w for w in found.warnings) == bool(asked)
+    refused.append("linear")
+    with pytest.raises(RefusedError, match="does not balance"):
+        check(reference())  # there is none before
+
+
+NOTHING_LEFT = {
+    "numpy's": lambda: np.empty(2**50),
+    "NGSolve's": lambda: NgException("Could not allocate localheap, heapsize = 200000000"),
+}
+
+
+@pytest.mark.parametrize("kind", NOTHING_LEFT)
+def test_a_tier_that_runs_out_of_memory_leaves_what_it_builds_on(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def too_large(*_: object) -> Answer:
+        raise NOTHING_LEFT[kind]()
+
+    load_tier, lacking = tiers.load, {"corrected"}
+    monkeypatch.setattr(tiers, "load", lambda name: too_large if name in lacking else load_tier(name))
+    found = check(reference(), tol=0.1)  # begins with corrected
+    assert found.tier == "linear"
+    assert any("the corrected tier needs more memory" in w for w in found.warnings)
+    lacking.add("linear")
+    with pytest.raises(ExhaustedError, match="the linear tier needs more memory than there is"):
+        check(reference())
+
+
+def test_a_climb_that_runs_out_of_memory_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_large(*_: object) -> Answer:
+        raise MemoryError
+
+    load_tier = tiers.load
+    monkeypatch.setattr(tiers, "load", lambda name: too_large if name == "corrected" else load_tier(name))
+    found = check(reference())
+    assert found.tier == "linear"
+    assert any("the corrected tier needs more memory" in w for w in found.warnings)
+
+
+def test_a_tier_is_priced_by_its_unknowns() -> None:
+    plain, strips = filleted(), yamada()
+    for tier in LAWS:
+        assert own(tier, plain) <= own(tier, strips)
+    done = {"linear", "corrected"}
+    assert expected("corrected-finite-strain", plain, set()) == pytest.approx(
+        expected("corrected-finite-strain", plain, done) + sum(own(t, plain) for t in done)
+    )
+    # what the law is asked at, against what is counted
+    assert prices.plane_unknowns(strips) == pytest.approx(linear_check(strips).unknowns, rel=0.3)

@@ -1,0 +1,27 @@
+"""The ladder of models: what builds on what."""
+
+from __future__ import annotations
+
+import pytest
+
+from skincad.mechanics.tiers.prices import LAWS
+from skincad.mechanics.tiers.table import AUTO, TIERS, below
+
+
+@pytest.mark.parametrize("name", TIERS)
+def test_a_tier_comes_after_all_that_it_builds_on(name: str) -> None:
+    order = [*below(name), name]
+    assert len(set(order)) == len(order)
+    for i, each in enumerate(order):
+        assert set(TIERS[each].on) <= set(order[:i])
+
+
+def test_what_builds_on_nothing_has_nothing_below() -> None:
+    assert below("linear") == []
+    assert below("corrected-finite-strain") == ["linear", "corrected", "finite-strain"]
+
+
+def test_every_tier_has_its_law_of_time_and_auto_climbs_by_price() -> None:
+    assert set(LAWS) == set(TIERS)
+    prices = [TIERS[name].price for name in AUTO]
+    assert prices == sorted(prices)

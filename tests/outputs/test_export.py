@@ -1,0 +1,250 @@
+"""What others read from our files."""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ET
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import cadquery as cq
+import ezdxf
+import lib3mf
+import numpy as np
+import pytest
+import shapely
+import trimesh
+
+import skincad
+from skincad.fabrication.pattern import GLUED, HOLE, SHOULDER
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.outputs import export
+from skincad.outputs.making import MakeResult
+from skincad.shape.cross_section import section
+from skincad.shape.curves import Point, Segment, area, polygon
+from skincad.solids.inserts import STUB
+from skincad.solids.mold import mold
+
+
+def dxf_loops(path: Path) -> dict[str, list[tuple[Segment, ...]]]:
+    loops: dict[str, list[tuple[Segment, ...]]] = {}
+    for line in ezdxf.readfile(path).modelspace().query("LWPOLYLINE"):
+        corners = [(Point(x, y), bulge) for x, y, bulge in line.get_points("xyb")]
+        following = corners[1:] + corners[:1]
+        ring = tuple(Segment(a, b, bulge) for (a, bulge), (b, _) in zip(corners, following, strict=True))
+        loops.setdefault(line.dxf.layer, []).append(ring)
+    return loops
+
+
+def test_step_parts_re_read_with_their_volume(made: MakeResult) -> None:
+    for part in made.parts:
+        shape = cq.importers.importStep(str(made.folder / f"{part.name}.step"))
+        assert len(shape.solids().vals()) == 1
+        assert shape.val().Volume() == pytest.approx(part.volume, rel=1e-11)  # STEP's 15 digits
+
+
+def test_step_products_carry_the_parts_names(made: MakeResult) -> None:
+    for name in ("skin", "cavity", "end-a-comb"):
+        assert f"PRODUCT('{name}'" in (made.folder / f"{name}.step").read_text()
+
+
+def test_assembly_re_reads_with_names_colours_and_mm(made: MakeResult, yamada: Design) -> None:
+    text = (made.folder / "assembly.step").read_text()
+    assert "SI_UNIT(.MILLI.,.METRE.)" in text
+    whole = cq.Assembly.importStep(str(made.folder / "assembly.step"))
+    closed = mold(yamada)
+    assert whole.name == "yamada-2002"
+    assert {child.name for child in whole.children} == {part.name for part in closed.parts}
+    cavity = next(child for child in whole.children if child.name == "cavity")
+    assert cavity.color.toTuple()[:3] == pytest.approx(
+        closed.part("cavity").colour, abs=1e-6
+    )  # STEP's digits
+
+
+def test_skin_step_has_its_ridges_up_and_cavity_down(made: MakeResult) -> None:
+    skin = cq.importers.importStep(str(made.folder / "skin.step")).val().BoundingBox()
+    assert (skin.zmin, skin.zmax) == pytest.approx((0.0, 4.5), abs=2e-5)  # crown's summit between corners
+    cavity = cq.importers.importStep(str(made.folder / "cavity.step")).val().BoundingBox()
+    assert cavity.zmin == pytest.approx(-9.0 - 4.5 / 0.999, abs=2e-5)  # floor, and the skin as poured
+
+
+def test_stl_re_reads_watertight_with_the_parts_volume(made: MakeResult) -> None:
+    for part in made.parts:
+        shape = trimesh.load_mesh(made.folder / f"{part.name}.stl")
+        assert shape.is_watertight
+        # single precision, and chords within the deviation over the whole surface
+        assert shape.volume == pytest.approx(part.volume, abs=part.area * part.deviation)
+
+
+def read_3mf(path: Path) -> Any:
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromFile(str(path))
+    assert reader.GetWarningCount() == 0
+    return model
+
+
+def test_3mf_re_reads_strictly_with_names_and_colours(made: MakeResult) -> None:
+    model = read_3mf(made.folder / "mold.3mf")
+    assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
+    found = model.GetMeshObjects()
+    names = []
+    while found.MoveNext():
+        shape = found.GetCurrentMeshObject()
+        assert shape.IsManifoldAndOriented()
+        assert shape.GetObjectLevelProperty()[2]
+        names.append(shape.GetName())
+    assert sorted(names) == sorted(p.name for p in made.parts if p.name != "skin")
+
+
+def test_3mf_parts_lie_side_by_side(made: MakeResult) -> None:
+    rows = []
+    found = read_3mf(made.folder / "mold.3mf").GetMeshObjects()
+    while found.MoveNext():
+        along = [corner.Coordinates[1] for corner in found.GetCurrentMeshObject().GetVertices()]
+        rows.append((min(along), max(along)))
+    rows.sort()
+    assert len(rows) == 7
+    assert all(a[1] < b[0] for a, b in pairwise(rows))
+
+
+def test_dxf_keeps_true_arcs_and_the_area(made: MakeResult, yamada: Design) -> None:
+    loops = dxf_loops(made.folder / "section.dxf")
+    total = sum(map(area, loops["OUTLINE"])) - sum(map(area, loops["SLOTS"]))
+    assert total == pytest.approx(section(yamada).area, rel=1e-12)
+    assert ezdxf.readfile(made.folder / "section.dxf").header["$INSUNITS"] == 4  # mm
+
+
+def test_strips_are_slot_deep_and_numbered(made: MakeResult) -> None:
+    drawing = ezdxf.readfile(made.folder / "strips.dxf")
+    cuts = dxf_loops(made.folder / "strips.dxf")["CUT"]
+    assert len(cuts) == 18
+    size = np.ptp(np.array([s.start for s in cuts[0]]), axis=0)
+    assert size == pytest.approx([12.0 + 8.0 + GLUED, 0.25], abs=1e-12)  # skin, lead, tail
+    labels = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
+    assert labels[:3] == ["1 S1", "1 S2", "2 S1"]
+    assert labels.count("+") == 18
+    assert {entity.dxf.layer for entity in drawing.modelspace()} == {"CUT", "ELECTRODE", "LEAD", "MARK"}
+
+
+def pattern(design: Design, folder: Path) -> dict[str, list[tuple[Segment, ...]]]:
+    export.write_strips_dxf(design, folder / "strips.dxf")
+    lines = ezdxf.readfile(folder / "strips.dxf").modelspace().query("LWPOLYLINE")
+    assert all(line.closed for line in lines)
+    return dxf_loops(folder / "strips.dxf")
+
+
+@pytest.mark.parametrize("side", ["a", "b"])
+def test_a_strip_that_is_cast_in_has_its_area_by_formula(side: str, tmp_path: Path) -> None:
+    design = skincad.load("cast-in", [f'film.wiring_side="{side}"'])
+    loops = pattern(design, tmp_path)
+    outlines = [loop for loop in loops["CUT"] if len(loop) > 2]
+    holes = [loop for loop in loops["CUT"] if len(loop) == 2]
+    assert (len(outlines), len(holes)) == (18, 36)
+    # straight: the skin as poured, both end plates, stub and lead; then shoulders, tabs, less the corner
+    straight = 0.375 * (18 / 0.999 + 2 * 4 + STUB + 10)
+    shoulders = 2 * (0.375 * SHOULDER + 2 * (1 - math.pi / 4) * SHOULDER**2)
+    tabs, corner = 2 * 8.0 * 3.0, 1.5**2 / 2
+    for outline in outlines:
+        assert area(outline) == pytest.approx(straight + shoulders + tabs - corner, rel=1e-9)
+    for hole in holes:
+        assert area(hole) == pytest.approx(math.pi * HOLE**2, rel=1e-9)
+    sensed, lead = area(loops["ELECTRODE"][0]), area(loops["LEAD"][0])
+    assert sensed == pytest.approx((0.375 - 0.06) * (18 / 0.999 - 0.03), rel=1e-9)
+    assert lead == pytest.approx((0.375 - 0.06) * (4 + 10 - 0.03), rel=1e-9)
+
+
+def test_a_strip_behind_a_shim_has_its_area_by_formula(yamada: Design, tmp_path: Path) -> None:
+    loops = pattern(yamada, tmp_path)
+    assert area(loops["CUT"][0]) == pytest.approx(0.25 * 25 - 0.125**2 / 2, rel=1e-9)
+    assert area(loops["ELECTRODE"][0]) == pytest.approx((0.25 - 0.04) * (12 - 0.02), rel=1e-9)
+    assert area(loops["LEAD"][0]) == pytest.approx((0.25 - 0.04) * (8 - 0.02), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
+@pytest.mark.parametrize("side", ["a", "b"])
+def test_electrode_and_lead_keep_their_margin_and_strips_lie_apart(
+    name: str, side: str, tmp_path: Path
+) -> None:
+    design = skincad.load(name, [f'film.wiring_side="{side}"'])
+    loops = pattern(design, tmp_path)
+    cuts = [shapely.Polygon(polygon(loop, 1e-4)) for loop in loops["CUT"] if len(loop) > 2]
+    assert all(a.distance(b) > 1.9 for a, b in pairwise(cuts))
+    margin = design.film.electrode_margin
+    for layer in ("ELECTRODE", "LEAD"):
+        for cut, metal in zip(cuts, loops[layer], strict=True):
+            inside = shapely.Polygon(polygon(metal, 1e-4))
+            assert cut.contains(inside)
+            assert cut.exterior.distance(inside) > margin - 1e-9
+    sides = [np.mean([s.start.x for s in loops[layer][0]]) for layer in ("ELECTRODE", "LEAD")]
+    assert (sides[1] > sides[0]) == (side == "b")
+
+
+def test_the_corner_that_tells_the_sides_is_at_the_wiring_end_and_the_ridges(tmp_path: Path) -> None:
+    """Ridges are below in the drawing, so the missing corner pulls the centroid up and off the wiring end."""
+    for side, sign in (("a", -1), ("b", 1)):
+        design = skincad.load("cast-in", [f'film.wiring_side="{side}"'])
+        loop = pattern(design, tmp_path)["CUT"][0]
+        corners = {(round(s.start.x, 6), round(s.start.z, 6)) for s in loop}
+        far, foot = max(sign * x for x, _ in corners), min(z for _, z in corners)
+        assert (round(sign * far, 6), foot) not in corners
+        assert (round(sign * far, 6), max(z for _, z in corners)) in corners
+
+
+def test_strips_svg_draws_the_same_pattern(made: MakeResult) -> None:
+    root = ET.parse(made.folder / "strips.svg").getroot()
+    space = "{http://www.w3.org/2000/svg}"
+    classes = [path.attrib["class"] for path in root.findall(f"{space}path")]
+    assert {name: classes.count(name) for name in set(classes)} == {
+        "cut": 18,
+        "electrode": 18,
+        "lead": 18,
+        "mark": 18,
+    }
+    left, top, wide, high = map(float, root.attrib["viewBox"].split())
+    assert root.attrib["width"] == f"{wide:g}mm"
+    for text in root.findall(f"{space}text"):
+        assert left < float(text.attrib["x"]) < left + wide
+        assert top < float(text.attrib["y"]) < top + high
+    words = [text.text or "" for text in root.findall(f"{space}text")]
+    assert "9 S2" in words
+    assert any("+ side, which faces +x" in text for text in words)
+    assert any("draw axis (d31) along the strips" in text for text in words)
+
+
+def test_svg_draws_outline_and_slots_to_scale(made: MakeResult) -> None:
+    root = ET.parse(made.folder / "section.svg").getroot()
+    paths = root.findall("{http://www.w3.org/2000/svg}path")
+    assert len(paths) == 19
+    assert root.attrib["width"] == "13mm"
+    assert re.search(r"A60 60 0 0 0", paths[0].attrib["d"])
+
+
+def test_step_time_is_source_date_epoch(
+    made: MakeResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from skincad.solids.occ import workplane
+
+    cover = workplane(mold_cover())
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    export.write_step(cover, tmp_path / "cover.step")
+    assert "'1970-01-02T00:00:00'" in (tmp_path / "cover.step").read_text()
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "tomorrow")
+    with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH: must be whole seconds"):
+        export.write_step(cover, tmp_path / "again.step")
+
+
+def mold_cover():
+    return mold(skincad.load("yamada-2002")).part("cover")
+
+
+def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> None:
+    from skincad.outputs.stepfile import make_deterministic
+
+    (tmp_path / "half.step").write_text("ISO-10303-21;\nHEADER;\n")
+    with pytest.raises(OSError, match="No space"):
+        make_deterministic(tmp_path / "half.step", "half")

@@ -1,0 +1,129 @@
+"""Every JSON that a command writes or prints, read as strictly as JSON is defined; all into one folder."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from skincad import cli
+from skincad.base.manifest import COMMANDS
+
+SMALL = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0")
+SCENE = ("yamada-2002-press-and-pull", "--set", "history.steps=4", "--budget", "0.01")
+RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
+    "make": ("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01"),
+    "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
+    "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
+    "circuit again": ("circuit", "transimpedance", "--set", "sweep.points=50"),
+    "accuracy": ("accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1"),
+    "check": ("check", *SMALL, "--tier", "winkler"),
+    "templates": ("templates",),
+}
+DEAR = {
+    "make": ("make", "yamada-2002"),
+    "simulate": ("simulate", *SCENE),
+    "simulate to gross slip": (
+        "simulate",
+        "yamada-2002-slip",
+        "--set",
+        "history.steps=50",
+        "--budget",
+        "0.01",
+    ),
+    "simulate without readouts": (
+        *("simulate", "yamada-2002-press", "--set", "history.steps=4"),
+        *("--set", "readout.ridges=[]", "--set", "effects.film=none"),
+    ),
+    "accuracy": ("accuracy", "plain-ridges", "--ladder", "tessellation", "--repeats", "1"),
+    "check": ("check", *SMALL),
+}
+
+
+def strict(text: str) -> Any:
+    """Parse JSON with no key twice and no number that is not finite."""
+
+    def never(constant: str) -> None:
+        raise AssertionError(f"{constant} is no JSON")
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        assert len({key for key, _ in pairs}) == len(pairs), sorted(key for key, _ in pairs)
+        return dict(pairs)
+
+    return json.loads(text, parse_constant=never, object_pairs_hook=once)
+
+
+def run(arguments: tuple[str, ...]) -> tuple[int, str]:
+    """Run a command in this process; return its status and what it prints on stdout."""
+    command = typer.main.get_command(cli.app)
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        status = command.main(list(arguments), prog_name="skincad", standalone_mode=False)
+    return status or 0, said.getvalue()
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tuple[int, str]]]:
+    """One folder that all commands have written into, and what each said."""
+    out = tmp_path_factory.mktemp("all") / "out"
+    said = {}
+    for name, arguments in RUNS.items():
+        folder = ("-o", str(out)) if arguments[0] in COMMANDS else ()
+        said[name] = run((*arguments, "--json", *folder))
+    return out, said
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_what_is_printed_is_json(name: str, told: tuple[Path, dict[str, tuple[int, str]]]) -> None:
+    status, text = told[1][name]
+    assert text.count("\n") == 1
+    assert isinstance(strict(text), dict)
+    assert status == (1 if name == "make" else 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DEAR)
+def test_what_takes_longer_is_json_too(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert isinstance(strict(run((*DEAR[name], "--json"))[1]), dict)
+    assert bool(list(tmp_path.rglob("*.json"))) == (DEAR[name][0] in COMMANDS)
+    for path in tmp_path.rglob("*.json"):
+        strict(path.read_text("utf-8"))
+
+
+def test_all_commands_live_in_one_folder(told: tuple[Path, dict[str, tuple[int, str]]]) -> None:
+    """The manifests together list every file, each once."""
+    out, _ = told
+    manifests = {command: strict((out / f"{command}.json").read_text("utf-8")) for command in COMMANDS}
+    listed = [name for manifest in manifests.values() for name in manifest["files"]]
+    assert sorted([*listed, *(f"{command}.json" for command in COMMANDS)]) == sorted(
+        path.name for path in out.iterdir()
+    )
+    assert {command: manifest["command"] for command, manifest in manifests.items()} == {
+        command: command for command in COMMANDS
+    }
+    assert manifests["circuit"]["name"] == "transimpedance"  # the later one
+
+
+def test_every_file_is_listed_with_what_is_printed(told: tuple[Path, dict[str, tuple[int, str]]]) -> None:
+    out, said = told
+    for name in ("circuit again", "accuracy", "make"):
+        files = strict(said[name][1])["files"]
+        manifest = strict((out / f"{RUNS[name][0]}.json").read_text("utf-8"))
+        assert [Path(file["path"]).name for file in files] == manifest["files"]
+        assert all((out / Path(file["path"]).name).stat().st_size == file["bytes"] for file in files)
+
+
+def test_the_schema_is_json(tmp_path: Path) -> None:
+    run(("new", str(tmp_path / "mine.toml")))
+    assert isinstance(strict((tmp_path / "mine.schema.json").read_text("utf-8")), dict)
+
+
+@pytest.mark.parametrize("text", ['{"a": NaN}', '{"a": [-Infinity]}', '{"a": {"b": 1, "b": 2}}'])
+def test_what_is_no_json_is_seen(text: str) -> None:
+    with pytest.raises(AssertionError):
+        strict(text)

@@ -1,0 +1,79 @@
+"""The picture of Fig 8: it draws what it is given, the same bytes each time, readable at 900 pixels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from skincad import load
+from skincad.mechanics.film.answer import FilmStress
+from skincad.mechanics.film.stress import film_stresses
+from skincad.pictures import canvas
+from skincad.pictures.film_figures import film_stress_picture
+
+
+@cache
+def states() -> tuple[FilmStress, ...]:
+    design = load("yamada-2002").with_(ridge={"count": 5}, skin={"width": 7.0})
+    return film_stresses(design, 2.0, (0.0, 0.5), show=(2, 3))
+
+
+@pytest.fixture
+def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, list[Axes], str]:
+    """A picture, its axes and its note."""
+    drawn: list[Figure] = []
+    monkeypatch.setattr(canvas, "FigureCanvasAgg", lambda f: drawn.append(f) or Agg(f))
+    path = tmp_path / "stress.png"
+    film_stress_picture(*states(), path)
+    return path, drawn[0].axes, drawn[0].get_supxlabel()
+
+
+Agg = canvas.FigureCanvasAgg
+
+
+def test_picture_is_900_wide_and_not_blank(written: tuple[Path, list[Axes], str]) -> None:
+    image = Image.open(written[0])
+    assert image.size[0] == 900
+    assert image.format == "PNG"
+    assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 50  # a field, not lines
+
+
+def test_both_panels_hold_the_numbers(written: tuple[Path, list[Axes], str]) -> None:
+    for axes, state in zip(written[1][:2], states(), strict=True):
+        for bars, told in zip(axes.containers, (state.s1, state.s2, state.differential), strict=True):
+            points, _, (spans,) = bars
+            assert points.get_ydata() == pytest.approx([e.value for e in told], rel=1e-12)
+            half = [float(np.ptp(s[:, 1])) / 2 for s in spans.get_segments()]
+            assert half == pytest.approx([e.error for e in told], rel=1e-9)
+    titles = [axes.get_title() for axes in written[1][:6]]
+    assert titles[:2] == ["(a) normal force 2 N", "(b) normal 2 N, tangential 0.5 N to +x"]
+    assert titles[2:] == ["ridge 2", "ridge 3"] * 2
+
+
+def test_the_note_tells_the_lean_with_its_figure(written: tuple[Path, list[Axes], str]) -> None:
+    share = states()[0].lean_share(2).value
+    assert "Outer ridges lean" in written[2]
+    assert f"{share:.0%}" in written[2]
+    assert "at ridge 2" in written[2]
+    assert "Full stick is an assumption" in written[2]
+
+
+def test_bytes_repeat(tmp_path: Path) -> None:
+    paths = [tmp_path / "a.png", tmp_path / "b.png"]
+    for path in paths:
+        film_stress_picture(*states(), path)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_without_views_only_the_numbers(tmp_path: Path) -> None:
+    bare = [replace(state, views=()) for state in states()]
+    film_stress_picture(bare[0], bare[1], tmp_path / "bare.png")
+    image = Image.open(tmp_path / "bare.png")
+    assert image.size == (900, 400)

@@ -1,0 +1,102 @@
+"""What the next mesh of a scene is expected to cost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skincad.scenes import simulation
+from skincad.scenes.levels import EXPONENT, LEVELS, Level, expected
+from skincad.scenes.march import March
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import at_level, simulate
+from tests.small_scene import THIRD, small_scene
+
+SPENT = {"mesh": 0.5, "condense": 1.0, "march": 3.0}
+
+
+def test_a_shared_mesh_costs_nothing_more() -> None:
+    last, following = LEVELS[:2]
+    assert last.fineness == following.fineness
+    assert expected(following, last, SPENT) == pytest.approx(4.0 * 1.75**EXPONENT)
+
+
+def test_a_finer_mesh_is_made_anew() -> None:
+    last, following = LEVELS[2:4]
+    growth = following.size / last.size
+    assert expected(following, last, SPENT) == pytest.approx(0.5 * growth + 4.0 * growth**EXPONENT)
+
+
+def test_sizes_are_those_of_the_papers_scene() -> None:
+    """Within a tenth: the sizes were rounded, and a mesh changes with netgen's release."""
+    scene = load_scene("yamada-2002-press", ["history.steps=2"])
+    unknowns = [at_level(scene, level).march.unknowns for level in LEVELS[:2]]
+    assert unknowns[1] / unknowns[0] == pytest.approx(LEVELS[1].size, rel=0.1)
+
+
+def test_the_time_left_is_told_and_falls_to_what_must_follow() -> None:
+    told: list[tuple[str, int, float]] = []
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        if left is not None:
+            told.append((stage, step, left))
+
+    found = simulate(load_scene("yamada-2002-press", ["history.steps=8"]), tol=0.5, tick=tick)
+    stages = list(dict.fromkeys(stage for stage, _, _ in told))
+    assert len(stages) == 2  # no error without a second mesh
+    first, second = ([left for name, _, left in told if name == stage] for stage in stages)
+    assert len(first) == len(second) == 8
+    assert second[-1] == 0.0
+    assert first[-1] > 0.0
+    assert found.error is not None
+
+
+def test_a_budget_is_told_to_be_too_small() -> None:
+    found = simulate(load_scene("yamada-2002-press", ["history.steps=4"]), budget=1e-3)
+    assert found.error is None
+    assert any("more than the budget of 0.001 s" in warning for warning in found.warnings)
+    assert any("of unknown error" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("asked", "meshes"), [({"budget": 1e6}, 3), ({"budget": 1e6, "tol": 0.9}, 2), ({"tol": 0.9}, 2)]
+)
+def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
+    asked: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:3])
+    stages: set[str] = set()
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        stages.add(stage)
+
+    press = ("history.steps=2", "readout.ridges=[1]", THIRD)
+    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **asked)
+    assert len(stages) == meshes
+    assert not any("met" in warning or "budget" in warning for warning in found.warnings)
+
+
+def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:3])
+    marched: list[March] = []
+    march = simulation._march
+
+    def fail_third(*asked: Any) -> March:
+        marched.append(march(*asked))
+        return replace(marched[-1], failed=True, stopped="step 2") if len(marched) == 3 else marched[-1]
+
+    monkeypatch.setattr(simulation, "_march", fail_third)
+    press = ("history.steps=2", "readout.ridges=[1]", THIRD)
+    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
+    assert len(marched) == 3
+    assert found.march is marched[1]
+    assert any("a finer mesh stopped at step 2" in warning for warning in found.warnings)
+
+
+def test_a_level_is_its_own_unit_unless_told() -> None:
+    assert Level(1.0, 5).size == 1.0

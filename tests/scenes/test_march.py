@@ -1,0 +1,170 @@
+"""The march: a new effect is a file and a line, a failing step ends it with what it has."""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from skincad import effects
+from skincad.base.errors import InputError
+from skincad.base.tables import quantity
+from skincad.effects.friction import Friction
+from skincad.effects.kinds import Body, Law, Readout, Share, Step, Term
+from skincad.effects.small_strain import Condensed, condensed
+from skincad.mechanics.contact.grip import Drive, Grip
+from skincad.mechanics.film.sliding import Sliding
+from skincad.mechanics.problem import ContactError
+from skincad.scenes.march import march
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import simulate
+
+TIMES = np.linspace(0.0, 1.0, 5)
+
+
+def block() -> Condensed:
+    """One point on springs of 0.25 and 0.1 mm/N."""
+    one, none = np.ones(1), np.zeros(1)
+    pad = Sliding(
+        np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1, 0.0
+    )
+    return condensed(pad)
+
+
+def test_gross_slip_ends_a_march_under_force() -> None:
+    drives = [Drive(2.0 * bool(i), 0.4 * i) for i in range(5)]
+    found = march(block(), TIMES, drives, [Friction(coefficient=0.5)])
+    assert found.stopped == "gross slip"
+    assert not found.failed
+    assert found.column("tangential") == pytest.approx([0.0, 0.4, 0.8, 1.0], rel=1e-12)
+    assert found.column("slips").ravel().tolist() == [False, False, False, True]
+
+
+def test_a_driven_plate_goes_on_through_gross_slip_and_its_work_is_accounted_for() -> None:
+    drives = [Drive(2.0 * bool(i), travel=0.2 * i) for i in range(5)]
+    found = march(block(), TIMES, drives, [Friction(coefficient=0.5)])
+    assert found.stopped is None
+    assert found.column("tangential") == pytest.approx([0.0, 0.8, 1.0, 1.0, 1.0], rel=1e-12)
+    # by hand: 0.25 mm of spring, the other 0.55 mm of 0.8 are slip at 1 N but for the step that breaks off
+    assert found.column("dissipated").sum() == pytest.approx(0.15 * 0.9 + 0.4, rel=1e-12)
+
+
+class _Failing(Condensed):
+    def advanced(self, state: Grip, step: Step, shares: Any) -> Grip:
+        if step.end > 0.6:
+            raise self.failure
+        return super().advanced(state, step, shares)
+
+
+@pytest.mark.parametrize("failure", [ContactError("the sets do not settle"), KeyboardInterrupt()])
+def test_what_cannot_go_on_stops_with_what_it_has(failure: BaseException) -> None:
+    model = _Failing(block().pad, block().skin)
+    object.__setattr__(model, "failure", failure)
+    drives = [Drive(0.5 * i, 0.0) for i in range(5)]
+    found = march(model, TIMES, drives, [Friction(coefficient=0.5)], partial=True)
+    assert len(found.readings) == found.time.size == 3
+    assert found.failed == isinstance(failure, ContactError)
+    assert found.interrupted == isinstance(failure, KeyboardInterrupt)
+    if found.failed:
+        assert found.stopped == "step 3, t = 0.75 s: the sets do not settle"
+
+
+def test_ctrl_c_goes_on_to_a_caller_who_does_not_ask_for_a_part() -> None:
+    model = _Failing(block().pad, block().skin)
+    object.__setattr__(model, "failure", KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        march(model, TIMES, [Drive(0.5 * i, 0.0) for i in range(5)], [Friction(coefficient=0.5)])
+
+
+class Softer(Law):
+    """A law that makes every compliance larger."""
+
+    factor: float = quantity("1", "of the compliance", gt=0.0)
+
+    def model(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> Condensed:  # noqa: ARG002
+        from dataclasses import replace
+
+        from skincad.mechanics.film.sliding import sliding
+
+        pad = sliding(part, mesh, order, films)
+        # its field is that of the harder pad, and would lie above the plate
+        return condensed(replace(pad, compliance=self.factor * pad.compliance, whole=None))
+
+
+class Thicker(Body):
+    """A body that changes the pad."""
+
+    def check(self, design: Any) -> None:
+        if design.ridge.count > 3:
+            raise InputError("", "is for three ridges", design.ridge.count)
+
+    def changed(self, pad: Any, design: Any) -> Any:  # noqa: ARG002
+        from dataclasses import replace
+
+        return replace(pad, young_modulus=2 * pad.young_modulus, film_modulus=2 * pad.film_modulus)
+
+
+class Telling(Readout):
+    """A readout with a key of its own."""
+
+    def read(self, watched: Any, time: Any, readings: Any) -> dict[str, Any]:  # noqa: ARG002
+        return {"largest_force_N": max(r.normal for r in readings)}
+
+
+class Sticky(Term):
+    """A term of its own."""
+
+    def share(self, step: Step) -> Share:
+        return Share(more={"at": step.end})
+
+
+SMALL = [
+    "skin=small.toml",
+    "history.time_s=[0.0, 1.0]",
+    "history.normal_force_N=[0.0, 1.0]",
+    "history.tangential_force_N=[0.0, 0.0]",
+    "history.steps=2",
+    "effects.film=none",
+    "effects.friction=none",
+    "readout.ridges=[]",
+]
+
+
+def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Any
+) -> None:
+    from skincad.inputs.catalog import template_text
+
+    text = (
+        template_text("yamada-2002")
+        .replace("count = 9 ", "count = 3 ")
+        .replace("width = 11.0", "width = 5.0")
+    )
+    (tmp_path / "small.toml").write_text(text)
+    (tmp_path / "scene.toml").write_text(template_text("yamada-2002-slip", "scenes"))
+    module = ModuleType("made_up")
+    for kind in (Softer, Thicker, Telling, Sticky):
+        setattr(module, kind.__name__, kind)
+        monkeypatch.setitem(effects.EFFECTS, kind.__name__.lower(), f"made_up:{kind.__name__}")
+    monkeypatch.setitem(sys.modules, "made_up", module)
+
+    def run(*more: str) -> Any:
+        return simulate(load_scene(tmp_path / "scene.toml", [*SMALL, *more]))
+
+    plain = run()
+    soft = run("effects.softer.factor=2.0", "effects.telling={}")
+    stiff = run("effects.thicker={}")
+    # in small strain a pad of half the stiffness is the same at half the force
+    assert soft.march.readings[1].approach > plain.march.readings[1].approach
+    assert stiff.march.readings[2].approach == pytest.approx(plain.march.readings[1].approach, rel=1e-9)
+    assert soft.march.readings[1].approach == pytest.approx(plain.march.readings[2].approach, rel=1e-9)
+    assert soft.as_json()["largest_force_N"] == pytest.approx(1.0)
+    with pytest.raises(Exception, match="takes no share but friction's"):
+        run("effects.sticky={}")
+    with pytest.raises(InputError, match="effects: must name one law at most"):
+        run("effects.softer.factor=2.0", "effects.small_strain={}")
+    with pytest.raises(InputError, match=r"effects\.thicker: is for three ridges, got 9"):
+        run("effects.thicker={}", "skin=yamada-2002")
