@@ -20,6 +20,7 @@ from bench.table_processes import by, counts
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
+from tests.conftest import Made
 from tests.consumers import CONSUMERS, Job
 
 FORMATS = ("step", "stl", "3mf", "dxf", "md", "toml")
@@ -40,7 +41,7 @@ def row(template: str, process: str, folder: Path) -> Row:
     design = design if process == "own" else by(design, process)
     started = time.perf_counter()
     try:
-        made = skincad.make(design, folder, formats=FORMATS)
+        made = Made(found := skincad.make(design), skincad.write(found, folder, formats=FORMATS))
     except (skincad.InputError, RuntimeError) as refusal:
         return Row(template, process, ("refused",), (str(refusal),))
     seconds = time.perf_counter() - started
@@ -48,7 +49,7 @@ def row(template: str, process: str, folder: Path) -> Row:
     worst = max(made.parts, key=lambda part: part.deviation / part.asked_deviation)
     cells = (
         str(len(made.parts)),
-        counts(list(made.findings)),
+        counts(list(made.result.findings)),
         f"{seconds:.1f}",
         f"{worst.deviation:.5f}",
         f"{worst.asked_deviation:g}",

@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.outputs.making import MakeResult
+from skincad.outputs.delivery import Written
+from skincad.outputs.making import MakeResult, PartReport
 
 
 @pytest.fixture(scope="session")
@@ -38,9 +40,31 @@ def variants(yamada: Design) -> dict[str, Design]:
     }
 
 
+@dataclass(frozen=True)
+class Made:
+    """A design as made, and what was written of it."""
+
+    result: MakeResult
+    written: Written
+
+    @property
+    def folder(self) -> Path:
+        return self.written.folder
+
+    @property
+    def parts(self) -> tuple[PartReport, ...]:
+        return self.result.parts
+
+
+def make_into(design: Design, folder: Path) -> Made:
+    """Make a design and write all its files."""
+    result = skincad.make(design)
+    return Made(result, skincad.write(result, folder))
+
+
 @pytest.fixture(scope="session")
-def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> MakeResult:
-    return skincad.make(yamada, tmp_path_factory.mktemp("made") / "yamada-2002")
+def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> Made:
+    return make_into(yamada, tmp_path_factory.mktemp("made") / "yamada-2002")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -10,9 +10,10 @@ from pathlib import Path
 import matplotlib
 import pytest
 
-from skincad.circuit.bode import circuit_gain
+from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
-from skincad.pictures.circuit_figures import gain_picture
+from skincad.pictures.canvas import save
+from skincad.pictures.circuit_figures import gain_figure
 
 FILES = {
     "matplotlibrc": "savefig.dpi: 30\ntext.usetex: True\nfont.size: 20\nbackend: nonsense\n",
@@ -22,14 +23,15 @@ FILES = {
 WRITERS = """
 from pathlib import Path
 import skincad
-from skincad.circuit.bode import circuit_gain
+from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
-from skincad.pictures.circuit_figures import gain_picture
+from skincad.pictures.canvas import save
+from skincad.pictures.circuit_figures import gain_figure
 from skincad.outputs.export import write_section_dxf, write_step
 from skincad.solids.occ import workplane
 from skincad.solids.skin import skin_part
 design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})
-gain_picture(circuit_gain(load_circuit("yamada-2002")), Path("gain.png"))
+save(gain_figure(gain(load_circuit("yamada-2002"))), Path("gain.png"))
 write_section_dxf(design, Path("section.dxf"))
 write_step(workplane(skin_part(design)), Path("skin.step"))
 """
@@ -61,11 +63,11 @@ def test_same_bytes_whatever_rc_files_and_backends_say(backend: str, tmp_path: P
 
 
 def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:
-    found = circuit_gain(load_circuit("yamada-2002"))
-    gain_picture(found, tmp_path / "before.png")
+    found = gain(load_circuit("yamada-2002"))
+    save(gain_figure(found), tmp_path / "before.png")
     with matplotlib.rc_context({"savefig.dpi": 30, "font.size": 20.0, "backend": "svg"}):
         before = dict(matplotlib.rcParams)
-        gain_picture(found, tmp_path / "after.png")
+        save(gain_figure(found), tmp_path / "after.png")
         assert dict(matplotlib.rcParams) == before
         assert matplotlib.get_backend() == "svg"
     assert (tmp_path / "after.png").read_bytes() == (tmp_path / "before.png").read_bytes()

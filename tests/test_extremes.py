@@ -18,7 +18,7 @@ import tomlkit
 from bench.campaign.strategies import numbers
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import Table, parse, table_of
-from skincad.circuit.bode import circuit_gain
+from skincad.circuit.bode import gain
 from skincad.circuit.model import Circuit, constants, noise_sources
 from skincad.effects import EFFECTS, effect
 from skincad.effects.piezo import Chain
@@ -26,7 +26,7 @@ from skincad.inputs.catalog import overridden, read_table, template_text
 from skincad.inputs.design import Design
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.touching import check
-from skincad.outputs.scene_files import write_scene
+from skincad.outputs.delivery import write
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import Readout, ScenePlate, load_scene
 from skincad.scenes.simulation import at_level
@@ -71,7 +71,7 @@ def finite(found: Callable[[], dict[str, Any]]) -> bool:
 def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
     """What a circuit tells, and what it makes of a film's charge in a scene."""
     circuit = parse(Circuit, tables)
-    told = circuit_gain(circuit).as_json()
+    told = gain(circuit).as_json()
     chain = Chain.of(constants(circuit), np.linspace(0.0, 0.1, 11), 50.0)
     noise = chain.noise_rms(constants(circuit), noise_sources(circuit))
     return {**told, "noise": noise, "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist()}
@@ -241,13 +241,13 @@ def test_what_overflows_is_refused_before_any_work(setting: str) -> None:
 def test_numbers_that_are_not_finite_leave_an_earlier_result_as_it_was(tmp_path: Path) -> None:
     """Whatever lets one through: nothing is written, in JSON or in CSV."""
     found = at_level(load_scene("yamada-2002-press", ["history.steps=2"]), LEVELS[0])
-    write_scene(found, tmp_path / "out")
+    write(found, tmp_path / "out")
     before = {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()}
     for wrong in (math.nan, math.inf):
         bad = replace(found, read={"peak_V": wrong})
         readings = (*found.march.readings[:-1], replace(found.march.readings[-1], approach=wrong))
         for broken in (bad, replace(found, march=replace(found.march, readings=readings))):
             with pytest.raises(RefusedError, match="not finite: nothing is written"):
-                write_scene(broken, tmp_path / "out")
+                write(broken, tmp_path / "out")
     assert {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()} == before
     assert [file.name for file in tmp_path.iterdir()] == ["out"]

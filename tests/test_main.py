@@ -17,8 +17,7 @@ import pytest
 from skincad import __main__ as process
 from skincad import cli
 from skincad.base.errors import ExhaustedError, InputError, RefusedError
-from skincad.inputs.design import Design
-from skincad.outputs.making import make
+from skincad.outputs.delivery import ready
 from skincad.outputs.newfile import write_new
 
 CHECK = "check plain-ridges --tier winkler"  # numpy alone: no library that takes long to load
@@ -107,9 +106,9 @@ def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> N
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
 
 
-def test_a_name_that_is_not_utf_8_is_refused_before_any_work(yamada: Design, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="-o: must be UTF-8"):
-        make(yamada, tmp_path / os.fsdecode(b"\xff"))
+def test_a_name_that_is_not_utf_8_is_refused_before_any_work(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="folder: must be UTF-8"):
+        ready(tmp_path / os.fsdecode(b"\xff"), "make", [])
     with pytest.raises(InputError, match="FILE: must be UTF-8"):
         write_new(tmp_path / os.fsdecode(b"\xff.toml"))
     assert not list(tmp_path.iterdir())

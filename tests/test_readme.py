@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skincad.cli import app
-from skincad.outputs.making import MakeResult
-from tests.conftest import run_skincad
+from skincad.commands import app
+from tests.conftest import Made, run_skincad
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -27,9 +26,9 @@ def test_the_python_lines_run(
     assert (tmp_path / "out/higher/assembly.step").is_file()
 
 
-def test_every_file_of_a_make_is_explained(made: MakeResult) -> None:
+def test_every_file_of_a_make_is_explained(made: Made) -> None:
     table = README.split("## What you get")[1].split("\n## ")[0]
-    for name, _ in made.files:
+    for name, _ in made.written.files:
         kind = name.rpartition(".")[2]
         assert f"`{name}`" in table or (kind in ("step", "stl") and f".{kind}`" in table), name
 
@@ -57,7 +56,7 @@ def test_every_command_is_shown() -> None:
         assert f"skincad {command.name or command.callback.__name__}" in README
 
 
-def test_the_picture_is_what_the_program_draws(made: MakeResult) -> None:
+def test_the_picture_is_what_the_program_draws(made: Made) -> None:
     shown, drawn = (
         np.asarray(Image.open(p).convert("L").resize((363, 203)), dtype=float)
         for p in (ROOT / "README.png", made.folder / "picture.png")

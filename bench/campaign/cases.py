@@ -174,12 +174,12 @@ def scene_figures(case: Case) -> Figures:
 def circuit_figures(case: Case) -> Figures:
     """What `circuit` says, beside the gain in fractions at three frequencies, both in dB."""
     from bench.campaign import rational
-    from skincad.circuit.bode import circuit_gain, indenter_response
+    from skincad.circuit.bode import gain, indenter_response
     from skincad.circuit.model import Circuit
     from skincad.circuit.network import decibels
 
     circuit = parse(Circuit, case.tables)
-    found = circuit_gain(circuit)
+    found = gain(circuit)
     some = found.frequency[[0, found.frequency.size // 2, -1]]
     passed = decibels(indenter_response(circuit.indenter, some)) if circuit.indenter else np.zeros(3)
     return {

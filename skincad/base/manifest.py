@@ -13,7 +13,8 @@ from skincad.base.errors import RefusedError
 from skincad.base.strictjson import strict_json
 from skincad.base.version import __version__
 
-COMMANDS = ("make", "simulate", "circuit", "accuracy")  # each owns the files that its manifest lists
+# each owns the files that its manifest lists
+COMMANDS = ("make", "simulate", "circuit", "accuracy", "check", "film-stress", "fit-material")
 
 
 def manifest_name(command: str) -> str:

@@ -42,11 +42,11 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
     try:
         real = Path(os.path.realpath(folder))
         if Path.cwd().is_relative_to(real):
-            raise InputError("-o", f"{folder} is the folder you are in", remedy="name one below it")
+            raise InputError("folder", f"{folder} is the folder you are in", remedy="name one below it")
         there = next(path for path in (real, *real.parents) if os.path.lexists(path))
         if there == real:
             if not real.is_dir():
-                raise InputError("-o", f"{folder} is a file", remedy="name a folder")
+                raise InputError("folder", f"{folder} is a file", remedy="name a folder")
             with _locked(real):
                 _put_right(real)
                 _earlier(real, command, names)
@@ -113,7 +113,7 @@ def _runs(folder: Path) -> list[Path]:
 
 
 def _unwritable(folder: Path, failure: OSError) -> InputError:
-    return InputError("-o", f"{str(folder)[:80]} cannot be written ({failure.strerror or failure})")
+    return InputError("folder", f"{str(folder)[:80]} cannot be written ({failure.strerror or failure})")
 
 
 def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
@@ -130,7 +130,7 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     ]
     if others and all(listed(folder, each) is None for each in COMMANDS):
         raise InputError(
-            "-o", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
+            "folder", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
         )
     if told is None:
         told, earlier = {}, []
@@ -147,7 +147,7 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
 
 def _in_the_way(path: Path) -> InputError:
     return InputError(
-        "-o",
+        "folder",
         f"{path} is another's or was changed since it was written",
         remedy="move it away or name another folder",
     )
@@ -174,7 +174,7 @@ def _settle(run: Path) -> None:
     It may be killed at any point and asked again: the new files are all back before an old one goes back.
     """
     folder, new, old = run.parent, run / "new", run / "old"
-    command = run.name.split("-")[1]
+    command = RUN.fullmatch(run.name)[1]  # type: ignore[index]
     manifest = manifest_name(command)
     if (new / manifest).exists() and old.exists():  # it comes last
         for name, digest in (listed(new, command) or {}).items():

@@ -10,6 +10,7 @@ import numpy as np
 
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
+from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
 from skincad.circuit.closed_form import exact_response
@@ -31,10 +32,11 @@ class Measured:
     calibration: Calibration
 
 
-@dataclass(frozen=True)
-class CircuitGain:
+@dataclass(frozen=True, repr=False)
+class CircuitGain(Result):
     """The gain `(n,)` in dB re 1 V/N at `(n,)` Hz, of the circuit, or of the constants calibrated to data."""
 
+    shown_by = "skincad.outputs.gains"
     circuit: Circuit
     constants: Constants
     frequency: Real
@@ -49,6 +51,13 @@ class CircuitGain:
         """The circuit's name."""
         return self.circuit.name
 
+    @property
+    def mid_band(self) -> tuple[float, float]:
+        """The middle, on a logarithmic scale, of the band up to the cut-off, Hz, and the gain there, dB."""
+        high = self.slopes.cutoff.value or self.circuit.sweep.fit_high
+        middle = float(np.sqrt(self.frequency[0] * high))
+        return middle, float(np.interp(np.log(middle), np.log(self.frequency), self.gain))
+
     def as_json(self) -> dict[str, Any]:
         """Return the contract's keys; with measured data also `calibration`."""
         found: dict[str, Any] = {
@@ -56,6 +65,9 @@ class CircuitGain:
             "constants": self.constants.as_json(),
             "frequency_Hz": self.frequency.tolist(),
             "gain_dB": self.gain.tolist(),
+            "gain_reference": "1 V/N",
+            "mid_band_Hz": self.mid_band[0],
+            "mid_band_gain_dB": self.mid_band[1],
             "cutoff_Hz": self.slopes.cutoff.as_json(),
             "slope_below_dB_per_dec": self.slopes.below.as_json(),
             "slope_above_dB_per_dec": self.slopes.above.as_json(),
@@ -67,7 +79,7 @@ class CircuitGain:
         return found
 
 
-def circuit_gain(
+def gain(
     circuit: Circuit, measured: Path | str | None = None, progress: Progress | None = None
 ) -> CircuitGain:
     """Return a circuit's gain over its sweep, with cut-off and slopes.
@@ -95,10 +107,10 @@ def circuit_gain(
             raise InputError(
                 circuit.name, "gives no finite gain at some frequency", remedy="bring the constants nearer"
             )
-        gain = decibels(ratio)
-        slopes = fit_slopes(frequency, gain, sweep.low, sweep.fit_high)
+        level = decibels(ratio)
+        slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
     return CircuitGain(
-        circuit, c, frequency, gain, slopes, given, tuple(_warnings(circuit, c, slopes)), watch.seconds()
+        circuit, c, frequency, level, slopes, given, tuple(_warnings(circuit, c, slopes)), watch.seconds()
     )
 
 

@@ -86,7 +86,7 @@ def template_text(name: str, kind: Kind = "designs") -> str:
     return (templates_folder() / kind / f"{name}.toml").read_text("utf-8")
 
 
-def load(
+def load_design(
     source: str | Path,
     overrides: list[str] | tuple[str, ...] = (),
     *,
@@ -102,6 +102,9 @@ def load(
     if printer is not None:
         data = with_printer(data, printer)
     return parse(Design, overridden(data, overrides))
+
+
+load = load_design  # as it was called first
 
 
 def with_printer(data: dict[str, Any], file: str | Path) -> dict[str, Any]:
@@ -145,12 +148,12 @@ def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> 
         path, equals, value = text.partition("=")
         keys = [k.strip() for k in path.split(".")]
         if not equals or not all(keys) or len(keys) > MOST_PARTS:
-            raise InputError("--set", "must be table.key=value", text, "as in --set ridge.height=0.6")
+            raise InputError("settings", "must be table.key=value", text, "as in ridge.height=0.6")
         table = result
         for key in keys[:-1]:
             table = table.setdefault(key, {})
             if not isinstance(table, dict):
-                raise InputError(f"--set {path}", f"{key} is a value, not a table", text)
+                raise InputError("settings", f"{key} is a value, not a table", text)
         if value.strip() == "none":
             table.pop(keys[-1], None)
             drop_dependents(result, path.strip())
@@ -168,9 +171,9 @@ def _copied(table: dict[str, Any]) -> dict[str, Any]:
 def _toml_value(text: str) -> Any:
     """The value that a TOML would have here; a text that is none stands for itself."""
     if "\n" in text or "\r" in text:
-        raise InputError("--set", "must be one line", text)
+        raise InputError("settings", "must be one line", text)
     try:
-        return tables_of(f"value = {text}", "--set")["value"]
+        return tables_of(f"value = {text}", "settings")["value"]
     except InputError:
         return text
 

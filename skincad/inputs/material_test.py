@@ -49,7 +49,7 @@ def material_test(
     if pair is None:
         raise InputError(str(path), "must have the columns " + ", or ".join(map(" and ".join, TESTS)))
     deformation, load = (columns[name] for name in pair)
-    sides = (("--gauge-length", gauge_length, "mm"), ("--area", area, "mm2"))
+    sides = (("gauge_length", gauge_length, "mm"), ("area", area, "mm2"))
     for option, size, unit in sides:
         if size is not None and not 0 < size < math.inf:
             raise InputError(option, f"must be above 0 {unit}", size)

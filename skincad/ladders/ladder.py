@@ -183,7 +183,7 @@ class Climb(Protocol):
 def ladder_of(name: str) -> Climb:
     """Import and return a ladder by name; raises InputError for an unknown one."""
     if name not in LADDERS:
-        raise InputError("--ladder", "unknown ladder", name, did_you_mean(name, LADDERS))
+        raise InputError("ladders", "unknown ladder", name, did_you_mean(name, LADDERS))
     return cast(Climb, import_module(LADDERS[name]))
 
 

@@ -57,7 +57,7 @@ def _within(name: str, test: MaterialTest, up_to: float | None) -> MaterialTest:
     pad = test.kind == "pad"
     if up_to is not None and not 0 < up_to <= (np.finfo(float).max if pad else LARGEST_UP_TO):
         limits = "must be above 0" + ("" if pad else f" and at most {LARGEST_UP_TO:g} (strain)")
-        raise InputError("--up-to", limits, up_to)
+        raise InputError("up_to", limits, up_to)
     limit = up_to or (np.inf if pad else UP_TO_STRAIN)
     kept = np.abs(test.load if pad else test.deformation) <= limit
     largest = float(np.abs(test.load[kept]).max(initial=0.0))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skincad.base.errors import RefusedError
 from skincad.base.estimate import Estimate
+from skincad.base.result import Result
 from skincad.base.tables import Ranged
 from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest
 from skincad.material.regression import Regression
@@ -18,6 +20,7 @@ LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse i
 LARGEST_ERROR = 0.5  # of the modulus; a wider interval says nothing of use
 FIRM = 0.05  # of the largest load, from which a row counts as one under load
 
+Array = NDArray[np.float64]
 Fit = Callable[[MaterialTest], Regression]
 
 
@@ -33,15 +36,17 @@ class Part:
     young_modulus: Estimate
 
 
-@dataclass(frozen=True)
-class MaterialFit:
+@dataclass(frozen=True, repr=False)
+class MaterialFit(Result):
     """Young's modulus at small strain, MPa, with the half-width of its 95 % interval.
 
     The half-width is the sum of `scatter` (of the rows), `model` (what it leaves open) and `misfit` (what
     the `parts` say of how it changes over the test), all MPa. `offset` is a pad's approach, mm, at the first
     touch, None for a bar. `rms` is that of the residual, `largest_load` the largest used, N of a pad or MPa.
+    `curve` is deformation, load and the model's load, `(rows_used,)` each.
     """
 
+    shown_by = "skincad.outputs.fits"
     kind: str
     rows: int
     rows_used: int
@@ -56,6 +61,7 @@ class MaterialFit:
     correlation: float
     seconds: dict[str, float]
     warnings: tuple[str, ...]
+    curve: tuple[Array, Array, Array] = field(compare=False)
 
     @property
     def ranged(self) -> Ranged:
@@ -111,7 +117,7 @@ def finished(
         share = f"{whole.rms / largest:.0%} of the largest load ({LARGEST_RMS:.0%} is the most)"
         raise RefusedError(
             f"the {test.kind} test does not follow the model: the residual is {whole.rms:.3g} {unit} rms, "
-            f"{share}; try a smaller --up-to"
+            f"{share}; try a smaller up_to"
         )
     scatter = float(whole.half_width[0]) * per_value
     parts = tuple(_halves(test, whole, fit, per_value))
@@ -140,6 +146,7 @@ def finished(
         whole.correlation,
         {},
         (),
+        (test.deformation, test.load, test.load + whole.residual),
     )
 
 

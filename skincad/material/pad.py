@@ -43,10 +43,10 @@ def fit_pad(test: MaterialTest, design: Design | None, clock: Stopwatch) -> Mate
     the model.
     """
     if design is None:
-        raise InputError("--design", "is missing", remedy="name the design of the pad that was pressed")
+        raise InputError("design", "is missing", remedy="name the design of the pad that was pressed")
     plate = design.contact.plate.shape
     if plate != "flat":
-        remedy = "press with a flat plate, and say --set contact.plate=none"
+        remedy = "press with a flat plate, and leave [contact.plate] out"
         raise InputError("contact.plate.shape", "must be 'flat' for a pad's test", plate, remedy)
     modulus = silicone(design.material).young_modulus.value
     for _ in range(PASSES):
@@ -103,7 +103,7 @@ def _check_range(test: MaterialTest, curve: PadCurve, found: Regression) -> None
     if float(test.deformation.max() - found.values[1]) <= curve.approach[-1]:
         return
     raise InputError(
-        "--up-to",
+        "up_to",
         "the model ends where a ridge is strained by 0.3 or buckles: use forces up to "
         f"{float(found.values[0] * curve.force[-1]):.2g} N",
         float(test.load.max()),

@@ -21,7 +21,8 @@ MOST_CORRELATED = 0.999  # of lag 1, so that a smooth misfit keeps a finite inte
 class Regression:
     """Parameters `(p,)` and the half-widths `(p,)` of their 95 % intervals; `rms` in the measured unit.
 
-    `correlation` is that of successive residuals, `independent` how many rows they are worth.
+    `residual` `(n,)` is the model less what was measured, `correlation` that of successive ones,
+    `independent` how many rows they are worth.
     """
 
     values: Array
@@ -29,6 +30,7 @@ class Regression:
     rms: float
     correlation: float
     independent: float
+    residual: Array
 
 
 def regression(model: Callable[[Array], Array], start: Array, measured: Array) -> Regression:
@@ -52,7 +54,8 @@ def regression(model: Callable[[Array], Array], start: Array, measured: Array) -
     spread = np.sqrt(variance * np.linalg.inv(normal).diagonal())
     quantile = stats.t.ppf((1 + CONFIDENCE) / 2, independent - p)
     rms = float(np.sqrt(np.mean(found.fun**2)))
-    return Regression(found.x, np.asarray(quantile * spread), rms, correlation, float(independent))
+    width = np.asarray(quantile * spread)
+    return Regression(found.x, width, rms, correlation, float(independent), np.asarray(found.fun))
 
 
 def _lag_one(residuals: Array) -> float:

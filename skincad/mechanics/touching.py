@@ -73,13 +73,13 @@ def check(
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
     asked = design.contact.force if force is None else force
     if not 0 < asked <= LARGEST_FORCE:
-        raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
+        raise InputError("force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
     if tol is not None and not 0 < tol < 1:
-        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.05")
+        raise InputError("tol", "must be between 0 and 1 (relative)", tol, "try 0.05")
     if budget is not None and not (budget > 0 and math.isfinite(budget)):
-        raise InputError("--budget", "must be above 0 s", budget)
+        raise InputError("budget", "must be above 0 s", budget)
     if measured is not None and design.skin.curvature_radius_y is not None:
-        raise InputError("--measured", "judges skins that are straight along y", measured, "leave it out")
+        raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(drops, design))
     climb = _Climb(design, asked, drops, notes, progress)
@@ -87,7 +87,7 @@ def check(
         return climb.auto(tol, budget)
     tier_of(tier)
     if reason := able(tier, design, bool(drops)):
-        raise InputError("--tier", reason, tier, "leave --tier out")
+        raise InputError("tier", reason, tier, "leave it out")
     found = climb.judged(tier, Request(asked, tol, budget, drops, parts=not drops))
     return with_shortfall(found, tol, found.model_error)
 

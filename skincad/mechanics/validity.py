@@ -75,7 +75,7 @@ def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> 
     if approach >= skin:
         most = force * skin / approach
         words = f"must stay below about {most:.3g} N, which press the skin flat in the {tier} tier"
-        raise InputError("--force", words, force, "take a smaller force")
+        raise InputError("force", words, force, "take a smaller force")
 
 
 def _mean_width(design: Design) -> float:

@@ -8,12 +8,13 @@ from typing import Any
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.base.result import Result
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, Manufacture
 
 
-@dataclass(frozen=True)
-class ContactCheck:
+@dataclass(frozen=True, repr=False)
+class ContactCheck(Result):
     """The verdict at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
 
     Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
@@ -21,6 +22,7 @@ class ContactCheck:
     holds the tiers before with their F9 and seconds, `next_tier` the next with the seconds expected.
     """
 
+    shown_by = "skincad.outputs.checks"
     name: str
     passed: bool
     force: float
@@ -115,7 +117,7 @@ def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> Con
 def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> ContactCheck:
     """Return the last verdict before tier `name` refused; none where that tier knows why the force is too
     large."""
-    if isinstance(refusal, InputError) and refusal.key == "--force":
+    if isinstance(refusal, InputError) and refusal.key == "force":
         beyond = f"the force {refusal.rule} (so the {name} tier)"
         return replace(found, passed=False, beyond=beyond, next_tier=None)
     words = f"the {name} tier, which leaves out less, refuses: {refusal}"

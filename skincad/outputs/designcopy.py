@@ -14,7 +14,7 @@ from skincad.base.reading import text_of
 from skincad.base.tables import Ranged, parse
 from skincad.inputs.catalog import LARGEST_FILE, overridden, read_table, template_names, template_text
 from skincad.inputs.design import Design
-from skincad.outputs.wording import ranged_toml
+from skincad.outputs.fits import ranged_toml
 
 
 def write_with_modulus(
@@ -36,7 +36,7 @@ def write_with_modulus(
     text = tomlkit.dumps(document)
     if parse(Design, tomllib.loads(text)) != parse(Design, data):
         raise RefusedError(f"the copy of {source} does not say what the design says")
-    with fresh(path, "-o") as staging:
+    with fresh(path, "copy") as staging:
         staging.write_text(text, encoding="utf-8")
 
 

@@ -1,17 +1,16 @@
-"""The main job: from a design to skin, mold, files, findings and verdict, in one folder."""
+"""The main job: from a design to skin, mold, findings and verdict."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import groupby
-from pathlib import Path
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from skincad.base.errors import InputError, did_you_mean
-from skincad.base.outfolder import checked_folder, replaced
+from skincad.base.errors import RefusedError
+from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
-from skincad.outputs.make_files import Job, writers
 from skincad.solids.mold import Mold, mold
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
-FORMATS = ("step", "stl", "3mf", "dxf", "svg", "png", "md", "html", "toml")
 STAGES = ("contact check", "solids", "meshes", "measuring", "interference", "files", "picture")
 FINEST_CHORD = 1e-4  # mm; finer ones cost memory and show nothing
 INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that are tested for interference
@@ -73,25 +71,83 @@ def mesh_findings(parts: list[PartReport]) -> list[Finding]:
 
 
 @dataclass(frozen=True)
-class MakeResult:
-    """What `make` did: files, parts as measured, findings and the contact verdict."""
+class Job:
+    """A design as built and judged; the solids and meshes are the CAD kernel's and trimesh's, mm."""
 
+    design: Design
+    closed: Mold
+    solids: dict[str, Any]
+    meshes: dict[str, Any]
+    skin: tuple[Any, Any]  # solid and mesh as designed; in `solids` and `meshes` it is as poured
+    findings: tuple[Finding, ...]
+    check: ContactCheck
+
+    @cached_property
+    def laid(self) -> dict[str, Any]:
+        """Meshes of what is printed, laid on the bed, by part name."""
+        from skincad.fabrication.meshes import laid
+        from skincad.fabrication.rules_of_layers import laid_on_end
+
+        printed = {part.name: part for part in self.closed.parts if part.made == "made"}
+        return {n: laid(self.meshes[n], laid_on_end(self.design, p), p) for n, p in printed.items()}
+
+    @cached_property
+    def sheet(self) -> str:
+        """The casting sheet, Markdown."""
+        from skincad.fabrication.inspection import inspection
+        from skincad.fabrication.sheet import casting_sheet
+        from skincad.outputs.checks import verdict
+
+        measures = inspection(self.design, self.closed.part("skin"), _allowed_drops(self.check))
+        found, said = list(self.findings), verdict(self.check)
+        return casting_sheet(
+            self.design, self.closed, found, said, _passed(self.check, self.findings, strict=False), measures
+        )
+
+    @cached_property
+    def drawn(self) -> str:
+        """The drawing, SVG."""
+        from skincad.pictures.drawing import drawing
+
+        return drawing(self.design, self.closed)
+
+
+@dataclass(frozen=True, repr=False)
+class MakeResult(Result):
+    """A design as built, measured and judged; with `strict` warnings fail it too.
+
+    A copy, or one that was pickled, leaves the solids and meshes of `job` behind, and so can't be written.
+    """
+
+    shown_by = "skincad.outputs.makes"
     name: str
-    folder: Path
-    passed: bool
-    files: tuple[tuple[str, int], ...]  # name in the folder, bytes
+    strict: bool
     parts: tuple[PartReport, ...]
     findings: tuple[Finding, ...]
     check: ContactCheck
     cavity_volume: float  # mm3, of what cures to the skin: larger by the shrinkage
     seconds: dict[str, float]
+    job: Job | None = field(default=None, compare=False)
+
+    @property
+    def passed(self) -> bool:
+        """Whether all ridges touch, and no finding is an error, nor with `strict` a warning."""
+        return _passed(self.check, self.findings, self.strict)
+
+    def built(self) -> Job:
+        """Return the solids and meshes; raises RefusedError for a copy."""
+        if self.job is None:
+            raise RefusedError(f"{self.name}: a copy has no solids to write; make it again")
+        return self.job
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "job": None}
 
     def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys."""
+        """Return the result under the contract's keys; `files` are those of `write`."""
         return {
             "name": self.name,
             "passed": self.passed,
-            "files": [{"path": str(self.folder / name), "bytes": size} for name, size in self.files],
             "parts": [part.as_json() for part in self.parts],
             "cavity_volume_mm3": self.cavity_volume,
             "findings": [finding.as_json() for finding in self.findings],
@@ -100,42 +156,24 @@ class MakeResult:
         }
 
 
-def make(
-    design: Design,
-    folder: Path | str | None = None,
-    *,
-    formats: tuple[str, ...] | str = FORMATS,
-    strict: bool = False,
-    progress: Progress | None = None,
-) -> MakeResult:
-    """Build, check and write a design into `folder` (default out/<name>), whole or not at all.
+def make(design: Design, *, strict: bool = False, progress: Progress | None = None) -> MakeResult:
+    """Build a design's skin and mold, measure and judge them; `skincad.write` writes the files.
 
     `passed` is false when the contact verdict fails, a part is not valid, watertight or free, or (with
     `strict`) any finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
     """
-    formats = (formats,) if isinstance(formats, str) else formats
-    unknown = [f for f in formats if f not in FORMATS]
-    if unknown:
-        raise InputError("--format", "unknown format", unknown[0], did_you_mean(unknown[0], FORMATS))
-    target = Path("out") / design.name if folder is None else Path(folder)
     closed = mold(design)  # bad input is told before the CAD kernel loads
-    chosen = {n: write for n, write in writers(design, closed).items() if _kind(n) in formats}
-    place = str(checked_folder(target, "make", chosen))
-    if place.encode("utf-8", "replace").decode("utf-8") != place:  # the CAD kernel takes no other
-        raise InputError("-o", "must be UTF-8", place, "name another folder, or set LC_ALL=C.UTF-8")
     _import_everything()
     watch = Stopwatch(progress)
     job, reports = _build(design, closed, watch)
-    with replaced(target, "make", _told(job, strict)) as staging:
-        for stage, names in groupby(chosen, lambda name: "picture" if _kind(name) == "png" else "files"):
-            with watch.stage(stage):
-                for name in names:
-                    chosen[name](job, staging / name)
-        return _result(job, reports, target, staging, strict, watch)
+    volume = job.closed.part("skin").volume
+    found = tuple(reports), job.findings, job.check, volume, watch.seconds(), job
+    return MakeResult(design.name, strict, *found)
 
 
-def _kind(name: str) -> str:
-    return name.rpartition(".")[2]
+def _passed(check: ContactCheck, findings: tuple[Finding, ...], strict: bool) -> bool:
+    bad = {"error", "warning"} if strict else {"error"}
+    return check.passed and not any(finding.severity in bad for finding in findings)
 
 
 def _import_everything() -> None:
@@ -199,27 +237,9 @@ def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> Pa
     )
 
 
-def _told(job: Job, strict: bool) -> dict[str, Any]:
-    """What the manifest says of a result: without times, so that it is the same again."""
-    return {
-        "name": job.design.name,
-        "passed": job.passed(strict),
-        "all_touch_force_N": job.check.all_touch_force.as_json(),
-        "findings": [finding.as_json() for finding in job.findings],
-    }
-
-
-def _result(
-    job: Job, reports: list[PartReport], target: Path, staging: Path, strict: bool, watch: Stopwatch
-) -> MakeResult:
-    return MakeResult(
-        name=job.design.name,
-        folder=target,
-        passed=job.passed(strict),
-        files=tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir())),
-        parts=tuple(reports),
-        findings=job.findings,
-        check=job.check,
-        cavity_volume=job.closed.part("skin").volume,
-        seconds=watch.seconds(),
-    )
+def _allowed_drops(check: ContactCheck) -> tuple[float, ...]:
+    """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    made, margin = check.manufacture, check.margin
+    if made is None or margin is None or not check.passed:
+        return ()
+    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)

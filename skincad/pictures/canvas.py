@@ -60,13 +60,15 @@ __all__ = [
     "Normalize",
     "NullFormatter",
     "Patch",
+    "Picture",
     "PolyCollection",
     "ScalarMappable",
     "Triangulation",
     "agg",
     "colormaps",
     "own_style",
-    "png",
+    "save",
+    "sheet",
     "to_rgb",
 ]
 DEFAULTS: dict[Any, Any] = {key: value for key, value in rcParamsDefault.items() if key != "backend"}
@@ -80,25 +82,36 @@ def own_style() -> Iterator[None]:
         yield
 
 
-def agg(size: tuple[float, float], dpi: float) -> Figure:
+class Picture(Figure):
+    """A figure that is written in so many `colours` at most; None: in all that it has."""
+
+    colours: int | None = None
+
+
+def agg(size: tuple[float, float], dpi: float) -> Picture:
     """Return a figure of this size, inches, that Agg draws; to be used within `own_style`."""
-    figure = Figure(figsize=size, dpi=dpi, layout="constrained")
+    figure = Picture(figsize=size, dpi=dpi, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 @contextmanager
-def png(path: Path, size: tuple[float, float], dpi: float, colours: int | None = None) -> Iterator[Figure]:
-    """Yield a figure of this size, inches, to be drawn on in the block; it is written as PNG then, in so many
-    `colours` at most."""
+def sheet(size: tuple[float, float], dpi: float, colours: int | None = None) -> Iterator[Picture]:
+    """Yield a figure of this size, inches, to be drawn on in the block, in matplotlib's defaults."""
     with own_style():
         figure = agg(size, dpi)
+        figure.colours = colours
         yield figure
-        if colours is None:
-            figure.savefig(path, metadata={"Software": "skincad"}, format="png")
-            return
-        drawn = BytesIO()
+
+
+def save(figure: Picture, path: Path) -> None:
+    """Write a figure as PNG, in as many colours as it asks for."""
+    drawn = BytesIO()
+    with own_style():
         figure.savefig(drawn, metadata={"Software": "skincad"}, format="png")
+    if figure.colours is None:
+        path.write_bytes(drawn.getvalue())
+        return
     few = Image.open(drawn).convert("RGB")
-    few = few.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = few.quantize(figure.colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(path, format="PNG", optimize=True)

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from skincad.circuit.bode import CircuitGain
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
-from skincad.pictures.canvas import Axes, png
+from skincad.pictures.canvas import Axes, Picture, sheet
 
 CURVE, LINES, PAPER, DATA = "#1f5fa8", "#c1531f", "#777777", "#222222"
 PAPER_DROP = 9000.0  # Hz; paper, section 3.2
 SIZE, DPI = (9.0, 5.6), 100
 
 
-def gain_picture(found: CircuitGain, path: Path) -> None:
-    """Write a PNG of the gain in dB re 1 V/N, its two fitted lines, the paper's statements and measured data.
+def gain_figure(found: CircuitGain) -> Picture:
+    """Return a figure of the gain in dB re 1 V/N, its fitted lines, the paper's statements and measured data.
 
     The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
     """
-    with png(path, SIZE, DPI, 255) as figure:
+    with sheet(SIZE, DPI, 255) as figure:
         axes = figure.add_subplot()
         if found.measured:
             given = found.measured
@@ -35,6 +33,7 @@ def gain_picture(found: CircuitGain, path: Path) -> None:
         axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
         axes.legend(loc="upper left", fontsize=8)
         axes.set_title(f"{found.name}: gain of film and amplifier", fontsize=11)
+    return figure
 
 
 def _draw_fit(axes: Axes, found: CircuitGain) -> None:

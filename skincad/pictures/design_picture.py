@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import trimesh
 
 from skincad.fabrication.meshes import upright
 from skincad.inputs.design import Design
-from skincad.pictures.canvas import Axes, png
+from skincad.pictures.canvas import Axes, Picture, sheet
 from skincad.pictures.render import shaded, view
 from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
@@ -22,14 +21,15 @@ SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
 
 
-def write_picture(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh], path: Path) -> None:
-    """Write a PNG of skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
-    with png(path, (13.2, 7.4), 110, 128) as figure:
+def design_figure(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
+    """Return skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
+    with sheet((13.2, 7.4), 110, 128) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
         _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
         _draw_ridge(figure.add_subplot(grid[1, 0]), design)
         _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
         figure.suptitle(design.name)
+    return figure
 
 
 def _show(axes: Axes, title: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from skincad.base.estimate import Estimate
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.view import View
-from skincad.pictures.canvas import Axes, Figure, PolyCollection, Triangulation, png
+from skincad.pictures.canvas import Axes, Figure, Picture, PolyCollection, Triangulation, sheet
 
 Array = NDArray[np.float64]
 SERIES = (("S1", "#1f5fa8", "o", -0.15), ("S2", "#c1531f", "s", 0.15), ("S1 - S2", "#222222", "D", 0.0))
@@ -25,14 +24,14 @@ NOTED_RIDGE = (
 )
 
 
-def film_stress_picture(normal: FilmStress, both: FilmStress, path: Path) -> None:
-    """Write a PNG laid out as the paper's Fig 8: (a) `normal` force alone, (b) `both` forces.
+def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
+    """Return a figure laid out as the paper's Fig 8: (a) `normal` force alone, (b) `both` forces.
 
     S1, S2 and their difference by ridge with error bars; below, the stress in the deformed section of the
     ridges that both carry as views.
     """
     shown = [r for r in (v.ridge for v in normal.views) if r in {v.ridge for v in both.views}][:2]
-    with png(path, SIZE if shown else (SIZE[0], 4.0), DPI, 255) as figure:
+    with sheet(SIZE if shown else (SIZE[0], 4.0), DPI, 255) as figure:
         columns = 2 * max(1, len(shown))
         grid = figure.add_gridspec(2 if shown else 1, columns, height_ratios=[1.0, 0.8] if shown else None)
         left = figure.add_subplot(grid[0, : columns // 2])
@@ -46,6 +45,7 @@ def film_stress_picture(normal: FilmStress, both: FilmStress, path: Path) -> Non
             _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
         figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
         figure.suptitle(f"{normal.name}: stress in the ridges")
+    return figure
 
 
 def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:

@@ -6,14 +6,13 @@ It is read in grey too: methods differ by marker and by dashes; rungs that no ot
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from statistics import median
 from textwrap import fill
 from typing import Any
 
 from skincad.ladders.ladder import Ladder, Measure, Rung
 from skincad.ladders.precision import slope
-from skincad.pictures.canvas import Axes, NullFormatter, png
+from skincad.pictures.canvas import Axes, NullFormatter, Picture, sheet
 
 STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
     ("#000000", "o", "-"),
@@ -34,10 +33,10 @@ HEADROOM = 0.3  # of the errors' decades
 WIDEST, HIGHEST = 56, 52  # letters of a line: a title's, an error axis's
 
 
-def diagram(ladder: Ladder, machine: dict[str, Any], path: Path) -> None:
-    """Write a PNG of the ladder's first measures; without anything to draw, one that says so."""
+def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
+    """Return a figure of the ladder's first measures; without anything to draw, one that says so."""
     shown = [m for m in ladder.measures if len({r.errors[m.name] for r in _seen(ladder, m)}) > 1][:PANELS]
-    with png(path, SIZE, DPI, 255) as figure:
+    with sheet(SIZE, DPI, 255) as figure:
         figure.suptitle(ladder.title, fontsize=11)
         places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
         models = list(dict.fromkeys(rung.model for rung in ladder.rungs))
@@ -49,6 +48,7 @@ def diagram(ladder: Ladder, machine: dict[str, Any], path: Path) -> None:
             places[0].set_axis_off()
         where = f"{machine['processor']}, {machine['cores']} cores; medians"
         figure.supxlabel(f"{where}, bars from the shortest to the longest run", fontsize=8, color="#555555")
+    return figure
 
 
 def _seen(ladder: Ladder, measure: Measure) -> list[Rung]:

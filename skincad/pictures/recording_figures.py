@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.resample import Recording, recorded
-from skincad.pictures.canvas import Axes, png
+from skincad.pictures.canvas import Axes, Picture, sheet
 from skincad.scenes.simulation import Simulation
 
 ONE, OTHER, PAIR = "#1f5fa8", "#c1531f", "#222222"
@@ -51,12 +50,12 @@ def recording(found: Simulation) -> Recorded | None:
     return Recorded(ridge, *parts)
 
 
-def recording_picture(found: Simulation, seen: Recorded, path: Path) -> None:
-    """Write a PNG: S1 and S2, their difference vd with the phases P_A and P_B, and what is not seen.
+def recording_figure(found: Simulation, seen: Recorded) -> Picture:
+    """Return a figure: S1 and S2, their difference vd with the phases P_A and P_B, and what is not seen.
 
     P_A is from the start of the pull to the ridge's slip, P_B from there to gross slip.
     """
-    with png(path, (9.0, 6.4), 100) as figure:
+    with sheet((9.0, 6.4), 100) as figure:
         strips, pair = figure.subplots(2, 1, sharex=True)
         largest = max(float(np.abs(part.values).max()) for part in (seen.s1, seen.s2, seen.pair))
         unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
@@ -73,6 +72,7 @@ def recording_picture(found: Simulation, seen: Recorded, path: Path) -> None:
         figure.suptitle(
             f"{found.scene.name}: {found.read['circuit']} as recorded at {seen.pair.rate:g} Hz", fontsize=11
         )
+    return figure
 
 
 def caption(found: Simulation, seen: Recorded) -> str:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from skincad.circuit.low_pass import Limited
-from skincad.pictures.canvas import Axes, ListedColormap, Patch, png
+from skincad.pictures.canvas import Axes, ListedColormap, Patch, Picture, sheet
 from skincad.scenes.simulation import Simulation
 
 OPEN, STICK, SLIP = "#ffffff", "#b9cbe0", "#c1531f"
@@ -15,13 +13,13 @@ NORMAL, TANGENTIAL = "#1f5fa8", "#c1531f"
 WIDTH, PANEL, DPI = 9.0, 1.9, 100
 
 
-def scene_picture(found: Simulation, path: Path) -> None:
-    """Write a PNG: forces by step (Fig 11), stress-rate and stress-jerk (Figs 12, 13), slip by ridge.
+def scene_figure(found: Simulation) -> Picture:
+    """Return a figure: forces by step (Fig 11), stress-rate and stress-jerk (Figs 12, 13), slip by ridge.
 
     The signals are drawn as they come out of the low-pass, later by its delay.
     """
     panels = 2 + 2 * bool(found.signals)
-    with png(path, (WIDTH, PANEL * panels + 0.8), DPI) as figure:
+    with sheet((WIDTH, PANEL * panels + 0.8), DPI) as figure:
         axes = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
         _forces(axes[0], found)
         if found.signals:
@@ -34,6 +32,7 @@ def scene_picture(found: Simulation, path: Path) -> None:
             f"{found.scene.name}: signals band-limited to {width:g} Hz, {1e3 * found.delay:.3g} ms late",
             fontsize=11,
         )
+    return figure
 
 
 def _forces(axes: Axes, found: Simulation) -> None:

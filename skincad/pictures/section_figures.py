@@ -15,6 +15,7 @@ from skincad.mechanics.film.whole_state import Shown
 from skincad.pictures.canvas import (
     Axes,
     Normalize,
+    Picture,
     PolyCollection,
     ScalarMappable,
     Triangulation,
@@ -46,6 +47,14 @@ def section_picture(moment: Moment, path: Path) -> None:
     with own_style():
         picture = _sheet([moment]).drawn(moment)
     _few_colours(picture, 255).save(path, format="PNG", optimize=True)
+
+
+def section_figure(moment: Moment) -> Picture:
+    """Return the figure that `section_picture` writes."""
+    with own_style():
+        sheet = _sheet([moment])
+        sheet.drawn(moment)
+    return sheet.figure
 
 
 def section_animation(moments: Sequence[Moment], path: Path) -> None:
@@ -91,7 +100,7 @@ def _frame(moments: Sequence[Moment]) -> Frame:
 class _Sheet:
     """A figure that is drawn on again and again, with one scale of colours and one frame."""
 
-    canvas: Any  # FigureCanvasAgg, whose drawing is untyped
+    figure: Picture
     axes: Axes
     limit: float
     frame: Frame
@@ -100,9 +109,10 @@ class _Sheet:
         self.axes.clear()
         _draw_section(self.axes, moment.shown, self.limit, self.frame)
         self.axes.set_title(moment.title, fontsize=10)
-        self.canvas.draw()
-        self.canvas.figure.set_layout_engine("none")  # as it is laid out now, so that frames do not jump
-        return Image.fromarray(np.array(self.canvas.buffer_rgba())).convert("RGB")
+        canvas: Any = self.figure.canvas  # Agg's, whose drawing is untyped
+        canvas.draw()
+        self.figure.set_layout_engine("none")  # as it is laid out now, so that frames do not jump
+        return Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
 
 
 def _sheet(moments: Sequence[Moment]) -> _Sheet:
@@ -113,7 +123,7 @@ def _sheet(moments: Sequence[Moment]) -> _Sheet:
     bar = figure.colorbar(scale, ax=axes, location="bottom", shrink=0.6, aspect=50, extend="both")
     bar.set_label("stress along x, MPa; films black", fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    return _Sheet(figure.canvas, axes, limit, frame)
+    return _Sheet(figure, axes, limit, frame)
 
 
 def _draw_section(axes: Axes, shown: Shown, limit: float, frame: Frame) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError, RefusedError, needing
+from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
 from skincad.effects.kinds import Body, Readout, Watched
@@ -39,13 +40,14 @@ Mask = NDArray[np.bool_]
 DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (FACTS.md)
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Result):
     """A scene's result. `raw` and `signals` are by told ridge: the differential stress S1 - S2, MPa, as it is
     and band-limited; `error` MPa its change from the mesh before, None with one mesh; `slipping`
     `(steps + 1, ridges)`.
     """
 
+    shown_by = "skincad.outputs.simulations"
     scene: Scene
     march: March
     raw: dict[int, Array]
@@ -194,9 +196,9 @@ def simulate(
 
 def _check_asked(tol: float | None, budget: float | None) -> None:
     if tol is not None and not 0 < tol < 1:
-        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
+        raise InputError("tol", "must be between 0 and 1 (relative)", tol, "try 0.02")
     if budget is not None and not 0 < budget < np.inf:
-        raise InputError("--budget", "must be above 0 s", budget)
+        raise InputError("budget", "must be above 0 s", budget)
 
 
 def _or_before(

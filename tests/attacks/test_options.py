@@ -9,7 +9,7 @@ import pytest
 import typer
 
 from skincad.base.errors import InputError
-from skincad.cli import PrinterOption, app
+from skincad.commands import PrinterOption, app
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
 ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0")}

@@ -83,7 +83,7 @@ def refused_and_nothing_changed(folder: Path, command: str, words: str) -> None:
     for attempt in (lambda: checked_folder(folder, command), lambda: write(folder, command, a="new")):
         with pytest.raises(InputError) as refusal:
             attempt()
-        assert str(refusal.value).startswith("-o: ")
+        assert str(refusal.value).startswith("folder: ")
         assert words in str(refusal.value)
         assert refusal.value.remedy
     assert tree(folder.parent) == before

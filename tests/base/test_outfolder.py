@@ -168,14 +168,14 @@ def test_the_folder_one_is_in_is_refused(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_a_name_that_is_too_long_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="-o: "):
+    with pytest.raises(InputError, match="folder: "):
         checked_folder(tmp_path / ("x" * 300))
 
 
 def test_what_cannot_be_written_is_known_before_any_work(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file" / "x", tmp_path / "file" / "x" / "y", Path("/proc/none/x")):
-        with pytest.raises(InputError, match=r"-o: .* cannot be written"):
+        with pytest.raises(InputError, match=r"folder: .* cannot be written"):
             checked_folder(folder)
     checked_folder(tmp_path / "new" / "deeper")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
-from skincad.circuit.bode import circuit_gain
+from skincad.circuit.bode import gain
 from skincad.circuit.closed_form import exact_response
 from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.netlist import element_lines
@@ -90,13 +90,13 @@ def test_it_follows_the_stress_where_the_transimpedance_follows_its_rate() -> No
 
 
 def test_its_low_cut_off_is_found() -> None:
-    slopes = circuit_gain(CIRCUIT).slopes
+    slopes = gain(CIRCUIT).slopes
     assert slopes.cutoff.value == pytest.approx(1 / (2 * math.pi * TAU), abs=slopes.cutoff.error)
     assert slopes.above.value == pytest.approx(0.0, abs=slopes.above.error or 0.0)
     # 17.6 of 20: the corner is round, and two decades of slope do not outweigh it
     assert slopes.below.value == pytest.approx(20.0, abs=3.0)
     level = 20 * math.log10(abs(C.d33) / C.feedback_capacitance)
-    assert circuit_gain(CIRCUIT).gain[300] == pytest.approx(level, abs=0.01)
+    assert gain(CIRCUIT).gain[300] == pytest.approx(level, abs=0.01)
 
 
 def test_without_the_capacitor_it_is_the_paper_s_network() -> None:
@@ -115,4 +115,4 @@ def test_what_cannot_be_is_told() -> None:
     ):
         load_circuit("charge-amplifier", ["amplifier.feedback_capacitance=-1e-12"])
     with pytest.raises(InputError, match=r"amplifier.feedback_capacitance: must be 0 F where"):
-        circuit_gain(CIRCUIT, "measured.csv")
+        gain(CIRCUIT, "measured.csv")

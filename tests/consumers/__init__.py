@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skincad.inputs.design import Design
-from skincad.outputs.making import MakeResult, PartReport
+from skincad.outputs.making import PartReport
 from skincad.solids.mold import mold
+from tests.conftest import Made
 
 CONSUMERS = ("prusaslicer", "gmsh", "lib_3mf", "dxf", "meshlab", "camlib", "steps")
 
@@ -21,7 +22,7 @@ class Job:
     """A design and what `make` made of it."""
 
     design: Design
-    made: MakeResult
+    made: Made
 
     def file(self, name: str) -> Path:
         """Return the path of a file that was made."""

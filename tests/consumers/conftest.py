@@ -6,6 +6,7 @@ import pytest
 
 import skincad
 from skincad.inputs.catalog import template_names
+from tests.conftest import make_into
 from tests.consumers import Job
 
 
@@ -18,4 +19,4 @@ def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     design = skincad.load(request.param)
     if request.param == "yamada-2002":
         return Job(design, request.getfixturevalue("made"))
-    return Job(design, skincad.make(design, tmp_path_factory.mktemp("made") / request.param))
+    return Job(design, make_into(design, tmp_path_factory.mktemp("made") / request.param))

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import shapely
 
-from skincad.outputs.making import MakeResult
 from skincad.shape.cross_section import section
+from tests.conftest import Made
 from tests.consumers import Job, dxf
 
 
@@ -15,14 +15,14 @@ def test_the_section_re_reads_with_its_area_and_slots(job: Job) -> None:
     assert dxf.complaints(job) == []
 
 
-def test_arcs_that_became_chords_would_be_seen(made: MakeResult, tmp_path: Path) -> None:
+def test_arcs_that_became_chords_would_be_seen(made: Made, tmp_path: Path) -> None:
     job = Job(skin_of(made), made)
     (outline,) = dxf.polygons(made.folder / "section.dxf", "OUTLINE")
     corners = shapely.Polygon([s.start for s in section(job.design).outline])
     assert abs(outline.area - corners.area) > 1e3 * dxf.CHORD * outline.length
 
 
-def skin_of(made: MakeResult):
+def skin_of(made: Made):
     import skincad
 
     return skincad.load(made.folder / "design.toml")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from skincad.outputs.making import MakeResult
+from tests.conftest import Made
 from tests.consumers import Job, gmsh
 
 pytestmark = pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
@@ -16,7 +16,7 @@ def test_every_step_has_one_solid_of_its_volume_and_the_assembly_names_and_colou
     assert gmsh.complaints(job) == []
 
 
-def test_a_solid_of_another_size_is_seen(made: MakeResult, tmp_path: Path) -> None:
+def test_a_solid_of_another_size_is_seen(made: Made, tmp_path: Path) -> None:
     """A metre for a millimetre: what a reader with another unit would see."""
     text = (made.folder / "cover.step").read_text("latin-1").replace(".MILLI.,.METRE.", "$,.METRE.")
     (tmp_path / "cover.step").write_text(text, "latin-1")

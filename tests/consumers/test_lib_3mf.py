@@ -8,7 +8,7 @@ from pathlib import Path
 import lib3mf
 import pytest
 
-from skincad.outputs.making import MakeResult
+from tests.conftest import Made
 from tests.consumers import Job, lib_3mf
 
 
@@ -16,7 +16,7 @@ def test_the_files_hold_the_parts_named_coloured_closed_and_of_their_volume(job:
     assert lib_3mf.complaints(job) == []
 
 
-def test_strict_mode_refuses_an_object_id_of_zero(made: MakeResult, tmp_path: Path) -> None:
+def test_strict_mode_refuses_an_object_id_of_zero(made: Made, tmp_path: Path) -> None:
     """What the CAD library's own writer gives, and a slicer then calls not manifold."""
     with zipfile.ZipFile(made.folder / "skin.3mf") as good, zipfile.ZipFile(tmp_path / "bad.3mf", "w") as bad:
         for name in good.namelist():

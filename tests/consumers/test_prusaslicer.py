@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from skincad.outputs.making import MakeResult
+from tests.conftest import Made
 from tests.consumers import Job, prusaslicer
 
 pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
@@ -17,7 +17,7 @@ def test_every_part_is_one_manifold_of_its_volume_and_slices(job: Job) -> None:
     assert prusaslicer.complaints(job) == []
 
 
-def test_a_torn_mesh_is_told_though_it_exits_with_0(made: MakeResult, tmp_path: Path) -> None:
+def test_a_torn_mesh_is_told_though_it_exits_with_0(made: Made, tmp_path: Path) -> None:
     torn = trimesh.load_mesh(made.folder / "end-a-comb.stl")
     torn.update_faces([i % 100 != 0 for i in range(len(torn.faces))])
     torn.export(tmp_path / "torn.stl")
@@ -25,7 +25,7 @@ def test_a_torn_mesh_is_told_though_it_exits_with_0(made: MakeResult, tmp_path: 
     assert said["manifold"] == "no"
 
 
-def test_its_default_gap_closing_fills_the_slits(made: MakeResult) -> None:
+def test_its_default_gap_closing_fills_the_slits(made: Made) -> None:
     """Which is why the layers are counted without it: 18 slits of 0.06 x 0.25 mm through 4 mm of plate."""
     comb = made.folder / "end-a-comb.stl"
     filled = prusaslicer.sliced(comb, prusaslicer.DEFAULT_CLOSING) - prusaslicer.sliced(comb)

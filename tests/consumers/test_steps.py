@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skincad.outputs.making import MakeResult
+from tests.conftest import Made
 from tests.consumers import Job, steps
 from tests.consumers.test_dxf import skin_of
 
@@ -11,7 +11,7 @@ def test_names_colours_and_the_casting_sheet_agree_with_the_solids(job: Job) -> 
     assert steps.complaints(job) == []
 
 
-def test_a_sheet_with_a_wrong_number_is_seen(made: MakeResult) -> None:
+def test_a_sheet_with_a_wrong_number_is_seen(made: Made) -> None:
     job = Job(skin_of(made), made)
     text = job.file("casting-sheet.md").read_text("utf-8")
     written = steps.sheet_numbers(text)

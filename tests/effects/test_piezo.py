@@ -20,7 +20,7 @@ from skincad.effects.kinds import Reading, Watched
 from skincad.effects.piezo import Piezo, electrode, fitted, strip_charges
 from skincad.fabrication.pattern import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
-from skincad.outputs.scene_files import write_table
+from skincad.outputs.simulations import write_table
 from skincad.scenes import simulation
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene

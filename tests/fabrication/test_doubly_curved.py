@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from manifold3d import Manifold, OpType
 
-import skincad
 from skincad.fabrication.bent_steps import arc_radius
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.finding import Finding
@@ -27,6 +26,7 @@ from skincad.pictures.drawing import PAGE, drawing
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Part, Prism, Revolved, Turned, bores
 from tests.bent_skin import bent, three_ridges
+from tests.conftest import make_into
 
 
 @pytest.fixture(scope="module")
@@ -212,10 +212,10 @@ def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed:
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "radius"), [("yamada-2002", 60.0), ("plain-ridges", 25.0)])
 def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
-    made = skincad.make(bent(name, radius), tmp_path / "out")
-    assert made.passed
+    made = make_into(bent(name, radius), tmp_path / "out")
+    assert made.result.passed
     assert all(p.valid and p.watertight and not p.self_intersections for p in made.parts)
     assert all(p.deviation <= p.asked_deviation for p in made.parts)
     assert {"assembly.step", "mold.3mf", "picture.png", "drawing.svg", "casting-sheet.md"} <= {
-        file for file, _ in made.files
+        file for file, _ in made.written.files
     }

@@ -171,7 +171,7 @@ def test_another_silicone_brings_its_own_values(yamada: Design) -> None:
     "text", ["ridge.height=1\nfoo=3", "ridge.height", "=1", "ridge..height=1", "name.x=1"]
 )
 def test_a_malformed_override_is_refused(text: str) -> None:
-    with pytest.raises(InputError, match="--set"):
+    with pytest.raises(InputError, match="settings"):
         load("yamada-2002", [text])
 
 

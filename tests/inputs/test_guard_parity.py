@@ -13,7 +13,7 @@ from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.design import Design
 from skincad.ladders.scenes import scene_on
 from skincad.material.pad_curve import small_strain_curve
-from skincad.mechanics.film.stress import film_stress
+from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.touching import check
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
@@ -46,7 +46,7 @@ def by_scene(design: Design, force: float, folder: Path) -> str:
 
 
 def by_film(design: Design, force: float, folder: Path) -> str:
-    film_stress(design, force, tol=0.5)
+    film_stresses(design, force, tol=0.5)
     return ""
 
 

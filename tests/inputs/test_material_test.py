@@ -47,7 +47,7 @@ def as_designed(path: Path, design: Design) -> Path:
 def test_a_missing_file_and_a_wrong_tier_are_refused(tmp_path: Path, yamada: Design) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         check(yamada, measured=tmp_path / "none.csv")
-    with pytest.raises(InputError, match="--measured: is not judged by --tier winkler"):
+    with pytest.raises(InputError, match="measured: is not judged by the winkler tier"):
         check(yamada, measured=as_designed(tmp_path / "crests.csv", yamada), tier="winkler")
 
 

@@ -14,6 +14,7 @@ from PIL import Image
 from skincad.base.outfolder import replaced
 from skincad.ladders.ladder import Ladder, Measure, Rung
 from skincad.ladders.machine import machine
+from skincad.pictures.canvas import save
 from skincad.pictures.ladder_figures import SIZE, STYLES, diagram
 from tests.conftest import run_skincad
 
@@ -120,7 +121,7 @@ def test_a_diagram_in_grey_shows_every_rung(tmp_path: Path) -> None:
     ink = []
     for name, these in (("none", ()), ("one", rungs), ("two", rungs + other)):
         path = tmp_path / f"{name}.png"
-        diagram(Ladder("x", "x", these, (measure,)), machine(), path)
+        save(diagram(Ladder("x", "x", these, (measure,)), machine()), path)
         with Image.open(path) as picture:
             ink.append(int((np.asarray(picture.convert("L")) < 160).sum()))
     assert ink[0] < ink[1] < ink[2]

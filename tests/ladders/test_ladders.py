@@ -74,7 +74,7 @@ def test_a_tier_that_refuses_a_design_has_no_price(small: Design, monkeypatch: p
 
 
 def test_an_unknown_ladder_is_refused_with_what_was_meant() -> None:
-    with pytest.raises(InputError, match="--ladder: unknown ladder, got 'contcat'; did you mean 'contact'"):
+    with pytest.raises(InputError, match="ladders: unknown ladder, got 'contcat'; did you mean 'contact'"):
         ladder_of("contcat")
 
 

@@ -134,8 +134,8 @@ BAD = {
     "half the columns": ("strain", (STRAIN,), "must have the columns"),
     "columns of two": ("strain,force_N", (STRAIN, STRESS), "must have the columns"),
     "unknown column": ("strian,stress_MPa", (STRAIN, STRESS), "did you mean 'strain'?"),
-    "no sizes": ("extension_mm,force_N", (STRAIN, STRESS), "--gauge-length: is missing"),
-    "no design": ("approach_mm,force_N", (STRAIN, STRESS), "--design: is missing"),
+    "no sizes": ("extension_mm,force_N", (STRAIN, STRESS), "gauge_length: is missing"),
+    "no design": ("approach_mm,force_N", (STRAIN, STRESS), "design: is missing"),
     "crushed": ("strain,stress_MPa", (-4 * STRAIN, -STRESS), "strain must be above -1"),
 }
 
@@ -153,12 +153,12 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"up_to": 0.0}, "--up-to: must be above 0"),
-        ({"up_to": float("nan")}, "--up-to: must be above 0"),
+        ({"up_to": 0.0}, "up_to: must be above 0"),
+        ({"up_to": float("nan")}, "up_to: must be above 0"),
         ({"up_to": 20.0}, "at most 3"),
-        ({"area": -1.0}, "--area: must be above 0 mm2"),
-        ({"area": 4.0}, "--area: is not used"),
-        ({"gauge_length": 4.0}, "--gauge-length: is not used"),
+        ({"area": -1.0}, "area: must be above 0 mm2"),
+        ({"area": 4.0}, "area: is not used"),
+        ({"gauge_length": 4.0}, "gauge_length: is not used"),
     ],
 )
 def test_a_bad_option_is_refused(tmp_path: Path, options: dict[str, float], words: str) -> None:
@@ -259,7 +259,7 @@ def test_leaving_the_free_ends_out_would_bias(small: PadCurve, curve: PadCurve) 
 
 
 def test_forces_beyond_the_model_are_refused(curve: PadCurve, small: PadCurve) -> None:
-    with pytest.raises(InputError, match="--up-to: the model ends"):
+    with pytest.raises(InputError, match="up_to: the model ends"):
         fitted_to(curve, pressed(small, 0.8, 0.0, deepest=0.35))
 
 

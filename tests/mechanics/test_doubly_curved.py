@@ -148,7 +148,7 @@ def test_a_straight_pad_is_not_taken_for_it() -> None:
 
 
 def test_measured_crests_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--measured"):
+    with pytest.raises(InputError, match="measured"):
         check(bent(yamada(), 30.0), measured=tmp_path / "crests.csv")
 
 

@@ -22,11 +22,11 @@ from skincad.fabrication.pattern import GLUED, HOLE, SHOULDER
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs import export
-from skincad.outputs.making import MakeResult
 from skincad.shape.cross_section import section
 from skincad.shape.curves import Point, Segment, area, polygon
 from skincad.solids.inserts import STUB
 from skincad.solids.mold import mold
+from tests.conftest import Made
 
 
 def dxf_loops(path: Path) -> dict[str, list[tuple[Segment, ...]]]:
@@ -39,19 +39,19 @@ def dxf_loops(path: Path) -> dict[str, list[tuple[Segment, ...]]]:
     return loops
 
 
-def test_step_parts_re_read_with_their_volume(made: MakeResult) -> None:
+def test_step_parts_re_read_with_their_volume(made: Made) -> None:
     for part in made.parts:
         shape = cq.importers.importStep(str(made.folder / f"{part.name}.step"))
         assert len(shape.solids().vals()) == 1
         assert shape.val().Volume() == pytest.approx(part.volume, rel=1e-11)  # STEP's 15 digits
 
 
-def test_step_products_carry_the_parts_names(made: MakeResult) -> None:
+def test_step_products_carry_the_parts_names(made: Made) -> None:
     for name in ("skin", "cavity", "end-a-comb"):
         assert f"PRODUCT('{name}'" in (made.folder / f"{name}.step").read_text()
 
 
-def test_assembly_re_reads_with_names_colours_and_mm(made: MakeResult, yamada: Design) -> None:
+def test_assembly_re_reads_with_names_colours_and_mm(made: Made, yamada: Design) -> None:
     text = (made.folder / "assembly.step").read_text()
     assert "SI_UNIT(.MILLI.,.METRE.)" in text
     whole = cq.Assembly.importStep(str(made.folder / "assembly.step"))
@@ -64,14 +64,14 @@ def test_assembly_re_reads_with_names_colours_and_mm(made: MakeResult, yamada: D
     )  # STEP's digits
 
 
-def test_skin_step_has_its_ridges_up_and_cavity_down(made: MakeResult) -> None:
+def test_skin_step_has_its_ridges_up_and_cavity_down(made: Made) -> None:
     skin = cq.importers.importStep(str(made.folder / "skin.step")).val().BoundingBox()
     assert (skin.zmin, skin.zmax) == pytest.approx((0.0, 4.5), abs=2e-5)  # crown's summit between corners
     cavity = cq.importers.importStep(str(made.folder / "cavity.step")).val().BoundingBox()
     assert cavity.zmin == pytest.approx(-9.0 - 4.5 / 0.999, abs=2e-5)  # floor, and the skin as poured
 
 
-def test_stl_re_reads_watertight_with_the_parts_volume(made: MakeResult) -> None:
+def test_stl_re_reads_watertight_with_the_parts_volume(made: Made) -> None:
     for part in made.parts:
         shape = trimesh.load_mesh(made.folder / f"{part.name}.stl")
         assert shape.is_watertight
@@ -88,7 +88,7 @@ def read_3mf(path: Path) -> Any:
     return model
 
 
-def test_3mf_re_reads_strictly_with_names_and_colours(made: MakeResult) -> None:
+def test_3mf_re_reads_strictly_with_names_and_colours(made: Made) -> None:
     model = read_3mf(made.folder / "mold.3mf")
     assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
     found = model.GetMeshObjects()
@@ -101,7 +101,7 @@ def test_3mf_re_reads_strictly_with_names_and_colours(made: MakeResult) -> None:
     assert sorted(names) == sorted(p.name for p in made.parts if p.name != "skin")
 
 
-def test_3mf_parts_lie_side_by_side(made: MakeResult) -> None:
+def test_3mf_parts_lie_side_by_side(made: Made) -> None:
     rows = []
     found = read_3mf(made.folder / "mold.3mf").GetMeshObjects()
     while found.MoveNext():
@@ -112,14 +112,14 @@ def test_3mf_parts_lie_side_by_side(made: MakeResult) -> None:
     assert all(a[1] < b[0] for a, b in pairwise(rows))
 
 
-def test_dxf_keeps_true_arcs_and_the_area(made: MakeResult, yamada: Design) -> None:
+def test_dxf_keeps_true_arcs_and_the_area(made: Made, yamada: Design) -> None:
     loops = dxf_loops(made.folder / "section.dxf")
     total = sum(map(area, loops["OUTLINE"])) - sum(map(area, loops["SLOTS"]))
     assert total == pytest.approx(section(yamada).area, rel=1e-12)
     assert ezdxf.readfile(made.folder / "section.dxf").header["$INSUNITS"] == 4  # mm
 
 
-def test_strips_are_slot_deep_and_numbered(made: MakeResult) -> None:
+def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
     drawing = ezdxf.readfile(made.folder / "strips.dxf")
     cuts = dxf_loops(made.folder / "strips.dxf")["CUT"]
     assert len(cuts) == 18
@@ -195,7 +195,7 @@ def test_the_corner_that_tells_the_sides_is_at_the_wiring_end_and_the_ridges(tmp
         assert (round(sign * far, 6), max(z for _, z in corners)) in corners
 
 
-def test_strips_svg_draws_the_same_pattern(made: MakeResult) -> None:
+def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
     root = ET.parse(made.folder / "strips.svg").getroot()
     space = "{http://www.w3.org/2000/svg}"
     classes = [path.attrib["class"] for path in root.findall(f"{space}path")]
@@ -216,7 +216,7 @@ def test_strips_svg_draws_the_same_pattern(made: MakeResult) -> None:
     assert any("draw axis (d31) along the strips" in text for text in words)
 
 
-def test_svg_draws_outline_and_slots_to_scale(made: MakeResult) -> None:
+def test_svg_draws_outline_and_slots_to_scale(made: Made) -> None:
     root = ET.parse(made.folder / "section.svg").getroot()
     paths = root.findall("{http://www.w3.org/2000/svg}path")
     assert len(paths) == 19
@@ -224,9 +224,7 @@ def test_svg_draws_outline_and_slots_to_scale(made: MakeResult) -> None:
     assert re.search(r"A60 60 0 0 0", paths[0].attrib["d"])
 
 
-def test_step_time_is_source_date_epoch(
-    made: MakeResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_step_time_is_source_date_epoch(made: Made, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from skincad.solids.occ import workplane
 
     cover = workplane(mold_cover())

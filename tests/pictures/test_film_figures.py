@@ -16,7 +16,7 @@ from skincad import load
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.stress import film_stresses
 from skincad.pictures import canvas
-from skincad.pictures.film_figures import film_stress_picture
+from skincad.pictures.film_figures import film_stress_figure
 
 
 @cache
@@ -31,7 +31,7 @@ def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, list
     drawn: list[Figure] = []
     monkeypatch.setattr(canvas, "FigureCanvasAgg", lambda f: drawn.append(f) or Agg(f))
     path = tmp_path / "stress.png"
-    film_stress_picture(*states(), path)
+    canvas.save(film_stress_figure(*states()), path)
     return path, drawn[0].axes, drawn[0].get_supxlabel()
 
 
@@ -68,12 +68,12 @@ def test_the_note_tells_the_lean_with_its_figure(written: tuple[Path, list[Axes]
 def test_bytes_repeat(tmp_path: Path) -> None:
     paths = [tmp_path / "a.png", tmp_path / "b.png"]
     for path in paths:
-        film_stress_picture(*states(), path)
+        canvas.save(film_stress_figure(*states()), path)
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
 def test_without_views_only_the_numbers(tmp_path: Path) -> None:
     bare = [replace(state, views=()) for state in states()]
-    film_stress_picture(bare[0], bare[1], tmp_path / "bare.png")
+    canvas.save(film_stress_figure(bare[0], bare[1]), tmp_path / "bare.png")
     image = Image.open(tmp_path / "bare.png")
     assert image.size == (900, 400)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.pictures.recording_figures import caption, phases, recording, recording_picture
+from skincad.pictures.canvas import save
+from skincad.pictures.recording_figures import caption, phases, recording, recording_figure
 
 
 def scene(rate: float = 1300.0, sampling: float | None = 650.0, **changes: Any) -> Any:
@@ -91,6 +92,6 @@ def test_the_picture_is_drawn(tmp_path: Path) -> None:
     found = scene()
     seen = recording(found)
     assert seen is not None
-    recording_picture(found, seen, tmp_path / "one.png")
+    save(recording_figure(found, seen), tmp_path / "one.png")
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
-    recording_picture(scene(gross_slip_step=None, slip_steps=9 * [None]), seen, tmp_path / "other.png")
+    save(recording_figure(scene(gross_slip_step=None, slip_steps=9 * [None]), seen), tmp_path / "other.png")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from skincad.base.estimate import Estimate
+from skincad.base.result import Result
 from skincad.mechanics.film.view import View
 
 
@@ -76,3 +77,21 @@ class FilmStress:
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),
         }
+
+
+@dataclass(frozen=True, repr=False)
+class FilmStresses(Result):
+    """The films' stress under the normal force alone, and under it and a tangential force."""
+
+    shown_by = "skincad.outputs.films"
+    name: str
+    states: tuple[FilmStress, FilmStress]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is to be known of either."""
+        return tuple(dict.fromkeys(note for state in self.states for note in state.warnings))
+
+    def as_json(self) -> dict[str, Any]:
+        """Return both states."""
+        return {"name": self.name, "film_stress": [state.as_json() for state in self.states]}

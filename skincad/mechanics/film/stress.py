@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design, Slot
-from skincad.mechanics.film.answer import FilmStress
+from skincad.mechanics.film.answer import FilmStress, FilmStresses
 from skincad.mechanics.film.rungs import solve
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.touching import LARGEST_FORCE
@@ -24,10 +23,25 @@ LONG = "the pad is taken as long and strains as small: free ends and finite stra
 
 
 def film_stress(
-    design: Design, force: float | None = None, tangential: float = 0.0, **options: Any
-) -> FilmStress:
-    """Return `film_stresses` for one tangential force."""
-    return film_stresses(design, force, (tangential,), **options)[0]
+    design: Design,
+    force: float | None = None,
+    tangential: float | None = None,
+    *,
+    tol: float | None = None,
+    progress: Progress | None = None,
+) -> FilmStresses:
+    """Return the films' stress under a normal force alone, and pulled by a tangential one too, N.
+
+    `force` is the design's own if None, `tangential` a quarter of it; `tol` relative to the largest stress.
+    The stress field of the third ridge and of the middle one can be drawn. Raises as `film_stresses`.
+    """
+    normal = design.contact.force if force is None else force
+    middle = (design.ridge.count + 1) // 2
+    pulls = (0.0, normal / 4 if tangential is None else tangential)
+    alone, both = film_stresses(
+        design, normal, pulls, tol=tol, show=sorted({min(3, middle), middle}), progress=progress
+    )
+    return FilmStresses(design.name, (alone, both))
 
 
 def film_stresses(
@@ -90,12 +104,12 @@ def check_request(
     """Raise InputError for what `film_stresses` would refuse before any work."""
     _filled_slot(design)
     if not 0 < force <= LARGEST_FORCE:
-        raise InputError("--force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", force)
+        raise InputError("force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", force)
     for pull in tangential:
         if not abs(pull) <= LARGEST_FORCE:
-            raise InputError("--pull", f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N", pull)
+            raise InputError("tangential", f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N", pull)
     if not 0 < tol < 1:
-        raise InputError("--tol", "must be between 0 and 1 (relative)", tol, "try --tol 0.02")
+        raise InputError("tol", "must be between 0 and 1 (relative)", tol, "try 0.02")
     for ridge in show:
         if not 1 <= ridge <= design.ridge.count:
             raise InputError("show", f"must be a ridge from 1 to {design.ridge.count}", ridge)

@@ -58,7 +58,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     the force at which all touch is beyond it, that value is None and a warning says so.
     """
     if pad.plate.shape != "flat":
-        remedy = "take --tier linear"
+        remedy = "take the linear tier"
         raise InputError(
             "contact.plate.shape", "must be 'flat' for the finite-strain tier", pad.plate.shape, remedy
         )
@@ -151,7 +151,7 @@ def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | 
         return state
     range_ = f" (up to about {reached * scale:.3g} N)" if reached else ""
     raise InputError(
-        "--force",
+        "force",
         f"must lie within the finite-strain model's range{range_}: {wrong}",
         force * scale,
         "take a smaller force, or a harder silicone or wider ridges",

@@ -286,7 +286,7 @@ def _too_large(contact: int) -> SizeError:
         "ridge.count",
         f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
         contact,
-        "take fewer ridges or --tier winkler",
+        "take fewer ridges or the winkler tier",
     )
 
 

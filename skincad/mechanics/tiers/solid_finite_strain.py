@@ -72,7 +72,7 @@ def answer(
             "contact.plate.shape",
             "must be 'flat' for the solid-finite-strain tier",
             design.contact.plate.shape,
-            "take --tier solid",
+            "take the solid tier",
         )
     if progress:
         progress("solid-finite-strain tier: coarse solid, small and finite strain")
@@ -117,7 +117,7 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
             "ridge.count",
             f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
             unknowns,
-            "take fewer ridges, a shorter skin or --tier corrected-finite-strain",
+            "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
         )
     return solid_body(forms, borders, along.order, materials_of(meshed.part), clamped_end=clamped_end)
 

@@ -233,7 +233,7 @@ def check_size(forms: prisms.SectionForms, line: layers.Line) -> None:
             "ridge.count",
             f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
             max(unknowns, contact),
-            "take fewer ridges, a shorter skin or --tier linear",
+            "take fewer ridges, a shorter skin or the linear tier",
         )
 
 

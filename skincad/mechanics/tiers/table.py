@@ -54,7 +54,7 @@ AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-fini
 def tier_of(name: str) -> Tier:
     """Return a tier by name; raises InputError for an unknown one."""
     if name not in TIERS:
-        raise InputError("--tier", "unknown tier", name, did_you_mean(name, [*TIERS, "auto"]))
+        raise InputError("tier", "unknown tier", name, did_you_mean(name, [*TIERS, "auto"]))
     return TIERS[name]
 
 
@@ -62,11 +62,11 @@ def able(name: str, design: Design, drops: bool) -> str:
     """Return why a tier cannot judge this design (or a measured part of it), or ""."""
     tier, shape = tier_of(name), design.contact.plate.shape
     if shape != "flat" and not tier.shaped:
-        return f"contact.plate.shape: must be 'flat' for --tier {name}"
+        return f"contact.plate.shape: must be 'flat' for the {name} tier"
     if design.skin.curvature_radius_y is not None and not tier.doubly:
-        return f"skin.curvature_radius_y: must not be given for --tier {name}, which takes y as straight"
+        return f"skin.curvature_radius_y: must not be given for the {name} tier, which takes y as straight"
     if drops and not tier.drops:
-        return f"--measured: is not judged by --tier {name}"
+        return f"measured: is not judged by the {name} tier"
     return ""
 
 

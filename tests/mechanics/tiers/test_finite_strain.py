@@ -222,7 +222,7 @@ def test_a_single_ridge() -> None:
     design = yamada().with_(ridge={"count": 1})
     found = solved(design, 1.0)
     assert (found.all_touch_force.value, found.touching) == (0.0, 1)
-    with pytest.raises(InputError, match=r"^--force: must lie within .* range \(up to about 1\.\d+ N\)"):
+    with pytest.raises(InputError, match=r"^force: must lie within .* range \(up to about 1\.\d+ N\)"):
         solved(design, 4.0)
 
 
@@ -235,7 +235,7 @@ def test_the_lightest_load() -> None:
 
 def test_an_overload_is_refused_with_its_range() -> None:
     with pytest.raises(
-        InputError, match=r"^--force: must lie .* \(up to about 1\d\.\d N\): .*; take a"
+        InputError, match=r"^force: must lie .* \(up to about 1\d\.\d N\): .*; take a"
     ) as caught:
         solved(filleted(), 40.0)
     assert caught.value.value == pytest.approx(40.0)
@@ -270,7 +270,7 @@ def test_the_check_offers_the_tier() -> None:
 
 def test_other_plates_are_refused() -> None:
     design = filleted().with_(contact={"plate": {"shape": "cylinder", "radius": 50.0}})
-    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take --tier linear"):
+    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take the linear tier"):
         solved(design)
 
 

@@ -258,5 +258,5 @@ def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_too_large_a_pad_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid_level, "MOST_UNKNOWNS", 1000)
-    with pytest.raises(InputError, match=r"three dimensions take at most 1000 unknowns.*--tier linear"):
+    with pytest.raises(InputError, match=r"three dimensions take at most 1000 unknowns.*the linear tier"):
         solid.solve(pad_of(sharp()), Request(4.0))

@@ -265,9 +265,7 @@ def test_a_single_ridge() -> None:
 
 
 def test_an_overload_is_refused_with_its_range() -> None:
-    with pytest.raises(
-        InputError, match=r"^--force: must lie .* range \(up to about \d\.?\d* N\): .*; take a"
-    ):
+    with pytest.raises(InputError, match=r"^force: must lie .* range \(up to about \d\.?\d* N\): .*; take a"):
         solve(pad_of(reference().with_(**SMALL)), 20.0, {}, FEW)
 
 
@@ -287,7 +285,7 @@ def test_faults_are_found_in_the_middle_and_at_the_end() -> None:
 
 def test_other_plates_are_refused() -> None:
     design = reference().with_(contact={"plate": {"shape": "cylinder", "radius": 50.0}})
-    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take --tier solid"):
+    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take the solid tier"):
         solid_finite_strain.answer(design, Request(4.0))
 
 

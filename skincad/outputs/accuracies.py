@@ -1,23 +1,72 @@
-"""The ladders in words: what `skincad accuracy` prints for a person."""
+"""What the ladders of accuracy say and leave: words, accuracy.csv, and a diagram of each."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import csv
+import io
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from skincad.ladders.ladder import Ladder
-from skincad.outputs.accuracy_job import Accuracy
+from skincad.base.result import Writer
+from skincad.ladders.climbing import Accuracy
+from skincad.ladders.ladder import LADDERS, Ladder
+from skincad.outputs.delivery import picture, text
+
+if TYPE_CHECKING:
+    from skincad.pictures.canvas import Picture
+
+COMMAND = "accuracy"
+TABLE = "accuracy.csv"
+COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "repeats")
 
 
-def accuracy_lines(found: Accuracy) -> list[str]:
+def names(ladders: Iterable[str]) -> list[str]:
+    """Return the names of what will be written of these ladders, of all if there are none."""
+    return [TABLE, *(f"accuracy-{name}.png" for name in list(ladders) or LADDERS)]
+
+
+def manifest(found: Accuracy) -> dict[str, Any]:
+    """Return what the manifest says of the result: all of it."""
+    return found.as_json()
+
+
+def figures(found: Accuracy) -> dict[str, Callable[[], Picture]]:
+    """Return the diagram of error against time of each ladder."""
+    from skincad.pictures.ladder_figures import diagram
+
+    return {f"accuracy-{each.name}.png": partial(diagram, each, found.machine) for each in found.ladders}
+
+
+def files(found: Accuracy) -> dict[str, Writer]:
+    """Return the writer of each file."""
+    return {TABLE: text(lambda: table(found))} | {n: picture(draw) for n, draw in figures(found).items()}
+
+
+def table(found: Accuracy) -> str:
+    """Return all rows as CSV; a measure is a column, empty where a rung is not judged by it."""
+    measures = [f"{ladder.name}: {m.name}" for ladder in found.ladders for m in ladder.measures]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*COLUMNS, *measures])
+    for ladder in found.ladders:
+        for row in ladder.rows():
+            errors = {f"{ladder.name}: {name}": f"{error:.4g}" for name, error in row["errors"].items()}
+            cells = [row[c] if not isinstance(row[c], float) else f"{row[c]:.6g}" for c in COLUMNS]
+            writer.writerow([*cells, *(errors.get(m, "") for m in measures)])
+    return text.getvalue()
+
+
+def lines(found: Accuracy) -> list[str]:
     """Return the table of each ladder, what its rungs are held against, and the machine."""
     told, versions = found.machine, found.machine["versions"]
-    lines = [line for ladder in found.ladders for line in _ladder_lines(ladder)]
+    rows = [line for ladder in found.ladders for line in _ladder_lines(ladder)]
     load = "" if told["load"] is None else f", load {told['load']:g}"
     return [
-        *lines,
+        *rows,
         f"On {told['processor']}, {told['cores']} cores{load}, Python {told['python']}, "
         + ", ".join(f"{name} {version}" for name, version in versions.items()),
-        f"Times are medians of {found.repeats} runs, +- half from the shortest to the longest; what takes "
+        f"Times are medians of {found.repeats} runs, ± half from the shortest to the longest; what takes "
         f"long runs once. The whole took {found.seconds:.0f} s.",
     ]
 
@@ -29,7 +78,7 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
     settings = max((len(r.setting) for r in ladder.rungs), default=0)
     yield f"{ladder.name}: {ladder.title}"
     heads = "".join(f"{m.name:>15}" for m in measures)
-    yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'+-':>8} {heads}"
+    yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
     best = {measure.name: ladder.best(measure) for measure in measures}
     for rung in ladder.rungs:
         cells = "".join(

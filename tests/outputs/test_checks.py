@@ -8,7 +8,7 @@ import pytest
 
 from skincad import Estimate, check, load
 from skincad.mechanics.verdict import ContactCheck
-from skincad.outputs.wording import check_lines, verdict
+from skincad.outputs.checks import lines, verdict
 
 
 @pytest.fixture(scope="module")
@@ -19,20 +19,21 @@ def passed() -> ContactCheck:
 def test_each_ending_has_its_words(passed: ContactCheck) -> None:
     none = Estimate(None, None, "N")
     for change, words in (
-        ({"passed": True}, "Passes: all 9 ridges touch a flat plate at 4 N; they do from 3.0 +-"),
+        ({"passed": True}, "Passes: all 9 ridges touch a flat plate at 4 N; they already do at 3.0 "),
+        ({"ridges": 2}, "Passes: both ridges touch a flat plate at 4 N; they already do at 3.0 "),
         (
             {"passed": False, "touching": 7},
-            "FAILS: 7 of 9 ridges touch a flat plate at 4 N; all do from 3.0 +-",
+            "FAILS: 7 of 9 ridges touch a flat plate at 4 N; all need 3.0 ",
         ),
-        ({"passed": False}, "FAILS narrowly: all 9 ridges touch at 4 N, but only from 3.0 +-"),
+        ({"passed": False}, "FAILS narrowly: all 9 ridges touch a flat plate at 4 N, but they need 3.0 "),
         (
             {"passed": False, "touching": 5, "all_touch_force": none},
-            "FAILS: 5 of 9 ridges touch at 4 N; never",
+            "FAILS: 5 of 9 ridges touch a flat plate at 4 N; no force makes all of them touch.",
         ),
         ({"passed": False, "beyond": "too soft"}, "NO VERDICT: too soft."),
         (
             {"ridges": 1, "passed": True},
-            "Passes: the one ridge touches a flat plate from the first contact on.",
+            "Passes: the one ridge touches a flat plate at any force.",
         ),
         ({"ridges": 1, "passed": False, "beyond": "crushed"}, "NO VERDICT: crushed."),
     ):
@@ -40,11 +41,11 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
 
 
 def test_the_lines_carry_errors_model_yield_and_notes(passed: ContactCheck) -> None:
-    text = "\n".join(check_lines(passed))
-    assert "+-" in text
+    text = "\n".join(lines(passed))
+    assert "±" in text
     assert "linear" in text
     assert "yield" in text
     assert f"margin         {passed.margin:.2f} N" in text
-    assert "N of free ends left out" in text
-    assert "next           --tier corrected, about" in text
+    assert "N for leaving out free ends" in text
+    assert "finer          --tier corrected would take about" in text
     assert text.count("note") == len(passed.warnings)

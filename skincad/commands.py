@@ -1,0 +1,393 @@
+"""The commands: each loads, computes, and hands its result on."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import skincad
+from skincad.base.bars import stage_bar, step_bar
+from skincad.base.errors import InputError, shown
+from skincad.base.strictjson import strict_json
+
+if TYPE_CHECKING:
+    from skincad.base.result import Result
+    from skincad.outputs.delivery import Written
+
+app = typer.Typer(
+    name="skincad",
+    help="Artificial robot skin with ridges: its solids and mold, files to make them, and what it will feel.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _names(kind: str) -> Any:
+    """What completes a template's name."""
+
+    def complete(incomplete: str) -> list[str]:
+        from skincad.inputs.catalog import template_names
+
+        return [name for name in template_names(kind) if name.startswith(incomplete)]  # type: ignore[arg-type]
+
+    return complete
+
+
+def _source(metavar: str, kind: str) -> Any:
+    text = "A template's name or a TOML file."
+    return typer.Argument(metavar=metavar, help=text, autocompletion=_names(kind))
+
+
+DesignArgument = Annotated[str, _source("DESIGN", "designs")]
+SetOption = Annotated[
+    list[str],
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a key, as in ridge.height=0.6; slot=none drops it.",
+    ),
+]
+PrinterOption = Annotated[
+    Path | None,
+    typer.Option("--printer", metavar="FILE", help="A TOML file of your own processes: a printer.toml."),
+]
+OutOption = Annotated[
+    Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default out/<name>.")
+]
+BudgetOption = Annotated[
+    float | None,
+    typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they buy."),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"skincad {skincad.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Artificial robot skin with ridges: its solids and mold, files to make them, and what it will feel."""
+
+
+@app.command()
+def templates(as_json: JsonOption = False) -> None:
+    """List the designs and scenes that ship with skincad."""
+    from skincad.inputs.catalog import KINDS, template_names, template_text
+
+    rows = [
+        f"{kind[:-1]:8} {name:22} {template_text(name, kind).splitlines()[0].lstrip('# ')}"
+        for kind in KINDS
+        for name in template_names(kind)
+    ]
+    _print({kind: template_names(kind) for kind in KINDS}, as_json, "\n".join(rows))
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The TOML file to write.")],
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help="Start from this design.")
+    ] = "yamada-2002",
+) -> None:
+    """Write a commented design to edit, and its JSON schema.
+
+    An editor that knows the schema completes and checks the file.
+    """
+    from skincad.outputs.newfile import write_new
+
+    _print({}, False, "\n".join(map(str, write_new(file, template))))
+
+
+@app.command()
+def make(
+    source: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    folder: OutOption = None,
+    formats: Annotated[
+        list[str],
+        typer.Option(
+            "--format",
+            metavar="KIND",
+            help="Only these files: step stl 3mf dxf svg png md html toml; repeat for several.",
+        ),
+    ] = [],  # noqa: B006
+    strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
+    printer: PrinterOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make skin and mold, check both, and write all files.
+
+    STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the out folder, whole or not at all.
+    """
+    from skincad.outputs.delivery import of_formats, ready
+    from skincad.outputs.makes import COMMAND, names
+    from skincad.outputs.making import STAGES
+
+    design = skincad.load(source, settings, printer=printer)
+    target = folder or Path("out") / design.name
+    ready(target, COMMAND, of_formats(names(design), formats))
+    with stage_bar(len(STAGES)) as progress:
+        found = skincad.make(design, strict=strict, progress=progress)
+        written = skincad.write(found, target, formats=formats, progress=progress)
+    _deliver(found, as_json, written)
+    raise typer.Exit(0 if found.passed else 1)
+
+
+@app.command()
+def check(
+    source: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    force: Annotated[
+        float | None, typer.Option("--force", metavar="N", help="Normal force; default the design's.")
+    ] = None,
+    tol: Annotated[
+        float | None,
+        typer.Option("--tol", metavar="REL", help="Relative error to meet; the mesh's alone with --tier."),
+    ] = None,
+    budget: BudgetOption = None,
+    measured: Annotated[
+        Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
+    ] = None,
+    tier: Annotated[
+        str,
+        typer.Option(
+            "--tier",
+            help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
+            "solid-finite-strain; auto: the cheapest that meets --tol, or else settles the verdict.",
+        ),
+    ] = "auto",
+    printer: PrinterOption = None,
+    stress: Annotated[
+        Path | None,
+        typer.Option("--stress", metavar="PNG", help="Draw the stress at S1 and S2 of each ridge."),
+    ] = None,
+    tangential: Annotated[
+        float | None,
+        typer.Option("--pull", metavar="N", help="With --stress: tangential force; default a quarter."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say whether all ridges touch a plate, and what force that takes.
+
+    Also the approach and the force of each ridge, each with its error.
+    """
+    from skincad.base.freshfile import checked_fresh, fresh
+
+    if tangential is not None and stress is None:
+        raise InputError("tangential", "needs --stress", tangential, "name the picture with --stress")
+    if stress is not None:
+        checked_fresh(stress, ".png", "stress")
+    design = skincad.load(source, settings, printer=printer)
+    if stress is not None:
+        from skincad.mechanics.film.stress import check_request
+
+        check_request(design, design.contact.force if force is None else force, (tangential or 0.0,))
+    with stage_bar(4) as progress:
+        found = skincad.check(
+            design, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
+        )
+        films = None
+        if stress is not None:
+            films = skincad.film_stress(design, found.force, tangential, progress=progress)
+            (draw,) = films.files().values()
+            with fresh(stress, "stress") as staging:
+                draw(staging)
+    if films is None:
+        _deliver(found, as_json)
+    else:
+        _print(found.as_json() | films.as_json(), as_json, f"{found}\n{films}\n  picture        {stress}")
+    raise typer.Exit(0 if found.passed else 1)
+
+
+@app.command()
+def circuit(
+    source: Annotated[str, _source("CIRCUIT", "circuits")],
+    settings: Annotated[
+        list[str],
+        typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in amplifier.gain=1e6."),
+    ] = [],  # noqa: B006
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured", metavar="CSV", help="Calibrate to columns frequency_Hz, gain_dB; any level."
+        ),
+    ] = None,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say gain against frequency, cut-off and slopes of film and amplifier.
+
+    Writes gain.csv, gain.png and netlist.cir; with --measured also the calibrated circuit.
+    """
+    from skincad.outputs.delivery import ready
+    from skincad.outputs.gains import COMMAND, names
+
+    loaded = skincad.load_circuit(source, settings)
+    target = folder or Path("out") / loaded.name
+    ready(target, COMMAND, names(measured is not None))
+    with stage_bar(2) as progress:
+        found = skincad.gain(loaded, measured, progress)
+    _deliver(found, as_json, skincad.write(found, target))
+
+
+@app.command()
+def simulate(
+    source: Annotated[str, _source("SCENE", "scenes")],
+    settings: SetOption = [],  # noqa: B006
+    tol: Annotated[
+        float | None,
+        typer.Option("--tol", metavar="REL", help="Relative error of the differential stress to meet."),
+    ] = None,
+    budget: BudgetOption = None,
+    at: Annotated[
+        list[int],
+        typer.Option("--at", metavar="STEP", help="Draw the section with its stress there; repeatable."),
+    ] = [],  # noqa: B006
+    gif: Annotated[bool, typer.Option("--gif", help="Animate the section over the scene.")] = False,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a scene step by step: press, pull, and say which ridge slips when.
+
+    Only the effects that the scene names are computed. Signals as CSV and a picture appear in the out folder;
+    Ctrl-C keeps what is done by then.
+    """
+    drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
+    try:
+        scene = skincad.load_scene(source, [*settings, *drawn])
+    except InputError as failure:
+        if not (at and failure.key.startswith("readout.steps")):
+            raise
+        raise InputError("at", failure.rule, failure.value, failure.remedy) from None
+    from skincad.outputs.delivery import ready
+    from skincad.outputs.simulations import COMMAND, names
+
+    target = folder or Path("out") / scene.name
+    ready(target, COMMAND, names(scene))
+    with step_bar(scene.history.steps) as tick:
+        found = skincad.simulate(scene, tol=tol, budget=budget, tick=tick, partial=True)
+    _deliver(found, as_json, skincad.write(found, target))
+    if found.march.interrupted:
+        raise KeyboardInterrupt
+    raise typer.Exit(1 if found.march.failed else 0)
+
+
+@app.command()
+def accuracy(
+    source: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    ladders: Annotated[
+        list[str],
+        typer.Option(
+            "--ladder",
+            metavar="NAME",
+            help="Only these: tessellation, contact, circuit, slip, effects; repeat for several.",
+        ),
+    ] = [],  # noqa: B006
+    repeats: Annotated[
+        int, typer.Option("--repeats", metavar="N", help="Runs of each setting; the median counts.")
+    ] = 3,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say what accuracy costs in time, on this design.
+
+    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
+    """
+    from skincad.outputs.accuracies import COMMAND, names
+    from skincad.outputs.delivery import ready
+
+    design = skincad.load(source, settings)
+    target = folder or Path("out") / design.name
+    ready(target, COMMAND, names(ladders))
+    with stage_bar(1) as progress:
+        found = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
+    _deliver(found, as_json, skincad.write(found, target))
+
+
+@app.command("fit-material")
+def fit_material(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CSV",
+            help="Columns approach_mm, force_N (a pad); strain, stress_MPa or extension_mm, force_N (a bar).",
+        ),
+    ],
+    design: Annotated[
+        str | None, typer.Option("--design", metavar="DESIGN", help="The pad that a flat plate pressed.")
+    ] = None,
+    settings: SetOption = [],  # noqa: B006
+    up_to: Annotated[
+        float | None,
+        typer.Option(
+            "--up-to", metavar="X", help="Largest strain (default 0.3) or, of a pad, force in N used."
+        ),
+    ] = None,
+    gauge_length: Annotated[
+        float | None, typer.Option("--gauge-length", metavar="MM", help="Of a bar, with extension_mm.")
+    ] = None,
+    area: Annotated[
+        float | None, typer.Option("--area", metavar="MM2", help="Cross-section of a bar, with extension_mm.")
+    ] = None,
+    copy: Annotated[
+        Path | None, typer.Option("-o", metavar="FILE", help="Write the design with this modulus.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say the silicone's modulus, with its error, from a test.
+
+    The test is force against approach of a cast pad, or the stress of a bar pulled or squeezed.
+    """
+    from skincad.base.freshfile import checked_fresh
+
+    for name, given in (("settings", settings), ("copy", copy)):
+        if given and design is None:
+            raise InputError(name, "needs --design", remedy="name the design with --design")
+    loaded = skincad.load(design, settings) if design else None
+    if copy is not None:
+        checked_fresh(copy, ".toml", "copy")
+    with stage_bar(6) as progress:
+        found = skincad.fit_material(
+            file, loaded, up_to=up_to, gauge_length=gauge_length, area=area, progress=progress
+        )
+    written = ""
+    if copy is not None and design is not None:
+        from skincad.outputs.designcopy import write_with_modulus
+
+        write_with_modulus(copy, design, settings, found.ranged, f"measured: {found.kind} test {file.name}")
+        written = f"\nwritten to {copy}"
+    _print({**found.as_json(), "file": str(copy) if copy else None}, as_json, f"{found}{written}")
+
+
+def _deliver(found: Result, as_json: bool, written: Written | None = None) -> None:
+    """Print a result, and what was written of it."""
+    data = found.as_json()
+    if written is None:
+        _print(data, as_json, str(found))
+        return
+    spent, more = data.get("seconds", {}), written.seconds
+    total = spent.get("total", 0.0) + more["total"]
+    data |= {"files": written.as_json(), "seconds": {**spent, **more, "total": total}}
+    _print(data, as_json, f"{found}\n{written}, {total:.1f} s")
+
+
+def _print(data: dict[str, Any], as_json: bool, text: str) -> None:
+    """Print a command's result. A reader who has had enough, as `head`, does not change its status."""
+    lines = [shown(line) for line in text.split("\n")]
+    try:
+        print(strict_json(data) if as_json else "\n".join(lines), flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

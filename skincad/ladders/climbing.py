@@ -1,0 +1,63 @@
+"""Ladders climbed on one design: error against time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from time import perf_counter
+from typing import Any
+
+from skincad.base.errors import InputError
+from skincad.base.result import Result
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.ladders.countdown import Countdown
+from skincad.ladders.ladder import LADDERS, Ladder, ladder_of
+from skincad.ladders.machine import machine
+
+MOST_REPEATS = 100
+
+
+@dataclass(frozen=True, repr=False)
+class Accuracy(Result):
+    """The ladders of a design, on what machine, and the seconds of the whole."""
+
+    shown_by = "skincad.outputs.accuracies"
+    name: str
+    ladders: tuple[Ladder, ...]
+    machine: dict[str, Any]
+    repeats: int
+    seconds: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result under the contract's keys."""
+        return {
+            "name": self.name,
+            "rows": [row for ladder in self.ladders for row in ladder.rows()],
+            "reference": {ladder.name: ladder.reference() for ladder in self.ladders},
+            "time_laws": {
+                ladder.name: {model: asdict(law) for model, law in ladder.laws().items()}
+                for ladder in self.ladders
+            },
+            "machine": self.machine,
+            "repeats": self.repeats,
+            "seconds": {"total": self.seconds},
+        }
+
+
+def accuracy(
+    design: Design, ladders: Sequence[str] = (), *, repeats: int = 3, progress: Progress | None = None
+) -> Accuracy:
+    """Return ladders (all if none is named) climbed on a design, each rung timed `repeats` times.
+
+    Raises InputError for an unknown ladder and for repeats out of range.
+    """
+    if not 1 <= repeats <= MOST_REPEATS:
+        raise InputError("repeats", f"must be from 1 to {MOST_REPEATS}", repeats)
+    began = perf_counter()
+    climbs = [ladder_of(name) for name in dict.fromkeys(ladders or LADDERS)]
+    if progress:
+        prices = {stage: s for climb in climbs for stage, s in climb.prices(design, repeats).items()}
+        progress = Countdown(prices, progress)
+    found = tuple(climb.ladder(design, repeats, progress) for climb in climbs)
+    return Accuracy(design.name, found, machine(), repeats, perf_counter() - began)

@@ -1,0 +1,102 @@
+"""Results into folders: the one place where a result becomes files, whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skincad.base.errors import InputError, did_you_mean
+from skincad.base.outfolder import checked_folder, replaced
+from skincad.base.result import Result, Writer
+from skincad.base.stopwatch import Progress, Stopwatch
+from skincad.base.strictjson import strict_json
+from skincad.pictures.canvas import Picture, save
+
+PICTURES = ("png", "gif")
+
+
+@dataclass(frozen=True)
+class Written:
+    """What `write` left in `folder`: names and bytes of the files beside the manifest, seconds by stage."""
+
+    folder: Path
+    files: tuple[tuple[str, int], ...]
+    seconds: dict[str, float]
+
+    def as_json(self) -> list[dict[str, str | int]]:
+        """Return the contract's `files`."""
+        return [{"path": str(self.folder / name), "bytes": size} for name, size in self.files]
+
+    def __str__(self) -> str:
+        named = [name for name, _ in self.files]
+        names = ": " + ", ".join(named) if len(named) <= 6 else ""
+        return f"{len(named)} file{'s' * (len(named) != 1)} in {self.folder}{names}"
+
+
+def write(
+    result: Result,
+    folder: Path | str,
+    *,
+    formats: Iterable[str] | str = (),
+    progress: Progress | None = None,
+) -> Written:
+    """Write a result's files and its manifest into `folder`, whole or not at all.
+
+    `formats` are file name endings ("step", "png", ...); all if there are none. An earlier result of the same
+    kind is replaced. Raises InputError, with nothing changed, for a folder that cannot take the files, holds
+    other things, or a file that was changed since it was written; RefusedError for numbers not finite.
+    """
+    shown, target, files = result.shown(), Path(folder), result.files()
+    chosen = {name: files[name] for name in of_formats(files, formats)}
+    ready(target, shown.COMMAND, chosen)
+    strict_json(result.as_json())  # before anything is written
+    watch = Stopwatch(progress)
+    with replaced(target, shown.COMMAND, shown.manifest(result)) as staging:
+        for name, writer in chosen.items():
+            with watch.stage("picture" if _ending(name) in PICTURES else "files"):
+                writer(staging / name)
+        sizes = tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir()))
+    return Written(target, sizes, watch.seconds())
+
+
+def ready(folder: Path, command: str, names: Iterable[str]) -> None:
+    """Raise InputError, before any work, for an out folder that cannot take a command's files."""
+    place = str(checked_folder(folder, command, names))
+    if place.encode("utf-8", "replace").decode("utf-8") != place:  # the CAD kernel takes no other
+        raise InputError("folder", "must be UTF-8", place, "name another folder, or set LC_ALL=C.UTF-8")
+
+
+def of_formats(names: Iterable[str], formats: Iterable[str] | str) -> list[str]:
+    """Return the names that end so, all where no format is named; InputError for one that no name has."""
+    names, wanted = list(names), [formats] if isinstance(formats, str) else list(formats)
+    endings = {_ending(name) for name in names}
+    for each in wanted:
+        if each not in endings:
+            raise InputError("formats", "unknown format", each, did_you_mean(each, endings))
+    return [name for name in names if not wanted or _ending(name) in wanted]
+
+
+def _ending(name: str) -> str:
+    return name.rpartition(".")[2]
+
+
+def text(of: Callable[[], str]) -> Writer:
+    """Return the writer of a text, made when it is written."""
+    return lambda path: _write_text(path, of())
+
+
+def picture(draw: Callable[[], Any]) -> Writer:
+    """Return the writer of a figure as PNG, drawn when it is written."""
+
+    def writer(path: Path) -> None:
+        figure = draw()
+        assert isinstance(figure, Picture)
+        save(figure, path)
+
+    return writer
+
+
+def _write_text(path: Path, content: str) -> None:
+    path.write_text(content, encoding="utf-8")

@@ -1,0 +1,51 @@
+"""What is said and drawn of the films' stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from skincad.base.estimate import Estimate
+from skincad.base.result import Writer
+from skincad.mechanics.film.answer import FilmStresses
+from skincad.outputs.delivery import picture
+
+if TYPE_CHECKING:
+    from skincad.pictures.canvas import Picture
+
+COMMAND = "film-stress"
+
+
+def lines(found: FilmStresses) -> list[str]:
+    """Return what `check --stress` prints beneath the verdict."""
+    told = []
+    for state in found.states:
+        pulled = f", pulled sideways by {state.tangential:g} N" if state.tangential else ""
+        told.append(f"  stress across the film at {state.force:g} N{pulled}")
+        rows = {"S1": state.s1, "S2": state.s2, "S1 - S2": state.differential}
+        told += [_row(name, values) for name, values in rows.items()]
+    return [*told, *(f"  note           {note}" for note in found.warnings)]
+
+
+def _row(name: str, values: tuple[Estimate, ...]) -> str:
+    error = max((v.error or 0.0) for v in values)
+    numbers = "  ".join(f"{v.value:+.4f}" for v in values)
+    return f"    {name:8} {numbers} (± {error:.1g}) MPa"
+
+
+def manifest(found: FilmStresses) -> dict[str, Any]:
+    """Return what the manifest says of the result."""
+    return found.as_json()
+
+
+def figures(found: FilmStresses) -> dict[str, Callable[[], Picture]]:
+    """Return the stress under the normal force, and under both forces (Fig 8)."""
+    from skincad.pictures.film_figures import film_stress_figure
+
+    return {"film-stress.png": partial(film_stress_figure, *found.states)}
+
+
+def files(found: FilmStresses) -> dict[str, Writer]:
+    """Return the writer of the picture."""
+    return {name: picture(draw) for name, draw in figures(found).items()}

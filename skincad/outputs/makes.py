@@ -1,0 +1,158 @@
+"""What a made design says and leaves: words, and a writer for each file, by names known before any work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import tomlkit
+
+from skincad.base.result import Writer
+from skincad.inputs.design import Design
+from skincad.outputs import checks
+from skincad.outputs.making import Job, MakeResult
+from skincad.solids.mold import Mold, mold
+
+if TYPE_CHECKING:
+    from skincad.pictures.canvas import Picture
+
+COMMAND = "make"
+
+
+def lines(result: MakeResult) -> list[str]:
+    """Return what `make` prints."""
+    rows = [
+        f"  {p.name:14} {p.volume:10.2f} mm3  {p.faces:4d} faces  mesh within {1000 * p.deviation:.2f} um"
+        for p in result.parts
+    ]
+    return [
+        *checks.lines(result.check),
+        "Parts:",
+        *rows,
+        *(str(finding) for finding in result.findings),
+        f"{result.name}: {'passed' if result.passed else 'FAILED'}",
+    ]
+
+
+def names(design: Design) -> list[str]:
+    """Return the names of what will be written; InputError where there is no mold."""
+    return list(writers(design, mold(design)))
+
+
+def manifest(result: MakeResult) -> dict[str, Any]:
+    """Return what the manifest says of the result: without times, so that it is the same again."""
+    return {
+        "name": result.name,
+        "passed": result.passed,
+        "all_touch_force_N": result.check.all_touch_force.as_json(),
+        "findings": [finding.as_json() for finding in result.findings],
+    }
+
+
+def figures(result: MakeResult) -> dict[str, Callable[[], Picture]]:
+    """Return the picture of the skin, its section, and the mold taken apart."""
+    return {"picture.png": partial(_drawn, result.built())}
+
+
+def files(result: MakeResult) -> dict[str, Writer]:
+    """Return the writer of each file."""
+    job = result.built()
+    return {name: partial(write, job) for name, write in writers(job.design, job.closed).items()}
+
+
+OfJob = Callable[[Job, Path], None]
+
+
+def writers(design: Design, closed: Mold) -> dict[str, OfJob]:
+    """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
+    printed = [part.name for part in closed.parts if part.made == "made"]
+    return {
+        **{f"{name}.step": _step(name) for name in ("skin", *printed)},
+        "assembly.step": _assembly,
+        **{f"{name}.stl": _stl(name) for name in ("skin", *printed)},
+        "mold.3mf": _mold_3mf,
+        "skin.3mf": _skin_3mf,
+        "section.dxf": _exported("write_section_dxf"),
+        "section.svg": _exported("write_section_svg"),
+        "drawing.svg": lambda job, path: _text(job.drawn, path),
+        **(
+            {f"strips.{kind}": _exported(f"write_strips_{kind}") for kind in ("dxf", "svg")}
+            if design.film
+            else {}
+        ),
+        "design.toml": lambda job, path: _text(tomlkit.dumps(job.design.model_dump(exclude_none=True)), path),
+        "casting-sheet.md": lambda job, path: _text(job.sheet, path),
+        "casting-sheet.html": _page,
+        "picture.png": _picture,
+    }
+
+
+def _step(name: str) -> OfJob:
+    def write(job: Job, path: Path) -> None:
+        from skincad.outputs.export import write_step
+
+        write_step(job.skin[0] if name == "skin" else job.solids[name], path)
+
+    return write
+
+
+def _assembly(job: Job, path: Path) -> None:
+    from skincad.outputs.export import assembly, write_assembly
+
+    write_assembly(assembly(job.closed, job.solids, job.design.name), path)
+
+
+def _stl(name: str) -> OfJob:
+    def write(job: Job, path: Path) -> None:
+        from skincad.outputs.export import write_stl
+
+        write_stl(job.skin[1] if name == "skin" else job.laid[name], path)
+
+    return write
+
+
+def _mold_3mf(job: Job, path: Path) -> None:
+    from skincad.outputs.export import write_3mf
+
+    write_3mf({name: (mesh, job.closed.part(name).colour) for name, mesh in job.laid.items()}, path)
+
+
+def _skin_3mf(job: Job, path: Path) -> None:
+    from skincad.outputs.export import write_3mf
+
+    write_3mf({"skin": (job.skin[1], job.closed.part("skin").colour)}, path)
+
+
+def _exported(function: str) -> OfJob:
+    """Return the writer of a drawing that `export` makes of the design alone."""
+
+    def write(job: Job, path: Path) -> None:
+        from skincad.outputs import export
+
+        getattr(export, function)(job.design, path)
+
+    return write
+
+
+def _page(job: Job, path: Path) -> None:
+    from skincad.pictures.page import page
+
+    _text(page(job.sheet, job.drawn, f"Casting sheet: {job.design.name}"), path)
+
+
+def _picture(job: Job, path: Path) -> None:
+    from skincad.pictures.canvas import save
+
+    save(_drawn(job), path)
+
+
+def _drawn(job: Job) -> Picture:
+    from skincad.pictures.design_picture import design_figure
+
+    return design_figure(job.design, job.closed, job.meshes)
+
+
+def _text(text: str, path: Path) -> None:
+    path.write_text(text, encoding="utf-8")

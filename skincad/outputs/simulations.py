@@ -1,0 +1,189 @@
+"""What a simulated scene says and leaves: words, signals as CSV, and pictures."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from skincad.base.errors import RefusedError
+from skincad.base.result import Writer
+from skincad.effects.kinds import Showing
+from skincad.outputs.delivery import picture
+from skincad.scenes.moments import frames
+from skincad.scenes.scene import Scene
+from skincad.scenes.simulation import Simulation
+
+if TYPE_CHECKING:
+    from skincad.pictures.canvas import Picture
+    from skincad.pictures.section_figures import Moment
+
+COMMAND = "simulate"
+TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
+RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
+
+
+def names(scene: Scene) -> list[str]:
+    """Return the names of what will be written, if the scene runs to its end."""
+    drawn = [_section_name(step) for step in scene.readout.steps]
+    return [TABLE, PICTURE, *drawn, *[ANIMATION] * bool(scene.readout.frames)]
+
+
+def lines(found: Simulation) -> list[str]:
+    """Return what `simulate` prints."""
+    march, history = found.march, found.scene.history
+    last, asked = len(march.readings) - 1, history.steps
+    end = f"stopped after {last} of {asked} steps: {march.stopped}" if march.stopped else f"{asked} steps"
+    energy = found.energy
+    return [
+        f"{found.scene.name}: {end}.",
+        f"  slip           {_slips(found)}",
+        *_felt_lines(found),
+        f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ lost to "
+        f"friction, {energy['imbalance']:.1e} of the work unaccounted for",
+        f"  model          {march.unknowns} unknowns, {found.seconds['total']:.2f} s",
+        *(f"  note           {warning}" for warning in found.warnings),
+    ]
+
+
+def _slips(found: Simulation) -> str:
+    """From which step each ridge slips until the end."""
+    steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
+    each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
+    return f"ridge {each}, each until the end" if steps else "no ridge slips until the end"
+
+
+def _felt_lines(found: Simulation) -> list[str]:
+    """By how much slip is told ahead, as it is and as the detector feels it, and the signals' error."""
+    leads = {ridge: lead for ridge, lead in found.lead.items() if lead is not None}
+    told = [
+        f"  lead           ridge {r} slips {lead:.3g} ms before all ridges do" for r, lead in leads.items()
+    ]
+    told += [
+        f"  error          {error:.1g} MPa in ridge {ridge}'s differential stress, from the mesh"
+        for ridge, error in (found.error or {}).items()
+    ]
+    told += [
+        f"  felt           {ridge_name(event['ridge'] or 'all')}: {event['kind']} at step {event['step']}"
+        for event in found.read.get("events", ())
+    ]
+    for ridge, ahead in found.read.get("lead_time_s", {}).items():
+        if ahead is not None:
+            told.append(f"  warned         {1e3 * ahead:.3g} ms before gross slip by {ridge_name(ridge)}")
+    return told
+
+
+def ridge_name(ridge: int | str) -> str:
+    """Return the name of a ridge that is read out, or what all of them are called."""
+    return "all ridges read out" if ridge == "all" else f"ridge {ridge}"
+
+
+def manifest(found: Simulation) -> dict[str, Any]:
+    """Return what the manifest says of the result: all of it."""
+    return found.as_json()
+
+
+def figures(found: Simulation) -> dict[str, Callable[[], Picture]]:
+    """Return the signals, the recorder's view of them, and the sections asked for and reached."""
+    from skincad.pictures.recording_figures import recording, recording_figure
+    from skincad.pictures.scene_figures import scene_figure
+    from skincad.pictures.section_figures import section_figure
+
+    drawn: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, found)}
+    if seen := recording(found):
+        drawn[RECORDING] = partial(recording_figure, found, seen)
+    return drawn | {_section_name(s): partial(section_figure, _moment(found, s)) for s in _reached(found)}
+
+
+def files(found: Simulation) -> dict[str, Writer]:
+    """Return the writer of each file."""
+    from skincad.pictures.section_figures import section_animation, section_picture
+
+    drawn = figures(found)
+    written = {TABLE: partial(write_table, found)} | {name: picture(draw) for name, draw in drawn.items()}
+    for step in _reached(found):
+        written[_section_name(step)] = partial(section_picture, _moment(found, step))
+    if moving := [step for step in frames(found.scene) if step in found.march.states]:
+        written[ANIMATION] = partial(section_animation, [_moment(found, step) for step in moving])
+    return written
+
+
+def _reached(found: Simulation) -> list[int]:
+    """The steps that are drawn."""
+    return sorted({step for step in found.scene.readout.steps if step in found.march.states})
+
+
+def _moment(found: Simulation, step: int) -> Moment:
+    from skincad.pictures.section_figures import Moment
+
+    march = found.march
+    assert isinstance(march.model, Showing)  # the scene was checked for it
+    reading = march.readings[step]
+    forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
+    title = f"{found.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
+    return Moment(title, march.model.shown(march.states[step]))
+
+
+def _section_name(step: int) -> str:
+    return f"section-{step:04d}.png"
+
+
+def write_table(found: Simulation, path: Path) -> None:
+    """Write the signals as CSV, a row a step, with units in the header; `raw` is before the low-pass.
+
+    What the readouts tell by ridge and step has its own columns. Raises RefusedError for a number that is not
+    finite.
+    """
+    ridges, more = list(found.signals), read_columns(found)
+    names = [
+        name
+        for r in ridges
+        for name in (
+            f"ridge {r} raw differential stress [MPa]",
+            f"ridge {r} differential stress [MPa]",
+            f"ridge {r} stress-rate [MPa/s]",
+            f"ridge {r} stress-jerk [MPa/s2]",
+        )
+    ]
+    head = [
+        "step [1]",
+        "time [s]",
+        "normal force [N]",
+        "tangential force [N]",
+        "approach [mm]",
+        "travel [mm]",
+    ]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*head, *names, *more, "slipping ridges [1]"])
+        for i, (time, reading) in enumerate(zip(found.march.time, found.march.readings, strict=True)):
+            plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
+            told = [
+                value
+                for r in ridges
+                for value in (
+                    found.raw[r][i],
+                    found.signals[r].value[i],
+                    found.signals[r].rate[i],
+                    found.signals[r].jerk[i],
+                )
+            ]
+            told += [column[i] for column in more.values()]
+            slipping = " ".join(str(r + 1) for r in found.slipping[i].nonzero()[0])
+            if not all(map(math.isfinite, (*plate, *told))):
+                raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")
+            writer.writerow([i, *(f"{float(v):.9g}" for v in (*plate, *told)), slipping])
+
+
+def read_columns(found: Simulation) -> dict[str, list[float]]:
+    """Return what readouts tell as `<name>_<unit>` of ridge, of signal, a number a step, by its header."""
+    columns = {}
+    for key, ridges in found.read.items():
+        name, _, unit = key.rpartition("_")
+        for ridge, signals in ridges.items() if isinstance(ridges, dict) else ():
+            for signal, values in signals.items() if isinstance(signals, dict) else ():
+                columns[f"ridge {ridge} {signal} {name} [{unit}]"] = values
+    return columns
