@@ -2,7 +2,7 @@
 
 The design's modulus is the slow one, as a tensile test finds it, and what is viscous comes on top:
 G(t) = G (1 + sum of g exp(-t / tau)), and a dashpot whose stress is G `retardation_time` times twice the
-strain rate. Volume changes stay elastic, and so do films. Range: small strain. FACTS.md's 2.4e-5 s is an
+strain rate. Volume changes stay elastic, and so do films. Range: small strain. The default of 2.4e-5 s is an
 assumption that keeps a pad from chattering; a silicone's own series is to be measured. Taylor, Pister,
 Goudreau, IJNME 2 (1970) 45; Simo and Hughes, Computational Inelasticity, 1998, sec. 10.3. Reference cases:
 creep and relaxation of a sheared layer, closed form (tests/mechanics/dynamics/test_steps.py).
@@ -18,7 +18,7 @@ from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.kinds import RATE, Share, Step, Term
 
-RETARDATION = 2.4e-5  # s; assumption, FACTS.md
+RETARDATION = 2.4e-5  # s; assumption, docs/facts.md#friction-and-motion
 MOST_BRANCHES = 20
 LARGEST = 1e6  # of a branch's modulus by the slow one, and of its time, s, as of the retardation time
 

@@ -1,6 +1,6 @@
 """What a person writes: the frozen design model, with unit, range and meaning of every field.
 
-The frame and each length are defined in README.md ("Geometry"): x across the ridges, y along them,
+The frame and each length are defined in docs/geometry.md: x across the ridges, y along them,
 z out of the skin, flat back at z = 0.
 """
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (FACTS.md)
+DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (docs/facts.md)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,17 +17,17 @@ def yamada() -> Design:
 
 
 def filleted() -> Design:
-    """FACTS.md's reference section with tip fillet 0.05 and root fillet 0.08."""
+    """The reference section of docs/facts.md with tip fillet 0.05 and root fillet 0.08."""
     return yamada().with_(**BARE)
 
 
 def reference() -> Design:
-    """FACTS.md's reference section: sharp corners, no slots."""
+    """The reference section of docs/facts.md: sharp corners, no slots."""
     return yamada().with_(**BARE, ridge={"tip_fillet": 0.0, "root_fillet": 0.0})
 
 
 def void_slots(thickness: float) -> Design:
-    """FACTS.md's reference section with empty slots of this thickness, mm."""
+    """The reference section of docs/facts.md with empty slots of this thickness, mm."""
     return yamada().with_(
         film=None,
         contact={"film": "loose"},

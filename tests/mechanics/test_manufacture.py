@@ -55,7 +55,7 @@ def test_reduced_model_judges_parts_as_the_condensed_one(
 
 
 def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
-    """FACTS: F9 +32 % and +65 %."""
+    """docs/facts.md#manufacture: F9 +32 % and +65 %."""
     design = reference()
     pad = pad_of(design)
     found = level(pad, triangles(pad, default_sizes(pad)), 2, 4.0)
@@ -69,8 +69,8 @@ def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
 def test_share_of_failing_reference_parts() -> None:
     """27 % of parts need more than 4 N at crest errors of sigma 0.02 mm, 45 % at 0.03 mm.
 
-    FACTS' prototype says 17 and 55 %; here two models agree on the first, and a margin of 0.97 N over
-    42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
+    docs/facts.md#manufacture: a prototype says 17 and 55 %; here two models agree on the first, and a margin
+    of 0.97 N over 42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
     """
     pad = pad_of(reference())
     found = level(pad, triangles(pad, default_sizes(pad, 0.5)), 2, 4.0)

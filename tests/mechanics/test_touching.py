@@ -1,4 +1,4 @@
-"""The verdict: FACTS.md's numbers, similarity, limits, and the contract of `check`."""
+"""The verdict: docs/facts.md's numbers, similarity, limits, and the contract of `check`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tests.mechanics.designs import filleted, linear_check, reference, void_slot
 
 def test_reference_section() -> None:
     found = linear_check(reference())
-    # 0.5 % and 0.003 N are what FACTS.md's own numbers claim
+    # 0.5 % and 0.003 N are what docs/facts.md's own numbers claim
     assert found.all_touch_force.value == pytest.approx(3.026, rel=5e-3)
     assert found.approach.value == pytest.approx(0.1733, rel=5e-3)
     shares = [f.value for f in found.ridge_force]
@@ -48,7 +48,7 @@ def test_void_slots_lower_the_force(thickness: float, force: float) -> None:
     found = linear_check(void_slots(thickness))
     assert found.all_touch_force.value == pytest.approx(
         force, rel=0.02
-    )  # FACTS' slots lay elsewhere by a bit
+    )  # the slots of docs/facts.md lay elsewhere by a bit
 
 
 @pytest.fixture(scope="module")
@@ -105,8 +105,8 @@ def test_similarity() -> None:
 def test_force_is_smooth_in_the_design() -> None:
     """Steps of 1e-4 mm in height at one order: second differences stay below 2e-4 of the force.
 
-    A change of the mesh's topology moves F9 by 2e-5 to 1e-4 at k = 3 (FACTS.md); bisecting on touching
-    nodes would jump by about 1e-3.
+    A change of the mesh's topology moves F9 by 2e-5 to 1e-4 at k = 3 (docs/facts.md#mesh-and-method);
+    bisecting on touching nodes would jump by about 1e-3.
     """
     forces = []
     for i in range(7):

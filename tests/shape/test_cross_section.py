@@ -50,7 +50,7 @@ def test_outer_crests_sit_where_the_circle_puts_them(yamada: Design) -> None:
     drop = (60 + 0.5) * (1 - math.cos(lean))
     summit, top = outer.at(0.0, 0.5), middle.at(0.0, 0.5)
     assert top.z - summit.z == pytest.approx(drop, rel=1e-12)
-    assert drop == pytest.approx(0.133, abs=0.0015)  # FACTS: 0.133 mm
+    assert drop == pytest.approx(0.133, abs=0.0015)  # docs/facts.md#the-reference-section
 
 
 def test_section_mirrors_itself(yamada: Design) -> None:
@@ -63,7 +63,7 @@ def test_section_mirrors_itself(yamada: Design) -> None:
 def test_default_slots_leave_the_stated_wall_and_web(yamada: Design) -> None:
     s1, s2 = section(yamada).slots[8:10]
     web = s2.at(-s2.thickness / 2, 0.0).x - s1.at(s1.thickness / 2, 0.0).x
-    assert web == pytest.approx(0.27, abs=1e-9)  # DESIGN.md
+    assert web == pytest.approx(0.27, abs=1e-9)  # 2 x 0.16 of offset less 0.05
     assert (s1.side, s2.side, s1.ridge) == ("S1", "S2", 5)
     assert s1.centre.x < 0 < s2.centre.x
 

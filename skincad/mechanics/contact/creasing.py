@@ -5,7 +5,7 @@ every wavelength (Biot, Appl. Sci. Res. A 12 (1963) 168; 0.544), so the finer th
 folds there. A defect starts a crease from the stretch CREASES on (Hong, Zhao and Suo, Appl. Phys. Lett. 95
 (2009) 111901; 0.646). A crease is contact of the skin with itself, which no model here knows.
 
-Measured on FACTS.md's section, three ridges at 1.2 N, a coefficient of 1, pulled by travel: the stretch
+Measured on docs/facts.md's section, three ridges at 1.2 N, a coefficient of 1, pulled by travel: the stretch
 passes WRINKLES at Ft/Fn 0.666, 0.673, 0.649 and 0.655 (fineness and order 0.5 2, 0.5 3, 1 3, 2 2), first in
 the leading root fillet. There finer meshes fold at once: the determinant of F turns negative, on the coarsest
 it is 0.5 still. The forces hardly feel it: 0.6 % between four meshes at 0.68. A tip fillet of 0.15 mm, not

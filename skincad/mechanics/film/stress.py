@@ -18,7 +18,7 @@ from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.touching import LARGEST_FORCE
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 
-DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (FACTS.md)
+DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/facts.md)
 LONG = "the pad is taken as long and strains as small: free ends and finite strain are left out"
 
 

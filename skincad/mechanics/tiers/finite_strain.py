@@ -5,7 +5,7 @@ clamped ends on top (EDGE_*). That it bounds the truth is measured in its test.
 The pad's free ends are still left out.
 
 Range: to where a ridge buckles sideways or its tip folds, about 1.6 N a ridge or a quarter of its height
-on FACTS.md's section (12 N in all), or to where parts meet that the model does not know (folding.py).
+on docs/facts.md's section (12 N in all), or to where parts meet that the model does not know (folding.py).
 Beyond it a force is refused. Below 1e-6 N rounding passes the residual's bound (newton.ROUNDING).
 """
 

@@ -43,7 +43,7 @@ from skincad.mechanics.problem import (
 from skincad.mechanics.tiers.prices import AFTER_MESH, AFTER_ORDER
 
 Array = NDArray[np.float64]
-DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (FACTS.md)
+DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
 MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
 MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so many were never seen
 # Contact unknowns of the whole pad against those of one ridge meshed alone, times the ridges: at least 0.92

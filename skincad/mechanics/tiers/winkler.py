@@ -1,8 +1,8 @@
 """The Winkler tier: each ridge a spring of its own, in closed form.
 
 It ranks designs in less than a millisecond. It leaves out that ridges push each other down through the common
-base, so against plane strain F9 comes out 25 to 35 % low (FACTS.md), more on thick skins; winkler_error.py
-says how far off it may be.
+base, so against plane strain F9 comes out 25 to 35 % low (docs/facts.md), more on thick skins;
+winkler_error.py says how far off it may be.
 
 A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
 about the axis and the force is its integral. The springs stay vertical, which is wrong by half the square

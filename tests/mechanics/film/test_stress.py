@@ -275,7 +275,7 @@ def contour_mean(body: strip_field.Body, pad: Pad, slot: SlotPlace, thickness: f
 
 
 def test_similar_skins_have_similar_stress() -> None:
-    """Lengths times 2 and moduli by 4 leave every force as it is, so stresses are a quarter (FACTS.md)."""
+    """Lengths times 2 and moduli by 4 leave every force as it is, so stresses are a quarter."""
     small = three()
     data = small.model_dump(exclude_none=True)
     lengths = {

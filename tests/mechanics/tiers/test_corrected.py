@@ -16,7 +16,7 @@ from tests.mechanics.tiers.test_solid import assert_inside, refined
 def test_refined_solid_lies_inside() -> None:
     found = corrected.answer(reference(), Request(4.0))
     assert_inside(found, refined())
-    # FACTS: the ratio of a coarse run is that of a fine one to 0.5 %; the linear tier's own error aside
+    # docs/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear tier's own error aside
     assert found.approach.value == pytest.approx(refined().approach, rel=5e-3)
     assert found.all_touch_force.value == pytest.approx(refined().all_touch_force, rel=5e-3)
 
@@ -85,7 +85,7 @@ def threshold_ratio(ends: corrected.Ends) -> float:
 
 
 def test_a_long_pad_is_hardly_changed() -> None:
-    """480 mm: the ends' share falls as 1 / L: FACTS' 28 % at 12 mm would be 0.7 % at 480 mm."""
+    """480 mm: the ends' share falls as 1 / L: the 28 % of docs/facts.md at 12 mm would be 0.7 % at 480 mm."""
     long = reference().with_(skin={"length": 480.0}, contact={"force": 160.0})
     ends = corrected.free_ends(pad_of(long), 160.0, {})
     assert 1.0 < ends.solid.approach / ends.plane.approach < 1.01

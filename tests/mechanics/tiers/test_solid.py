@@ -1,4 +1,4 @@
-"""The solid against plane strain, against itself refined, and FACTS.md's free ends."""
+"""The solid against plane strain, against itself refined, and the free ends of docs/facts.md."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def test_layers_integrate_polynomials() -> None:
 
 @pytest.mark.slow
 def test_free_ends_as_in_the_facts() -> None:
-    """FACTS: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; two meshes differ by 1 %."""
+    """docs/facts.md: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; two meshes: 1 %."""
     found = refined()
     assert found.approach == pytest.approx(0.2224, rel=1e-2)
     assert found.all_touch_force == pytest.approx(0.77 * 3.026, rel=1e-2)
@@ -167,7 +167,7 @@ def test_free_ends_as_in_the_facts() -> None:
 
 @pytest.mark.parametrize(("length", "approach"), [(6.0, 0.2395), (24.0, 0.1999), (48.0, 0.1859)])
 def test_length_at_equal_force_per_length(length: float, approach: float) -> None:
-    """FACTS' lengths; 1.5 %: the coarse mesh is 0.7 % stiff in the section, FACTS' own mesh had its error."""
+    """Of docs/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs had its own error."""
     pad = replace(pad_of(sharp()), length=length)
     found = coarse(pad, force=4.0 * length / 12.0)
     assert found.approach == pytest.approx(approach, rel=1.5e-2)

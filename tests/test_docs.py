@@ -1,0 +1,45 @@
+"""What the code cites is there: every page of docs/, and every heading that is named by its anchor."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+CITING = ("skincad", "templates", "tests", "bench", "examples", "README.md", "CHANGELOG.md", "pyproject.toml")
+CITATION = re.compile(r"\bdocs/([\w-]+\.\w+)(?:#([\w-]+))?")
+TEXT = {".py", ".toml", ".md", ".ipynb"}
+
+
+def texts() -> Iterator[Path]:
+    for place in (ROOT / name for name in CITING):
+        yield from [place] if place.is_file() else (p for p in place.rglob("*") if p.suffix in TEXT)
+
+
+def cited() -> list[tuple[str, str, str]]:
+    rows = {
+        (path.relative_to(ROOT).as_posix(), page, anchor)
+        for path in texts()
+        for page, anchor in CITATION.findall(path.read_text())
+    }
+    return sorted(rows)
+
+
+def anchors(page: Path) -> set[str]:
+    """A heading's anchor as GitHub and mkdocs make it: lower case, only letters, digits, - and _."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(), re.M)
+    return {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower()) for heading in headings}
+
+
+def test_the_facts_are_cited() -> None:
+    assert sum(page == "facts.md" for _, page, _ in cited()) > 15
+
+
+@pytest.mark.parametrize(("where", "page", "anchor"), cited())
+def test_what_is_cited_is_there(where: str, page: str, anchor: str) -> None:
+    assert (ROOT / "docs" / page).is_file(), f"{where} cites docs/{page}"
+    if anchor:
+        assert anchor in anchors(ROOT / "docs" / page), f"{where} cites docs/{page}#{anchor}"
