@@ -1,0 +1,174 @@
+"""The labelled section of docs/geometry.md: `python -m bench.geometry_plot docs/geometry.png`.
+
+It shows every length of `[skin]`, `[ridge]`, `[slot]` and `[film]` on a section that skincad builds, with
+fillets, crown and slots larger than is usual so that they can be seen.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import skincad
+from skincad.inputs.design import Design
+from skincad.pictures.canvas import Axes, png
+from skincad.shape.cross_section import frame, section
+from skincad.shape.curves import polygon
+
+SKIN, FILM, INK, HELP = "#eebda5", "#b3432b", "#14447a", "#8a8a8a"
+WORDS = {"color": INK, "family": "monospace"}
+SIDES = {  # shift in points, alignments
+    "above": ((0, 3), "center", "bottom"),
+    "below": ((0, -3), "center", "top"),
+    "left": ((-5, 0), "right", "center"),
+    "right": ((5, 0), "left", "center"),
+}
+CHORD = 1e-3  # mm; finer than a pixel
+MIDDLE = 3  # the upright ridge of five
+Place = tuple[float, float]  # mm in the section
+
+
+def shown() -> Design:
+    """Return a design whose details are large enough to be labelled."""
+    return skincad.load("yamada-2002").with_(
+        skin={"curvature_radius": 9.0, "width": 6.4, "thickness": 2.6},
+        ridge={"count": 5, "height": 0.6, "crown": 0.07, "tip_fillet": 0.07, "root_fillet": 0.1},
+        slot={"thickness": 0.07, "depth": 0.3, "offset": 0.17, "elevation": 0.1, "tilt": 14.0},
+        film={"thickness": 0.028},
+    )
+
+
+def geometry_plot(path: Path) -> None:
+    """Write a PNG of the whole section and of its middle ridge, without and with slots, with their keys."""
+    design = shown()
+    with png(path, (11.0, 8.6), 100, colours=64) as figure:
+        panels = figure.subplot_mosaic([["whole", "whole"], ["ridge", "slots"]], height_ratios=(1.0, 1.3))
+        for name, draw in (("whole", _whole), ("ridge", _ridge), ("slots", _slots)):
+            draw(panels[name], design)
+        panels["ridge"].set_title("[ridge]", family="monospace")
+        panels["slots"].set_title("[slot] and [film]", family="monospace")
+
+
+def _skin(axes: Axes, design: Design, slots: bool) -> None:
+    """The section in its own colours, without axes."""
+    shape, film = section(design), design.film
+    places = shape.slots if slots else ()
+    outlines = [(shape.outline, SKIN), *((s.loop(), "white") for s in places)]
+    outlines += [(s.loop(film.thickness), FILM) for s in places if film]
+    for outline, face in outlines:
+        axes.fill(*polygon(outline, CHORD).T, facecolor=face, edgecolor="#222222", linewidth=0.9)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def _size(axes: Axes, a: Place, b: Place, words: str, side: str) -> None:
+    """A length from a to b with its key on one side of its middle."""
+    _arrow(axes, a, b, "<->")
+    (x, y), across, up = SIDES[side]
+    at = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+    axes.annotate(words, at, (x, y), textcoords="offset points", ha=across, va=up, **WORDS)
+
+
+def _point(axes: Axes, at: Place, words: str, place: Place) -> None:
+    """A key at `place` with an arrow to what it means."""
+    after = place[0] > at[0]
+    arrow = {"arrowstyle": "->", "color": INK, "shrinkB": 0, "relpos": (0.0 if after else 1.0, 0.5)}
+    axes.annotate(words, at, place, ha="left" if after else "right", va="center", arrowprops=arrow, **WORDS)
+
+
+def _arrow(axes: Axes, a: Place, b: Place, style: str) -> None:
+    axes.annotate("", b, a, arrowprops={"arrowstyle": style, "color": INK, "shrinkA": 0, "shrinkB": 0})
+
+
+def _text(axes: Axes, at: Place, words: str) -> None:
+    axes.text(*at, words, va="top" if "\n" in words else "baseline", **WORDS)
+
+
+def _line(axes: Axes, *points: Place) -> None:
+    axes.plot(*np.array(points).T, color=HELP, linewidth=0.8, linestyle=(0, (5, 3)))
+
+
+def _whole(axes: Axes, design: Design) -> None:
+    """The whole section: frame, numbers of the ridges, and the lengths of `[skin]`."""
+    _skin(axes, design, slots=True)
+    skin, half = design.skin, design.skin.width / 2
+    for ridge in range(1, design.ridge.count + 1):
+        axes.text(*frame(design, ridge).at(0.0, -0.35), str(ridge), ha="center", va="center", fontsize=11)
+    _size(axes, (-half, -0.25), (half, -0.25), "skin.width", "below")
+    _size(axes, (0.45, 0.0), (0.45, skin.thickness), "skin.thickness", "right")
+    _line(axes, (0.0, skin.thickness), (0.6, skin.thickness))
+    base = np.linspace(-0.47, 0.47, 60)
+    radius, centre = skin.curvature_radius, skin.thickness - skin.curvature_radius
+    _line(axes, *zip(radius * np.sin(base), centre + radius * np.cos(base), strict=True))
+    end = (radius * math.sin(0.44), centre + radius * math.cos(0.44))
+    _arrow(axes, (end[0] - 1.1 * math.sin(0.44), end[1] - 1.1 * math.cos(0.44)), end, "->")
+    _text(axes, (end[0] + 0.2, end[1] - 0.5), "skin.curvature_radius,\nof the base circle (dashed)")
+    corner = (-half - 1.4, 0.1)
+    for way, name in (((0.8, 0.0), "x"), ((0.0, 0.8), "z")):
+        tip = (corner[0] + way[0], corner[1] + way[1])
+        _arrow(axes, corner, tip, "->")
+        _text(axes, (tip[0] + 0.1, tip[1] + 0.1), name)
+    _text(axes, (corner[0] - 1.3, -0.12), "y into the page,\nskin.length along it")
+    _text(axes, (-2.6, 0.25), "flat back, z = 0")
+    axes.set_xlim(-half - 2.9, half + 3.2)
+    axes.set_ylim(-0.65, 3.4)
+
+
+def _ridge(axes: Axes, design: Design) -> None:
+    """The middle ridge and its neighbour without slots, and the lengths of `[ridge]`."""
+    _skin(axes, design, slots=False)
+    own, ridge = frame(design, MIDDLE), design.ridge
+    at, root, tip = own.at, ridge.root_width / 2, ridge.tip_width / 2
+    edge, crest = ridge.height - ridge.crown, ridge.height
+    beside = frame(design, MIDDLE + 1)
+    _line(axes, at(0.0, -0.1), at(0.0, crest + 0.4))
+    _line(axes, beside.at(0.0, -0.1), beside.at(0.0, crest + 0.4))
+    _size(axes, at(0.0, 0.0), beside.origin, "pitch", "below")
+    _line(axes, at(-0.75, 0.0), at(root, 0.0))
+    _line(axes, at(-0.75, crest), at(0.62, crest))
+    _size(axes, at(-0.59, 0.0), at(-0.59, crest), "height", "right")
+    _line(axes, at(-tip, edge), at(0.62, edge))
+    _size(axes, at(0.55, edge), at(0.55, crest), "crown", "right")
+    _size(axes, at(-tip, crest + 0.12), at(tip, crest + 0.12), "tip_width", "above")
+    _size(axes, at(-root, -0.22), at(root, -0.22), "root_width", "below")
+    for side in (-1, 1):
+        _line(axes, at(side * tip, edge), at(side * tip, crest + 0.18))
+        _line(axes, at(side * root, 0.0), at(side * root, -0.28))
+    _point(axes, at(-tip - 0.005, edge - 0.03), "tip_fillet", at(-0.42, crest + 0.28))
+    _point(axes, at(root + 0.005, 0.035), "root_fillet", at(0.42, 0.27))
+    axes.set_xlim(-1.1, 1.55)
+    axes.set_ylim(at(0, -0.4)[1], at(0, crest + 0.45)[1])
+
+
+def _slots(axes: Axes, design: Design) -> None:
+    """The middle ridge's slots with their strips, and the lengths of `[slot]` and `[film]`."""
+    _skin(axes, design, slots=True)
+    own, slot = frame(design, MIDDLE), design.slot
+    assert slot is not None
+    at, (one, two) = own.at, (s for s in section(design).slots if s.ridge == MIDDLE)
+    half, wide = slot.depth / 2, slot.thickness / 2
+    for each, aside in ((one, -0.03), (two, 0.03)):
+        axes.text(*each.at(aside, half + 0.05), each.side, ha="center", weight="bold", fontsize=12)
+    _line(axes, at(0.0, -0.34), at(0.0, 0.7))
+    _line(axes, at(-0.45, 0.0), at(0.5, 0.0))
+    _line(axes, two.centre, at(slot.offset, -0.34))
+    _size(axes, at(0.0, -0.28), at(slot.offset, -0.28), "offset", "below")
+    _line(axes, two.centre, at(0.5, slot.elevation))
+    _size(axes, at(0.42, 0.0), at(0.42, slot.elevation), "elevation", "right")
+    _line(axes, one.centre, one.at(0.0, 0.58))
+    _line(axes, one.centre, at(-slot.offset, slot.elevation + 0.58))
+    _point(axes, at(-0.12, slot.elevation + 0.45), "tilt, positive here", at(-0.34, 0.7))
+    for along in (-half, half):
+        _line(axes, one.at(-wide, along), one.at(-wide - 0.22, along))
+    _size(axes, one.at(-wide - 0.18, -half), one.at(-wide - 0.18, half), "depth", "left")
+    _point(axes, one.at(wide, -half + 0.03), "thickness", at(-0.36, -0.22))
+    _point(axes, two.at(0.0, 0.06), "film.thickness", at(0.38, 0.45))
+    axes.set_xlim(-0.72, 0.92)
+    axes.set_ylim(at(0, -0.4)[1], at(0, 0.78)[1])
+
+
+if __name__ == "__main__":
+    geometry_plot(Path(sys.argv[1]))
