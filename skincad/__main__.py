@@ -7,6 +7,7 @@ must not be broken off, and breaks in only where the command line catches it.
 
 from __future__ import annotations
 
+import codecs
 import io
 import os
 import signal
@@ -66,11 +67,21 @@ def _open_streams() -> None:
             os.fstat(descriptor)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
+    codecs.register_error("escape", escaped)
     sys.stdout = sys.stdout or os.fdopen(1, "w", encoding="utf-8")
     sys.stderr = sys.stderr or os.fdopen(2, "w", encoding="utf-8")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+            stream.reconfigure(errors="escape")
+
+
+def escaped(failure: UnicodeError) -> tuple[str | bytes, int]:
+    """Handle what an encoding lacks, as a codec's errors: "±" becomes "+-", any other letter its escape."""
+    if isinstance(failure, UnicodeEncodeError):
+        if failure.object[failure.start] == "±":
+            return "+-", failure.start + 1
+        failure.end = failure.start + 1
+    return codecs.backslashreplace_errors(failure)
 
 
 if __name__ == "__main__":

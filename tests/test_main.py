@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 import random
@@ -104,6 +105,24 @@ def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Pa
 def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> None:
     done = shell(f"{SKINCAD} new é日.pdf", tmp_path, PYTHONIOENCODING="latin-1")
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "sign"),
+    [("utf-8", "±".encode()), ("ascii", b"+-"), ("latin-1", b"\xb1"), ("cp1251", b"\xb1")],
+)
+def test_an_error_has_a_plus_minus_sign_where_the_encoding_has_one(
+    encoding: str, sign: bytes, tmp_path: Path
+) -> None:
+    command = f"{SKINCAD} check plain-ridges --tier winkler"
+    done = shell(command, tmp_path, PYTHONIOENCODING=encoding)
+    assert b" " + sign + b" " in done.stdout
+    assert b"\\x" not in done.stdout
+
+
+def test_signs_in_a_row_are_each_replaced() -> None:
+    codecs.register_error("escape", process.escaped)
+    assert "é±±日±".encode("ascii", "escape") == rb"\xe9+-+-\u65e5+-"
 
 
 def test_a_name_that_is_not_utf_8_is_refused_before_any_work(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The error types that leave the package: bad input, a result that is not accepted, and too few resources."""
+"""The error types that leave the package: bad input, an unclear comparison, no result, too few resources."""
 
 from __future__ import annotations
 
@@ -68,6 +68,10 @@ class InputError(_Portable, ValueError):
         key = ".".join(part for part in (table, self.key) if part)
         others = tuple(other.under(table) for other in self.others)
         return InputError(key, self.rule, self.value, self.remedy, others)
+
+
+class UnclearError(_Portable, ValueError):
+    """An estimate was compared with a number that its error does not let it tell from the value."""
 
 
 class RefusedError(_Portable, RuntimeError):

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
+
+from skincad.base.errors import UnclearError
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +19,10 @@ class Estimate:
     `value` is None where there is no such number (ridges that cannot all touch have no smallest
     force), `error` is None where nobody has estimated it yet. Raises ValueError for an error below 0 and for
     numbers that are not finite: whoever computes one has made a mistake, and must not hand it on.
+
+    `float(estimate)` is the value; ValueError where there is none. `<`, `<=`, `>` and `>=` with a number say
+    what holds all over the interval; where the interval holds the number, or value or error are unknown, they
+    raise UnclearError, so that no `if` silently takes a branch. `==` compares value, error and unit.
     """
 
     value: float | None
@@ -29,9 +36,44 @@ class Estimate:
             raise ValueError(f"a value must be finite, or None, got {self.value}")
 
     @property
+    def lower(self) -> float | None:
+        """The smallest value that the error allows; None while value or error are unknown."""
+        return None if self.value is None or self.error is None else self.value - self.error
+
+    @property
     def upper(self) -> float | None:
         """The largest value that the error allows; None while value or error are unknown."""
         return None if self.value is None or self.error is None else self.value + self.error
+
+    def __float__(self) -> float:
+        if self.value is None:
+            raise ValueError("this estimate has no value: there is no such number")
+        return self.value
+
+    def __lt__(self, number: float) -> bool:
+        return self._clearly_below(number, False)
+
+    def __le__(self, number: float) -> bool:
+        return self._clearly_below(number, True)
+
+    def __gt__(self, number: float) -> bool:
+        return not self <= number
+
+    def __ge__(self, number: float) -> bool:
+        return not self < number
+
+    def _clearly_below(self, number: float, equal: bool) -> bool:
+        """Whether all of the interval lies below a number, or, with `equal`, on it; False where none does."""
+        if not isinstance(number, Real):
+            raise TypeError(f"an estimate compares with a number, not with {type(number).__name__}")
+        lower, upper = self.lower, self.upper
+        if lower is not None and upper is not None:
+            if upper < number or (equal and upper == number):
+                return True
+            if lower > number or (not equal and lower == number):
+                return False
+        between = f"whether {self} is above or below {float(number):g} {self.unit}"
+        raise UnclearError(f"{between} is unclear; compare its value, lower or upper")
 
     def as_json(self) -> dict[str, float | None]:
         """Return `{"value", "error"}`; the unit is the key's suffix."""
@@ -43,7 +85,7 @@ class Estimate:
         if not self.error:
             return f"{self.value:.4g} {self.unit}"
         places = _places(self.error)
-        return f"{self.value:.{places}f} +- {self.error:.{places}f} {self.unit}"
+        return f"{self.value:.{places}f} ± {self.error:.{places}f} {self.unit}"
 
 
 def _places(error: float) -> int:

@@ -122,7 +122,7 @@ def _note(normal: FilmStress, both: FilmStress) -> str:
         middle = ", zero at the middle one" if normal.ridges % 2 else ""
         lines.append(
             "(a) Outer ridges lean, so under the normal force alone their S1 - S2 is not zero:\n"
-            f"      {share.value:.0%} +- {share.error or 0.0:.0%} of S1 at ridge {ridge}{middle}."
+            f"      {share.value:.0%} ± {share.error or 0.0:.0%} of S1 at ridge {ridge}{middle}."
         )
     friction = [e.value for e in both.needed_friction]
     if both.tangential:

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
+from skincad.base.errors import InputError, RefusedError, UnclearError
 from skincad.base.estimate import Estimate
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
@@ -46,11 +46,11 @@ VALUES: dict[str, Any] = {"str": "words", "float": 2.5, "object": 1.5, "Any": (1
 
 
 def kinds() -> list[type[Exception]]:
-    """All errors of the package: InputError, RefusedError and what is derived from them."""
+    """All errors of the package: InputError, RefusedError, UnclearError and what is derived from them."""
     for module in walk_packages(skincad.__path__, "skincad."):
         if not module.name.endswith("__main__"):
             import_module(module.name)
-    found: list[type[Exception]] = [InputError, RefusedError]
+    found: list[type[Exception]] = [InputError, RefusedError, UnclearError]
     for kind in found:
         found += [each for each in kind.__subclasses__() if each not in found]
     return [kind for kind in found if kind.__module__.startswith("skincad")]

@@ -1,0 +1,83 @@
+"""An estimate is a number to compute with, and never says more than its error allows."""
+
+from __future__ import annotations
+
+import math
+import operator
+
+import numpy as np
+import pytest
+
+from skincad.base.errors import UnclearError
+from skincad.base.estimate import Estimate
+
+FORCE = Estimate(2.5, 0.25, "N")  # all of it is exact in binary
+NONE = Estimate(None, None, "N")
+
+
+def test_its_float_is_the_value() -> None:
+    assert float(FORCE) == FORCE.value
+    assert math.sqrt(Estimate(4.0, None, "N")) == 2.0
+    with pytest.raises(ValueError, match="has no value"):
+        float(NONE)
+
+
+def test_its_ends() -> None:
+    assert (FORCE.lower, FORCE.upper) == (2.25, 2.75)
+    for unknown in (NONE, Estimate(2.5, None, "N")):
+        assert (unknown.lower, unknown.upper) == (None, None)
+
+
+# a number, and what <, <=, >, >= say: True, False, or None for unclear
+COMPARED = [
+    (2.0, (False, False, True, True)),
+    (2.25, (False, None, None, True)),
+    (2.5, (None, None, None, None)),
+    (2.75, (None, True, False, None)),
+    (3, (True, True, False, False)),
+    (math.inf, (True, True, False, False)),
+    (math.nan, (None, None, None, None)),
+]
+OPERATORS = (operator.lt, operator.le, operator.gt, operator.ge)
+REFLECTED = (operator.gt, operator.ge, operator.lt, operator.le)
+
+
+def said(compare: object, *sides: object) -> bool | None:
+    try:
+        return compare(*sides)
+    except UnclearError:
+        return None
+
+
+@pytest.mark.parametrize(("number", "answers"), COMPARED)
+def test_a_comparison_holds_all_over_the_interval_or_is_unclear(number: float, answers: tuple) -> None:
+    assert tuple(said(compare, FORCE, number) for compare in OPERATORS) == answers
+    assert tuple(said(compare, number, FORCE) for compare in REFLECTED) == answers
+    assert tuple(said(compare, FORCE, np.float64(number)) for compare in OPERATORS) == answers
+    assert tuple(said(compare, np.float64(number), FORCE) for compare in REFLECTED) == answers
+
+
+def test_without_error_a_comparison_is_exact() -> None:
+    exact = Estimate(2.5, 0.0, "N")
+    assert tuple(said(compare, exact, 2.5) for compare in OPERATORS) == (False, True, False, True)
+
+
+def test_what_is_unknown_is_unclear_and_the_message_says_what_to_compare() -> None:
+    for unknown in (NONE, Estimate(2.5, None, "N")):
+        assert {said(compare, unknown, 4.0) for compare in OPERATORS} == {None}
+    with pytest.raises(UnclearError, match=r"whether 2\.50 ± 0\.25 N is above or below 2\.6 N is unclear"):
+        operator.lt(FORCE, 2.6)
+
+
+def test_it_compares_with_numbers_alone() -> None:
+    for other in (FORCE, "4", None):
+        with pytest.raises(TypeError, match=f"not with {type(other).__name__}"):
+            operator.lt(FORCE, other)
+    same, other = Estimate(2.5, 0.25, "N"), Estimate(2.5, 0.25, "mm")
+    assert (same == FORCE, other == FORCE) == (True, False)
+
+
+def test_its_text() -> None:
+    assert str(Estimate(2.6412, 0.217, "N")) == "2.64 ± 0.22 N"
+    assert str(Estimate(2.6412, None, "N")) == "2.641 N"
+    assert str(NONE) == "none"
