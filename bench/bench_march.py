@@ -17,7 +17,7 @@ from skincad.effects.kinds import Model
 from skincad.mechanics.bodies.mesh import triangles
 from skincad.mechanics.film.rungs import RUNGS
 from skincad.mechanics.film.sliding import sliding
-from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.scenes.march import march
 from skincad.scenes.scene import Scene, load_scene
@@ -45,14 +45,14 @@ def step_seconds(scene: Scene, model: Model) -> float:
 def main() -> None:
     """Print milliseconds a step and their ratio to the back-solve, case by case."""
     design = load_scene("yamada-2002-slip").design.with_(contact={"film": "bonded"})
-    part = part_of(*filled_pad(design))
-    mesh = triangles(part.pad, RUNGS[0].sizes(part))
+    piece = piece_of(*filled_pad(design))
+    mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
     with threadpool_limits(limits=1, user_api="blas"):
-        back_solve = sliding(part, mesh, ORDER, True).back_solve
+        back_solve = sliding(piece, mesh, ORDER, True).back_solve
         print(f"{'back-solve':26}{1e3 * back_solve:10.1f} ms")
         for name, overrides in CASES.items():
             scene = load_scene("yamada-2002-slip", overrides)
-            step = step_seconds(scene, scene.law.model(part, mesh, ORDER, True, scene.terms))
+            step = step_seconds(scene, scene.law.model(piece, mesh, ORDER, True, scene.terms))
             print(f"{name:26}{1e3 * step:10.1f} ms{step / back_solve:8.2f} back-solves", flush=True)
 
 

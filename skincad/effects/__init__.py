@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from skincad.effects.kinds import Effect
 
 EFFECTS = {
-    "film": "skincad.effects.film:Film",
+    "film": "skincad.effects.film:FilmStrips",
     "finite_strain": "skincad.effects.finite_strain:FiniteStrain",
     "free_ends": "skincad.effects.free_ends:FreeEnds",
     "friction": "skincad.effects.friction:Friction",

@@ -16,12 +16,12 @@ from typing import Literal
 from pydantic import Field
 
 from skincad.base.errors import InputError
-from skincad.effects.kinds import Body
+from skincad.effects.kinds import PadChange
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 
 
-class Film(Body):
+class FilmStrips(PadChange):
     """PVDF strips in the slots."""
 
     bond: Literal["bonded", "loose"] = Field(

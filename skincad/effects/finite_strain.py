@@ -26,8 +26,8 @@ from skincad.mechanics.problem import ContactError
 
 if TYPE_CHECKING:
     from skincad.mechanics.bodies.large_field import StripStress
-    from skincad.mechanics.contact.dragged import Dragged, State
-    from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.contact.dragged import Dragged, DraggedState
+    from skincad.mechanics.film.stick import PadPiece
 
 Array = NDArray[np.float64]
 FRICTIONLESS = Cone(0.0, 0.0)
@@ -44,7 +44,7 @@ class FiniteStrain(Law):
 
     def model(
         self,
-        part: Part,
+        piece: PadPiece,
         mesh: object,
         order: int,
         films: bool,
@@ -58,7 +58,7 @@ class FiniteStrain(Law):
         asked = frozenset[str]().union(*(term.asks for term in terms))
         if asked:
             raise RefusedError(f"finite_strain is quasi-static: leave out what asks for {', '.join(asked)}")
-        pad, unit = part.pad, part.unit
+        pad, unit = piece.pad, piece.unit
         materials = {"skin": (1.0, pad.poisson_ratio)}
         if pad.strips:
             materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
@@ -68,14 +68,14 @@ class FiniteStrain(Law):
                 curved, order, materials, pad.top, unit, pad.young_modulus * unit * pad.length
             )
         strips = (
-            strip_stress(whole.body, order, materials, part.slots, part.thickness, unit) if films else None
+            strip_stress(whole.body, order, materials, piece.slots, piece.thickness, unit) if films else None
         )
         return Large(whole, strips, pad.young_modulus, self.creases == "stop")
 
 
 @dataclass(frozen=True, eq=False)
 class Large:
-    """A pad that is linearised anew as it deforms; its states are dragged.State."""
+    """A pad that is linearised anew as it deforms; its states are `DraggedState`."""
 
     pad: Dragged
     strips: StripStress | None
@@ -92,13 +92,13 @@ class Large:
         """Number of free unknowns."""
         return self.pad.rest.unknowns
 
-    def start(self) -> State:
+    def start(self) -> DraggedState:
         """The unloaded state."""
         from skincad.mechanics.contact.dragged import unloaded
 
         return unloaded(self.pad)
 
-    def advanced(self, state: State, step: Step, shares: Sequence[Share]) -> State:
+    def advanced(self, state: DraggedState, step: Step, shares: Sequence[Share]) -> DraggedState:
         """Return the converged state at the step's end."""
         from skincad.mechanics.contact.stride import to
 
@@ -114,7 +114,7 @@ class Large:
             self._check(after)
             return after
 
-    def _check(self, state: State) -> None:
+    def _check(self, state: DraggedState) -> None:
         """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
         from skincad.mechanics.contact.creasing import fault
 
@@ -122,15 +122,15 @@ class Large:
         if wrong is not None:
             raise ContactError(wrong)
 
-    def grip(self, state: State) -> Grip:
+    def grip(self, state: DraggedState) -> Grip:
         """Return the contact of a state."""
         return state.grip
 
-    def fault(self, state: State) -> str | None:  # noqa: ARG002
+    def fault(self, state: DraggedState) -> str | None:  # noqa: ARG002
         """None: a step costs so much that each is looked at."""
         return None
 
-    def reading(self, before: State, state: State) -> Reading:  # noqa: ARG002
+    def reading(self, before: DraggedState, state: DraggedState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
         grip = state.grip
         return Reading(

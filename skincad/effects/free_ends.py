@@ -12,12 +12,12 @@ from dataclasses import replace
 from typing import ClassVar
 
 from skincad.base.errors import InputError
-from skincad.effects.kinds import Body
+from skincad.effects.kinds import PadChange
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 
 
-class FreeEnds(Body):
+class FreeEnds(PadChange):
     """Free ends at y = -length / 2 and length / 2."""
 
     condenses: ClassVar[bool] = True

@@ -21,7 +21,7 @@ from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
-    from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import Shown
 
 Array = NDArray[np.float64]
@@ -140,7 +140,7 @@ class Law(Effect):
         """Return where the law's range ends; any law's does where the skin is pressed flat."""
         return Limits(height(design))
 
-    def model(self, part: Part, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
+    def model(self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
         """Return the model of a meshed pad; `films` asks for the stresses in its strips.
 
         Only what the terms ask is built.
@@ -148,7 +148,7 @@ class Law(Effect):
         raise NotImplementedError
 
 
-class Body(Effect):
+class PadChange(Effect):
     """A region of the section with its own stiffness; `condenses` says whether it needs a law that does."""
 
     condenses: ClassVar[bool] = False
@@ -187,7 +187,7 @@ class Watched:
     bandwidth: float
 
 
-class Readout(Effect):
+class Reader(Effect):
     """Looks at what the march has accepted."""
 
     def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:

@@ -17,16 +17,16 @@ from skincad.mechanics.dynamics.steps import Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 
 if TYPE_CHECKING:
-    from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.film.stick import PadPiece
 
 FRICTIONLESS = Cone(0.0, 0.0)
 
 
-def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
+def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingModel:
     """Return the model of a meshed pad."""
     from skincad.mechanics.dynamics.pad import linear
 
-    return Moving(Dynamics(linear(part, mesh, order, films)), part)
+    return MovingModel(Dynamics(linear(piece, mesh, order, films)), piece)
 
 
 def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
@@ -38,11 +38,11 @@ def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
+class MovingModel:
     """A pad with masses or a past."""
 
     dynamics: Dynamics
-    part: Part | None = None
+    piece: PadPiece | None = None
 
     @property
     def ridge(self) -> NDArray[np.int64]:
@@ -74,14 +74,14 @@ class Moving:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
         is known to."""
         body = self.dynamics.pad.body
-        if self.part is None or body is None:
+        if self.piece is None or body is None:
             return None
         from skincad.mechanics.film.whole_state import collision, on_sides
 
         moved = np.zeros((body.system.lift.size, state.u.shape[1]))
-        moved[: len(state.u)] = state.u / self.part.unit
-        plate = self.part.whole.top - state.grip.approach
-        return collision(self.part, body, on_sides(list(moved.T)), plate, 0.0)
+        moved[: len(state.u)] = state.u / self.piece.unit
+        plate = self.piece.whole.top - state.grip.approach
+        return collision(self.piece, body, on_sides(list(moved.T)), plate, 0.0)
 
     def reading(self, before: Moved, state: Moved) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""

@@ -28,7 +28,7 @@ from skincad.circuit.network import Constants
 from skincad.circuit.noise import NoiseSources, noise_samples, total_density
 from skincad.circuit.resample import PASS
 from skincad.circuit.state import Stepper, run, stepper
-from skincad.effects.kinds import Reading, Readout, Watched
+from skincad.effects.kinds import Reader, Reading, Watched
 from skincad.inputs.design import Design
 from skincad.inputs.design import Film as Strip
 
@@ -48,7 +48,7 @@ class Electrode:
     whole: float
 
 
-class Piezo(Readout):
+class Piezo(Reader):
     """Voltages of the told ridges' strips."""
 
     needs: ClassVar[tuple[str, ...]] = ("film",)

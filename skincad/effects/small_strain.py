@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import MASS, RATE, Law, Model, Reading, Share, Step, Term
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.grip import Cone, Drive, Grip, Pressed, at_rest
+from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.sliding import Sliding
-    from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import Shown, WholeState
 
 Array = NDArray[np.float64]
@@ -41,28 +41,28 @@ class SmallStrain(Law):
         """Return where small strain ends."""
         return limits(design)
 
-    def model(self, part: Part, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
+    def model(self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
         """Return the condensed pad, or where a term asks for masses or a past the pad that has them."""
         if any(term.asks for term in terms):
             from skincad.effects.moving import moving
 
-            return moving(part, mesh, order, films)
+            return moving(piece, mesh, order, films)
         from skincad.mechanics.film.sliding import sliding
 
-        return condensed(sliding(part, mesh, order, films))
+        return condensed(sliding(piece, mesh, order, films))
 
 
-def condensed(pad: Sliding) -> Condensed:
+def condensed(pad: Sliding) -> CondensedModel:
     """Return the model of a condensed pad."""
-    return Condensed(pad, Pressed(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size)))
+    return CondensedModel(pad, Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size)))
 
 
 @dataclass(frozen=True, eq=False)
-class Condensed:
+class CondensedModel:
     """A pad of constant compliance; its states are grips."""
 
     pad: Sliding
-    skin: Pressed
+    skin: Compliant
 
     @property
     def ridge(self) -> NDArray[np.int64]:
@@ -85,7 +85,7 @@ class Condensed:
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         return halved(self._seen, state, step.before, step.after, cone)
 
-    def _seen(self, drive: Drive) -> Pressed:
+    def _seen(self, drive: Drive) -> Compliant:
         """The pad in the axes of the plate, which may have turned."""
         return turning.turned(self.pad, drive.angle) if drive.angle else self.skin
 
@@ -113,7 +113,7 @@ class Condensed:
     def _give(self, state: Grip) -> tuple[Array, Array]:
         """Where the ridges are and how much more free ends let them down, `(ridges,)` mm: the mesh's field is
         that of an endless pad."""
-        whole = self._whole.part.whole
+        whole = self._whole.piece.whole
         numbers = np.array(whole.ridges)
         at = np.searchsorted(numbers, self.pad.ridge)
         x = np.bincount(at, self.pad.x) / np.bincount(at)
@@ -124,7 +124,7 @@ class Condensed:
     def _placed(self, state: Grip) -> tuple[Array, float, float]:
         """Forces on the skin, and the plate: its height over x = 0, mm, and its angle."""
         force = turning.in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
-        height = self._whole.part.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
+        height = self._whole.piece.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
         return force, height, state.angle
 
     def reading(self, before: Grip, state: Grip) -> Reading:

@@ -22,7 +22,7 @@ from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.network import Constants, Real, response
 from skincad.circuit.state import Stepper, run, state_space, stepper
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import Ladder, Measure, Rung, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
 
 CIRCUIT = "yamada-2002"  # a design has no circuit of its own
 FREQUENCY = 1200.0  # Hz; paper: the cut-off
@@ -38,7 +38,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     c = constants(load_circuit(CIRCUIT))
     exact = complex(exact_response(c, np.array([FREQUENCY]))[0])
     loops = complex(response(c, np.array([FREQUENCY]))[0])
-    rungs = []
+    trials = []
     for count in PER_PERIOD:
         if progress:
             progress(_stage(count))
@@ -46,15 +46,15 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         for hold in HOLDS:
             found, runs = timed(partial(held, c, hold, FREQUENCY * count, charge), repeats)
             errors = {**errors_of(found, exact, count), "kink": kink_error(c, hold, count)}
-            rungs.append(Rung(hold, f"{count} samples a period", charge.size, runs, errors))
+            trials.append(Trial(hold, f"{count} samples a period", charge.size, runs, errors))
     known = (
         f"the node equations' closed form; the paper's loop equations differ by {abs(loops / exact - 1):.0e} "
         "here, ngspice's AC analysis of the same netlist by 2e-7 dB (tests/circuit)"
     )
     truth = f"the exact response at {FREQUENCY:g} Hz"
     measures = (
-        Measure("output", "rms error of the output, relative", "1", truth, known),
-        Measure(
+        ErrorMeasure("output", "rms error of the output, relative", "1", truth, known),
+        ErrorMeasure(
             "kink",
             "rms error of the output to a load with a kink, relative",
             "1",
@@ -62,10 +62,10 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             "the hold is exact for it at any rate; its own rows tell by how much two rates differ",
             floor=1e-9,
         ),
-        Measure("size", "error of the output's size, its lag aside, relative", "1", truth, known),
+        ErrorMeasure("size", "error of the output's size, its lag aside, relative", "1", truth, known),
     )
     title = f"circuit {CIRCUIT} under a sine of {FREQUENCY:g} Hz (for {design.name})"
-    return Ladder("circuit", title, tuple(rungs), measures)
+    return Ladder("circuit", title, tuple(trials), measures)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001

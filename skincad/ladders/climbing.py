@@ -48,7 +48,7 @@ class Accuracy(Result):
 def accuracy(
     design: Design, ladders: Sequence[str] = (), *, repeats: int = 3, progress: Progress | None = None
 ) -> Accuracy:
-    """Return ladders (all if none is named) climbed on a design, each rung timed `repeats` times.
+    """Return ladders (all if none is named) climbed on a design, each trial timed `repeats` times.
 
     Raises InputError for an unknown ladder and for repeats out of range.
     """

@@ -1,7 +1,7 @@
 """Contact: models, meshes and orders, judged by F9, the force from which all ridges touch, and the approach.
 
-Two errors that are never mixed. The mesh's: each physical model against its own finest rung. The whole: every
-rung against the best model that can judge the design. A model's time includes all that it builds on.
+Two errors that are never mixed. The mesh's: each physical model against its own finest setting. The whole:
+every trial against the best model that can judge the design. A model's time includes all that it builds on.
 """
 
 from __future__ import annotations
@@ -14,19 +14,26 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import Ladder, Measure, Rung, repeated, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, linear, solid
 from skincad.mechanics.tiers.linear import LevelSolver
 from skincad.mechanics.tiers.prices import LAWS, own, plane_unknowns
-from skincad.mechanics.tiers.solid_level import Layers, Level, coarse_sizes, forms_of, meshed_part, pressed
+from skincad.mechanics.tiers.solid_level import (
+    Layers,
+    SolidSolution,
+    coarse_sizes,
+    forms_of,
+    meshed_piece,
+    pressed,
+)
 from skincad.mechanics.tiers.table import able, run
 from skincad.mechanics.validity import refuse_crushed
 
 MESH = 5e-3  # relative; what `check` asks of a tier's mesh
 BEST = ("solid-finite-strain", "corrected-finite-strain", "solid", "corrected", "linear")
-AIM = {  # the tier whose finest rung another's mesh and method aim at
+AIM = {  # the tier whose finest setting another's mesh and method aim at
     **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
     "corrected": "solid",
 }
@@ -43,7 +50,7 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 }
 
 
-ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are climbed
+ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are tried
 SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
 # time of a level in that of its tier; its unknowns in those of the tier's first rung are (order - 0.65) times
 # this (yamada-2002, 2 % off)
@@ -52,7 +59,7 @@ OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
 
 @dataclass(frozen=True)
 class Found:
-    """What a rung found: F9 in N (None where there is none), approach in mm."""
+    """What a trial found: F9 in N (None where there is none), approach in mm."""
 
     model: str
     setting: str
@@ -64,7 +71,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Truth:
-    """A model's finest rung; `own` its relative errors of F9 and approach, `words` how they are known."""
+    """A model's finest setting; `own` its relative errors of F9 and approach, `words` how they are known."""
 
     found: Found
     own: tuple[float, float]
@@ -73,13 +80,13 @@ class Truth:
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
-    climb = _Climb(design, repeats, progress)
+    tried = _Tried(design, repeats, progress)
     for name in ORDER:
-        climb.attempt(name)
-    best = next((name for name in BEST if name in climb.truth), "")
-    rungs = tuple(_rung(found, climb, best) for found in climb.found)
-    title = f"contact of {design.name} at {climb.request.force:g} N"
-    return Ladder("contact", title, rungs, _measures(climb, best), skipped=climb.skipped)
+        tried.attempt(name)
+    best = next((name for name in BEST if name in tried.truth), "")
+    trials = tuple(_trial(found, tried, best) for found in tried.found)
+    title = f"contact of {design.name} at {tried.request.force:g} N"
+    return Ladder("contact", title, trials, _measures(tried, best), skipped=tried.skipped)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
@@ -101,14 +108,14 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
 
 
 def _own(name: str, design: Design) -> float:
-    """A tier's own seconds; nothing for one that refuses the design, as it will when it is climbed."""
+    """A tier's own seconds; nothing for one that refuses the design, as it will when it is tried."""
     try:
         return own(name, design)
     except (InputError, RefusedError):
         return 0.0
 
 
-class _Climb:
+class _Tried:
     """What is found so far."""
 
     def __init__(self, design: Design, repeats: int, progress: Progress | None) -> None:
@@ -120,7 +127,7 @@ class _Climb:
         self.done: dict[str, Answer] = {}
 
     def attempt(self, name: str) -> None:
-        """Climb a tier's rungs; one that cannot judge the design is skipped with its reason."""
+        """Try a tier; one that cannot judge the design is skipped with its reason."""
         reason = able(name, self.design, drops=False)
         try:
             if not reason and name in LEVELS:
@@ -139,7 +146,7 @@ class _Climb:
             setting = f"fineness {fineness:g}, order {order}"
             self._tell(_level(name, fineness, order))
 
-            def solved(fineness: float = fineness, order: int = order) -> linear.Level:
+            def solved(fineness: float = fineness, order: int = order) -> linear.PlaneSolution:
                 mesh = triangles(pad, default_sizes(pad, fineness))
                 return SOLVERS[name]()(pad, mesh, order, force, ())
 
@@ -184,8 +191,8 @@ class _Climb:
             setting = f"order {rung.order - 1}, {told} layers"
             self._tell(_layers(told))
 
-            def solved(layers: Layers = layers) -> Level:
-                meshed = meshed_part(pad, coarse_sizes(pad, rung.fineness))
+            def solved(layers: Layers = layers) -> SolidSolution:
+                meshed = meshed_piece(pad, coarse_sizes(pad, rung.fineness))
                 forms = forms_of(meshed, rung.order - 1)
                 return pressed(meshed, forms, layers, self.request.force, {})
 
@@ -223,44 +230,44 @@ def _stated(estimate: Estimate, least: float) -> float:
     return math.nan if value is None else (estimate.error or 0.0) / max(value, least)
 
 
-def _rung(found: Found, climb: _Climb, best: str) -> Rung:
-    """A rung with its errors; the best model has its own stated error as whole one."""
-    force, height = climb.request.force, climb.design.skin.thickness
+def _trial(found: Found, tried: _Tried, best: str) -> Trial:
+    """A trial with its errors; the best model has its own stated error as whole one."""
+    force, height = tried.request.force, tried.design.skin.thickness
     errors: dict[str, float] = {}
     for kind, name in (("mesh", AIM.get(found.model, "")), ("whole", best)):
-        truth = climb.truth.get(name)
+        truth = tried.truth.get(name)
         itself = truth is not None and found is truth.found
         if truth is None or (itself and kind == "mesh"):
             continue
         values = truth.own if itself else apart(found, truth.found, force, height)
         named = zip(("F9", "approach"), values, strict=True)
         errors |= {f"{kind} {q}": error for q, error in named if not math.isnan(error)}
-    return Rung(found.model, found.setting, found.unknowns, found.runs, errors)
+    return Trial(found.model, found.setting, found.unknowns, found.runs, errors)
 
 
-def _measures(climb: _Climb, best: str) -> tuple[Measure, ...]:
-    own = "; ".join(f"{name}: {truth.words}" for name, truth in climb.truth.items() if name in AIM.values())
+def _measures(tried: _Tried, best: str) -> tuple[ErrorMeasure, ...]:
+    own = "; ".join(f"{name}: {truth.words}" for name, truth in tried.truth.items() if name in AIM.values())
     found = []
     for quantity, what in enumerate(("F9", "approach")):
-        floor = climb.truth[best].own[quantity] if best else 0.0
+        floor = tried.truth[best].own[quantity] if best else 0.0
         named = {"F9": "all-touch force", "approach": "approach"}[what]
         found.append(
-            Measure(
+            ErrorMeasure(
                 f"mesh {what}",
                 f"error of mesh and method in {named}, relative",
                 "1",
-                "each model's own finest rung",
+                "each model's own finest setting",
                 own,
                 compares=False,
             )
         )
         found.append(
-            Measure(
+            ErrorMeasure(
                 f"whole {what}",
                 f"error of model and mesh in {named}, relative",
                 "1",
                 f"{best or 'none'}: the best model that can judge this design",
-                climb.truth[best].words if best else "nothing",
+                tried.truth[best].words if best else "nothing",
                 floor=0.0 if math.isnan(floor) else floor,
             )
         )

@@ -12,9 +12,9 @@ from functools import cache
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.effects import EFFECTS, effect
-from skincad.effects.kinds import Readout
+from skincad.effects.kinds import Reader
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import Ladder, Measure, Rung, repeated, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
 from skincad.ladders.scenes import apart, marched, scene_on
 from skincad.mechanics.tiers.prices import plane_unknowns
 from skincad.scenes.levels import LEVELS
@@ -33,14 +33,14 @@ Marched = tuple[Simulation, tuple[float, ...]]
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
-    """Return two rungs an effect: the scene with it, and without it with the error that this makes."""
+    """Return two trials an effect: the scene with it, and without it with the error that this makes."""
 
     @cache
     def run(changes: tuple[str, ...], steps: int, friction: float) -> Marched:
         scene = scene_on(design, f"history.steps={steps}", *changes, friction=friction)
         return timed(lambda: marched(scene, LEVELS[0], MOST), repeats)
 
-    rungs: list[Rung] = []
+    trials: list[Trial] = []
     skipped = {LAW: "the law of every scene that names none: it can be replaced, not left out"}
     skipped |= {n: "a readout: it changes nothing that it tells of" for n in EFFECTS if _reads(n)}
     for name in EFFECTS:
@@ -60,20 +60,20 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             continue
         errors = apart(without, named)
         words = f"{steps} steps" + (f", friction {friction:g}" if name in SLIPPERY else "")
-        rungs.append(Rung(name, f"named, {words}", named.march.unknowns, spent, {}))
-        rungs.append(Rung(name, f"left out, {words}", without.march.unknowns, short, errors, spent))
+        trials.append(Trial(name, f"named, {words}", named.march.unknowns, spent, {}))
+        trials.append(Trial(name, f"left out, {words}", without.march.unknowns, short, errors, spent))
     told = (
         "the same scene, mesh and steps with the effect",
         "both are marched; the mesh's error: ladder slip",
     )
     what = "S1 - S2 at the told ridge" if design.slot else "the plate's travel"
     measures = (
-        Measure("peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *told),
-        Measure("signal", f"largest change of {what} by leaving the effect out", "1", *told),
-        Measure("slip", "change of when the ridge slips, of the history's length", "1", *told),
+        ErrorMeasure("peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *told),
+        ErrorMeasure("signal", f"largest change of {what} by leaving the effect out", "1", *told),
+        ErrorMeasure("slip", "change of when the ridge slips, of the history's length", "1", *told),
     )
     title = f"effects in the slip of {design.name}"
-    return Ladder("effects", title, tuple(rungs), measures, lines=False, skipped=skipped)
+    return Ladder("effects", title, tuple(trials), measures, lines=False, skipped=skipped)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
@@ -88,4 +88,4 @@ def _stage(name: str) -> str:
 
 
 def _reads(name: str) -> bool:
-    return issubclass(effect(name), Readout)
+    return issubclass(effect(name), Reader)

@@ -1,4 +1,4 @@
-"""Ladders: rungs with their price and error, what they are held against, and the table of all there are."""
+"""Ladders: trials with their price and error, what they are held against, and the table of all there are."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ LADDERS = {
 
 
 @dataclass(frozen=True)
-class Measure:
-    """An error that every rung is judged by: `what` in `unit` ("1" is relative), `reference` is held to be
+class ErrorMeasure:
+    """An error that every trial is judged by: `what` in `unit` ("1" is relative), `reference` is held to be
     true, `checked` says how that is known.
 
-    `compares` says whether all rungs aim at one reference, so that their times may be compared at equal
-    error; where each model aims at its own, only rungs of one model may. `floor` is the reference's own
+    `compares` says whether all trials aim at one reference, so that their times may be compared at equal
+    error; where each model aims at its own, only trials of one model may. `floor` is the reference's own
     error, below which differences say nothing.
     """
 
@@ -50,7 +50,7 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Rung:
+class Trial:
     """One model at one setting: unknowns, the wall time of each repeat in s, and its errors by measure.
 
     `instead` are the repeats of what does not make these errors, where that is what a diagram should show.
@@ -78,54 +78,54 @@ class Rung:
 class Ladder:
     """Rungs with the measures that judge them, the first being the `error` of the contract.
 
-    `lines` says whether rungs of a model are steps of one method; `skipped` why a rung is not there.
+    `lines` says whether trials of a model are steps of one method; `skipped` why a trial is not there.
     """
 
     name: str
     title: str
-    rungs: tuple[Rung, ...]
-    measures: tuple[Measure, ...]
+    trials: tuple[Trial, ...]
+    measures: tuple[ErrorMeasure, ...]
     lines: bool = True
     skipped: dict[str, str] = field(default_factory=dict)
 
-    def best(self, measure: Measure) -> list[Rung]:
-        """Return the rungs that no other beats in both time and this error: of all rungs, or of its own model
-        where each aims at its own truth; none where no line joins them."""
-        judged = [rung for rung in self.rungs if measure.name in rung.errors] if self.lines else []
-        models = dict.fromkeys(rung.model for rung in judged)
+    def best(self, measure: ErrorMeasure) -> list[Trial]:
+        """Return the trials that no other beats in both time and this error: of all trials, or of its own
+        model where each aims at its own truth; none where no line joins them."""
+        judged = [trial for trial in self.trials if measure.name in trial.errors] if self.lines else []
+        models = dict.fromkeys(trial.model for trial in judged)
         groups = [judged] if measure.compares else [[r for r in judged if r.model == m] for m in models]
-        found: list[Rung] = []
+        found: list[Trial] = []
         for group in groups:
-            errors = [rung.errors[measure.name] for rung in group]
-            found += [group[i] for i in front([rung.seconds for rung in group], errors)]
+            errors = [trial.errors[measure.name] for trial in group]
+            found += [group[i] for i in front([trial.seconds for trial in group], errors)]
         return found
 
-    def matched(self, measure: Measure) -> dict[float, list[Rung]]:
-        """Return the cheapest rung of each model that reaches an error, by error, cheapest first.
+    def matched(self, measure: ErrorMeasure) -> dict[float, list[Trial]]:
+        """Return the cheapest trial of each model that reaches an error, by error, cheapest first.
 
         Errors are powers of ten above the reference's own; those that fewer than two models reach, or that
-        all reach by the same rungs as ten times the error, tell nothing and are left out.
+        all reach by the same trials as ten times the error, tell nothing and are left out.
         """
-        told: dict[float, list[Rung]] = {}
+        told: dict[float, list[Trial]] = {}
         if not (self.lines and measure.compares):
             return told
         for error in (10.0**-n for n in range(1, MOST_DIGITS)):
-            cheapest: dict[str, Rung] = {}
-            for rung in sorted(self.rungs, key=lambda rung: rung.seconds):
-                if rung.errors.get(measure.name, math.inf) <= error and error > measure.floor:
-                    cheapest.setdefault(rung.model, rung)
+            cheapest: dict[str, Trial] = {}
+            for trial in sorted(self.trials, key=lambda trial: trial.seconds):
+                if trial.errors.get(measure.name, math.inf) <= error and error > measure.floor:
+                    cheapest.setdefault(trial.model, trial)
             found = list(cheapest.values())
             if len(found) > 1 and found not in told.values():
                 told[error] = found
         return told
 
     def laws(self) -> dict[str, PowerLaw]:
-        """Return time against unknowns by model, where it has three rungs of different size."""
+        """Return time against unknowns by model, where it has three trials of different size."""
         found = {}
-        for model in dict.fromkeys(rung.model for rung in self.rungs) if self.lines else ():
-            mine = [rung for rung in self.rungs if rung.model == model]
-            law = power_law([rung.unknowns for rung in mine], [rung.seconds for rung in mine])
-            if law and len({rung.unknowns for rung in mine}) >= FEWEST:
+        for model in dict.fromkeys(trial.model for trial in self.trials) if self.lines else ():
+            mine = [trial for trial in self.trials if trial.model == model]
+            law = power_law([trial.unknowns for trial in mine], [trial.seconds for trial in mine])
+            if law and len({trial.unknowns for trial in mine}) >= FEWEST:
                 found[model] = law
         return found
 
@@ -135,20 +135,20 @@ class Ladder:
         return [
             {
                 "ladder": self.name,
-                "model": rung.model,
-                "setting": rung.setting,
-                "unknowns": rung.unknowns,
-                "seconds": rung.seconds,
-                "error": rung.errors.get(first),
-                "errors": rung.errors,
-                "spread_s": rung.spread,
-                "repeats": len(rung.runs),
+                "model": trial.model,
+                "setting": trial.setting,
+                "unknowns": trial.unknowns,
+                "seconds": trial.seconds,
+                "error": trial.errors.get(first),
+                "errors": trial.errors,
+                "spread_s": trial.spread,
+                "repeats": len(trial.runs),
             }
-            for rung in self.rungs
+            for trial in self.trials
         ]
 
     def reference(self) -> dict[str, Any]:
-        """Return what the rungs are held against, by measure, and what was skipped."""
+        """Return what the trials are held against, by measure, and what was skipped."""
         told = {
             m.name: {
                 "error": m.what,
@@ -162,29 +162,29 @@ class Ladder:
         }
         matched = {
             m.name: [
-                {"error": error, "seconds": {rung.model: rung.seconds for rung in rungs}}
-                for error, rungs in self.matched(m).items()
+                {"error": error, "seconds": {trial.model: trial.seconds for trial in trials}}
+                for error, trials in self.matched(m).items()
             ]
             for m in self.measures
         }
         return {**told, "skipped": self.skipped, "at_matched_error": matched}
 
 
-class Climb(Protocol):
+class LadderModule(Protocol):
     """A ladder's module."""
 
     def ladder(self, design: Design, repeats: int, progress: Progress | None) -> Ladder:
-        """Return the ladder climbed on a design, each rung timed `repeats` times."""
+        """Return the ladder of a design, each trial timed `repeats` times."""
 
     def prices(self, design: Design, repeats: int) -> dict[str, float]:
         """Return what is told as progress and about how many s it takes, in the order in which it comes."""
 
 
-def ladder_of(name: str) -> Climb:
+def ladder_of(name: str) -> LadderModule:
     """Import and return a ladder by name; raises InputError for an unknown one."""
     if name not in LADDERS:
         raise InputError("ladders", "unknown ladder", name, did_you_mean(name, LADDERS))
-    return cast(Climb, import_module(LADDERS[name]))
+    return cast(LadderModule, import_module(LADDERS[name]))
 
 
 def repeated(seconds: float, repeats: int) -> float:

@@ -43,7 +43,7 @@ class PowerLaw:
 
 
 def power_law(unknowns: Sequence[float], seconds: Sequence[float]) -> PowerLaw | None:
-    """Return the law through measured rungs by least squares of the logarithms; None below two sizes."""
+    """Return the law through measured trials by least squares of the logarithms; None below two sizes."""
     if len(set(unknowns)) < 2:
         return None
     x, y = np.log(np.array(unknowns, float)), np.log(np.array(seconds, float))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import Ladder, Measure, Rung, repeated, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
 from skincad.ladders.scenes import apart, marched, scene_on
 from skincad.mechanics.tiers.prices import plane_unknowns
 from skincad.scenes.levels import LEVELS, Level, expected
@@ -17,14 +17,14 @@ from skincad.scenes.simulation import Simulation
 
 MESHES = (*((level.fineness, level.order) for level in LEVELS), (1.0, 5))  # the last is the reference
 STEPS = (55, 110, 275, 550, 2200)  # of one history, 550 the paper's; the last is the reference
-MOST = 120.0  # s a rung
+MOST = 120.0  # s a trial
 # s of yamada-2002 on the first mesh and, in all, on the last, and its unknowns by `plane_unknowns`; measured
 FIRST, LAST, UNKNOWNS = {"mesh": 0.52, "condense": 0.95, "march": 0.4}, 15.0, 30_000
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return the scene on each mesh at the paper's step, and at each step on the coarsest mesh."""
-    rungs: list[Rung] = []
+    trials: list[Trial] = []
     known: list[str] = []
     skipped: dict[str, str] = {}
     for model, settings in _ways().items():
@@ -35,17 +35,21 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             skipped[model] = str(refusal)
             continue
         setting, truth, _ = found[-1]
-        rungs += [Rung(model, s, f.march.unknowns, runs, apart(f, truth)) for s, f, runs in found[:-1]]
-        differs = rungs[-1].errors["signal"]
-        known.append(f"{model}: {setting}; {rungs[-1].setting} differs by {differs:.0e} of the signal")
+        trials += [Trial(model, s, f.march.unknowns, runs, apart(f, truth)) for s, f, runs in found[:-1]]
+        differs = trials[-1].errors["signal"]
+        known.append(f"{model}: {setting}; {trials[-1].setting} differs by {differs:.0e} of the signal")
     what = "S1 - S2 at the told ridge" if design.slot else "the plate's travel"
-    told = ("each way's own finest rung", "; ".join(known))
+    told = ("each way's own finest setting", "; ".join(known))
     measures = (
-        Measure("signal", f"largest error of {what}, relative to its largest", "1", *told, compares=False),
-        Measure("peak rate", "error of the signal's peak rate, relative", "1", *told, compares=False),
-        Measure("slip", "error of when the ridge slips, of the history's length", "1", *told, compares=False),
+        ErrorMeasure(
+            "signal", f"largest error of {what}, relative to its largest", "1", *told, compares=False
+        ),
+        ErrorMeasure("peak rate", "error of the signal's peak rate, relative", "1", *told, compares=False),
+        ErrorMeasure(
+            "slip", "error of when the ridge slips, of the history's length", "1", *told, compares=False
+        ),
     )
-    return Ladder("slip", f"slip of {design.name}", tuple(rungs), measures, skipped=skipped)
+    return Ladder("slip", f"slip of {design.name}", tuple(trials), measures, skipped=skipped)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:

@@ -16,7 +16,7 @@ from skincad.base.stopwatch import Progress
 from skincad.fabrication.measures import FINER, measure
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import Ladder, Measure, Rung, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
 from skincad.solids.occ import solid, tessellate, triangles
 from skincad.solids.plan import Part
 from skincad.solids.skin import skin_part
@@ -31,24 +31,24 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     part = skin_part(design)
     exact = solid(part)
     formula = abs(exact.Volume() / part.volume - 1)
-    rungs = []
+    trials = []
     for chord in _chords(design):
         if progress:
             progress(_stage(chord))
         made, runs = timed(partial(mesh, part, chord), repeats)
-        rungs.append(_rung(part, MANIFOLD, chord, made, runs))
+        trials.append(_trial(part, MANIFOLD, chord, made, runs))
         _, runs = timed(partial(tessellate, exact, chord), repeats)
-        rungs.append(_rung(part, KERNEL, chord, _of_kernel(exact, chord), runs))
+        trials.append(_trial(part, KERNEL, chord, _of_kernel(exact, chord), runs))
     finer = f"a mesh by manifold3d with chords {FINER:g} times finer"
     measures = (
-        Measure(
+        ErrorMeasure(
             "deviation",
             "largest distance to the true surface, both ways",
             "mm",
             finer,
             f"its own error, a {FINER:g}th of the chord, is added to every deviation: none is told too small",
         ),
-        Measure(
+        ErrorMeasure(
             "volume",
             "error of the volume",
             "1",
@@ -56,7 +56,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             f"the CAD kernel's exact solid has the same volume to {formula:.0e}",
         ),
     )
-    return Ladder("tessellation", f"print mesh of the skin of {design.name}", tuple(rungs), measures)
+    return Ladder("tessellation", f"print mesh of the skin of {design.name}", tuple(trials), measures)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
@@ -73,12 +73,12 @@ def _stage(chord: float) -> str:
     return f"tessellation: chord {chord:.2g} mm"
 
 
-def _rung(part: Part, model: str, chord: float, made: trimesh.Trimesh, runs: tuple[float, ...]) -> Rung:
+def _trial(part: Part, model: str, chord: float, made: trimesh.Trimesh, runs: tuple[float, ...]) -> Trial:
     errors = {
         "deviation": measure(part, made, chord).deviation,
         "volume": abs(float(made.volume) / part.volume - 1),
     }
-    return Rung(model, f"chord {chord:.2g} mm", len(made.faces), runs, errors)
+    return Trial(model, f"chord {chord:.2g} mm", len(made.faces), runs, errors)
 
 
 def _of_kernel(made: Any, chord: float) -> trimesh.Trimesh:

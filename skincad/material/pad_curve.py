@@ -18,12 +18,12 @@ from skincad.base.errors import InputError
 from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.problem import Pad, check_pad, pad_of
 from skincad.mechanics.tiers import corrected, linear
 from skincad.mechanics.tiers.finite_strain import Levels
-from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
+from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
 from skincad.mechanics.validity import limits
 
 Array = NDArray[np.float64]
@@ -128,7 +128,7 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
 
 def _free_ends(pad: Pad, force: Array) -> Array:
     """What the free ends make of the approach `(k,)` at forces `(k,)` N, both sides on one coarse mesh."""
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.0))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, corrected.ORDER)
     sides = []
     for along in (corrected.LAYERS, None):
@@ -138,10 +138,10 @@ def _free_ends(pad: Pad, force: Array) -> Array:
     return np.asarray(sides[0] / sides[1])
 
 
-def _pressed(ridges: Ridges, forces: Array) -> list[Contact]:
+def _pressed(ridges: Ridges, forces: Array) -> list[NodalContact]:
     with one_blas_thread():
         return [press(ridges.flexibility, ridges.gap, float(force)) for force in forces]
 
 
-def _largest_share(state: Contact, ridges: Ridges) -> float:
+def _largest_share(state: NodalContact, ridges: Ridges) -> float:
     return max(float(state.force[ridges.of_point == r].sum()) for r in ridges.numbers)

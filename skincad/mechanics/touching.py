@@ -108,20 +108,20 @@ class _Climb:
         self.began, self.sampling, self.samplings = perf_counter(), 0.0, 0
         self.done: dict[str, Answer] = {}
         self.climbed: list[tuple[str, Estimate, float]] = []
-        self.ladder = [name for name in AUTO if not able(name, design, bool(drops))]
+        self.tiers = [name for name in AUTO if not able(name, design, bool(drops))]
 
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
         """Climb until the error is met, the verdict clear or the budget used."""
         request = Request(self.force, None, None, self.drops, parts=not self.drops)
-        name = self.ladder[self._start(tol)]
+        name = self.tiers[self._start(tol)]
         if budget is not None and name != "winkler":
             return self._within(request, tol, budget)
         return self._climbed(name, request, tol, budget)
 
     def _within(self, request: Request, tol: float | None, budget: float) -> ContactCheck:
         """Climb from the linear tier where it fits into the budget; the closed form is the least there is."""
-        least = self.ladder[0] == "winkler"
-        name = "linear" if "linear" in self.ladder else self.ladder[0]
+        least = self.tiers[0] == "winkler"
+        name = "linear" if "linear" in self.tiers else self.tiers[0]
         load(name)  # the library's import is no part of the budget
         self.began = perf_counter()
         try:
@@ -160,24 +160,24 @@ class _Climb:
     def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
         """The verdict of the best tier that a refused one was built on; of a pad that is too large for any
         mesh the closed form's."""
-        solved = [name for name in self.ladder if name in self.done]
-        if not solved and isinstance(refusal, SizeError) and self.ladder[0] == "winkler":
+        solved = [name for name in self.tiers if name in self.done]
+        if not solved and isinstance(refusal, SizeError) and self.tiers[0] == "winkler":
             solved = ["winkler"]
         return self.judged(solved[-1], replace(request, must_fit=False)) if solved else None
 
     def _start(self, tol: float | None) -> int:
         """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
-        first = self.ladder.index("linear") if "linear" in self.ladder else 0
+        first = self.tiers.index("linear") if "linear" in self.tiers else 0
         if tol is None or self.drops:
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
-        for i, name in enumerate(self.ladder):
+        for i, name in enumerate(self.tiers):
             bounds = left_out(TIERS[name].leaves_out, self.design, rough, self.force)
             own = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
             relative = (own.error or 0.0) / (own.value or 1.0) + math.fsum(b.threshold for b in bounds)
             if relative <= tol:
                 return i
-        return len(self.ladder) - 1
+        return len(self.tiers) - 1
 
     def _spent(self) -> float:
         return perf_counter() - self.began
@@ -272,7 +272,7 @@ class _Climb:
         mine = TIERS[name]
         better = [
             other
-            for other in self.ladder
+            for other in self.tiers
             if TIERS[other].price > mine.price
             and (name == "winkler" or len(TIERS[other].leaves_out) <= len(mine.leaves_out))
         ]

@@ -44,7 +44,7 @@ def files(found: Accuracy) -> dict[str, Writer]:
 
 
 def table(found: Accuracy) -> str:
-    """Return all rows as CSV; a measure is a column, empty where a rung is not judged by it."""
+    """Return all rows as CSV; a measure is a column, empty where a trial is not judged by it."""
     measures = [f"{ladder.name}: {m.name}" for ladder in found.ladders for m in ladder.measures]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -58,7 +58,7 @@ def table(found: Accuracy) -> str:
 
 
 def lines(found: Accuracy) -> list[str]:
-    """Return the table of each ladder, what its rungs are held against, and the machine."""
+    """Return the table of each ladder, what its trials are held against, and the machine."""
     told, versions = found.machine, found.machine["versions"]
     rows = [line for ladder in found.ladders for line in _ladder_lines(ladder)]
     load = "" if told["load"] is None else f", load {told['load']:g}"
@@ -72,24 +72,24 @@ def lines(found: Accuracy) -> list[str]:
 
 
 def _ladder_lines(ladder: Ladder) -> Iterator[str]:
-    """A row a rung; a star marks the rungs that no other beats in both time and the first error."""
+    """A row a trial; a star marks the trials that no other beats in both time and the first error."""
     measures = ladder.measures
-    models = max((len(r.model) for r in ladder.rungs), default=0)
-    settings = max((len(r.setting) for r in ladder.rungs), default=0)
+    models = max((len(r.model) for r in ladder.trials), default=0)
+    settings = max((len(r.setting) for r in ladder.trials), default=0)
     yield f"{ladder.name}: {ladder.title}"
     heads = "".join(f"{m.name:>15}" for m in measures)
     yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
     best = {measure.name: ladder.best(measure) for measure in measures}
-    for rung in ladder.rungs:
+    for trial in ladder.trials:
         cells = "".join(
-            f"{rung.errors[m.name]:>14.2g}{'*' if rung in best[m.name] else ' '}"
-            if m.name in rung.errors
+            f"{trial.errors[m.name]:>14.2g}{'*' if trial in best[m.name] else ' '}"
+            if m.name in trial.errors
             else f"{'':15}"
             for m in measures
         )
         yield (
-            f"  {rung.model:{models}}  {rung.setting:{settings}} {rung.unknowns:9d} {rung.seconds:9.3g} "
-            f"{rung.spread / 2:8.1g} {cells}".rstrip()
+            f"  {trial.model:{models}}  {trial.setting:{settings}} {trial.unknowns:9d} {trial.seconds:9.3g} "
+            f"{trial.spread / 2:8.1g} {cells}".rstrip()
         )
     for m in measures:
         unit = "" if m.unit == "1" else f", {m.unit}"
@@ -100,15 +100,15 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
         yield f"  time of {model}: {law.factor:.2g} s x unknowns^{law.exponent:.2f}, {off}"
     yield from (f"  not {name}: {why}" for name, why in ladder.skipped.items())
     if ladder.lines:
-        yield "  * no other rung is both faster and better (of its model, where each aims at its own truth)"
+        yield "  * no other trial is both faster and better (of its model, where each aims at its own truth)"
     yield ""
 
 
 def _matched_lines(ladder: Ladder) -> Iterator[str]:
     """Times of the models at equal errors, by the first measure that compares them; more is in the JSON."""
     measures = [measure for measure in ladder.measures if measure.compares]
-    for measure, error, rungs in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
-        first, *others = rungs
+    for measure, error, trials in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
+        first, *others = trials
         more = (f"{r.model} {r.seconds:.2g} s ({r.seconds / first.seconds:.2g} times)" for r in others)
         aim = f"{measure.name} {error:.0e}" + ("" if measure.unit == "1" else f" {measure.unit}")
         yield f"  {aim} takes {first.model} {first.seconds:.2g} s, {', '.join(more)}"

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from skincad.base.estimate import Estimate
 from skincad.mechanics.film.answer import FilmStress
-from skincad.mechanics.film.view import View
+from skincad.mechanics.film.ridge_field import RidgeField
 from skincad.pictures.canvas import Axes, Figure, Picture, PolyCollection, Triangulation, sheet
 
 Array = NDArray[np.float64]
 SERIES = (("S1", "#1f5fa8", "o", -0.15), ("S2", "#c1531f", "s", 0.15), ("S1 - S2", "#222222", "D", 0.0))
 SHOWN = 0.97  # share of the silicone's drawn area whose stress lies within the colours
 MAP = "RdBu_r"
-WINDOW = 0.27  # of the view's extent, each way from the films
+WINDOW = 0.27  # of the field's extent, each way from the films
 FILM = "#111111"
 SIZE, DPI = (9.0, 6.9), 100  # 900 pixels wide
 NOTED_RIDGE = (
@@ -28,9 +28,9 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
     """Return a figure laid out as the paper's Fig 8: (a) `normal` force alone, (b) `both` forces.
 
     S1, S2 and their difference by ridge with error bars; below, the stress in the deformed section of the
-    ridges that both carry as views.
+    ridges that both carry as fields.
     """
-    shown = [r for r in (v.ridge for v in normal.views) if r in {v.ridge for v in both.views}][:2]
+    shown = [r for r in (v.ridge for v in normal.fields) if r in {v.ridge for v in both.fields}][:2]
     with sheet(SIZE if shown else (SIZE[0], 4.0), DPI, 255) as figure:
         columns = 2 * max(1, len(shown))
         grid = figure.add_gridspec(2 if shown else 1, columns, height_ratios=[1.0, 0.8] if shown else None)
@@ -41,7 +41,7 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
         left.set_ylabel("mean stress across the film, MPa\n(tension positive)")
         left.legend(loc="upper left", fontsize=8)
         if shown:
-            states = [[v for v in each.views if v.ridge in shown] for each in (normal, both)]
+            states = [[v for v in each.fields if v.ridge in shown] for each in (normal, both)]
             _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
         figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
         figure.suptitle(f"{normal.name}: stress in the ridges")
@@ -74,25 +74,25 @@ def _numbers(estimates: tuple[Estimate, ...]) -> tuple[list[float], list[float]]
     return [e.value or 0.0 for e in estimates], [e.error or 0.0 for e in estimates]
 
 
-def _draw_fields(figure: Figure, places: list[Axes], states: list[list[View]]) -> None:
-    """Draw the views of both states on one scale of colours, deformed as they are."""
-    views = [view for state in states for view in state]
-    limit = max(usual(view.place, view.triangles[~view.film], view.stress) for view in views)
-    for axes, view in zip(places, views, strict=True):
-        points = view.place + view.shift
-        triangles = view.triangles
-        silicone = Triangulation(points[:, 0], points[:, 1], triangles[~view.film])
-        drawn = axes.tripcolor(silicone, view.stress, cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
-        if view.film.any():
+def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeField]]) -> None:
+    """Draw the fields of both states on one scale of colours, deformed as they are."""
+    fields = [field for state in states for field in state]
+    limit = max(usual(field.place, field.triangles[~field.film], field.stress) for field in fields)
+    for axes, field in zip(places, fields, strict=True):
+        points = field.place + field.shift
+        triangles = field.triangles
+        silicone = Triangulation(points[:, 0], points[:, 1], triangles[~field.film])
+        drawn = axes.tripcolor(silicone, field.stress, cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
+        if field.film.any():
             axes.add_collection(
-                PolyCollection(list(points[triangles[view.film]]), facecolor=FILM, edgecolor=FILM)
+                PolyCollection(list(points[triangles[field.film]]), facecolor=FILM, edgecolor=FILM)
             )
-        nearest = np.hypot(*(view.place - view.middle).T).argmin()
-        middle, half = points[nearest], WINDOW * float(np.ptp(view.place, axis=0).max())
+        nearest = np.hypot(*(field.place - field.middle).T).argmin()
+        middle, half = points[nearest], WINDOW * float(np.ptp(field.place, axis=0).max())
         axes.set_xlim(middle[0] - half, middle[0] + half)
         axes.set_ylim(middle[1] - half, middle[1] + half)
         axes.set_aspect("equal")
-        axes.set_title(f"ridge {view.ridge}", fontsize=9)
+        axes.set_title(f"ridge {field.ridge}", fontsize=9)
         axes.tick_params(labelsize=7)
     places[0].set_ylabel("z, mm", fontsize=8)
     bar = figure.colorbar(drawn, ax=places, location="bottom", shrink=0.6, aspect=40, extend="both")

@@ -1,6 +1,6 @@
 """The work-precision diagram of a ladder: error against time, both logarithmic, one line a method.
 
-It is read in grey too: methods differ by marker and by dashes; rungs that no other beats are filled.
+It is read in grey too: methods differ by marker and by dashes; trials that no other beats are filled.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from statistics import median
 from textwrap import fill
 from typing import Any
 
-from skincad.ladders.ladder import Ladder, Measure, Rung
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
 from skincad.ladders.precision import slope
 from skincad.pictures.canvas import Axes, NullFormatter, Picture, sheet
 
@@ -26,7 +26,7 @@ STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, af
 FRONT, FLOOR = "#c9c9c9", "#ededed"
 PANELS = 2  # measures that are drawn: the first with two errors to show
 SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
-# rungs above the reference's own error, and the ratio of the longest of their times to the shortest
+# trials above the reference's own error, and the ratio of the longest of their times to the shortest
 LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
 TIGHT = 12.0  # an axis has at least this ratio between its ends
 HEADROOM = 0.3  # of the errors' decades
@@ -39,53 +39,53 @@ def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
     with sheet(SIZE, DPI, 255) as figure:
         figure.suptitle(ladder.title, fontsize=11)
         places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
-        models = list(dict.fromkeys(rung.model for rung in ladder.rungs))
+        models = list(dict.fromkeys(trial.model for trial in ladder.trials))
         style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
         for axes, measure in zip(places, shown, strict=False):
             _panel(axes, ladder, measure, style)
         if not shown:
-            places[0].text(0.5, 0.5, "no rung can be judged on this design", ha="center")
+            places[0].text(0.5, 0.5, "no trial can be judged on this design", ha="center")
             places[0].set_axis_off()
         where = f"{machine['processor']}, {machine['cores']} cores; medians"
         figure.supxlabel(f"{where}, bars from the shortest to the longest run", fontsize=8, color="#555555")
     return figure
 
 
-def _seen(ladder: Ladder, measure: Measure) -> list[Rung]:
-    return [rung for rung in ladder.rungs if rung.errors.get(measure.name, 0.0) > 0]
+def _seen(ladder: Ladder, measure: ErrorMeasure) -> list[Trial]:
+    return [trial for trial in ladder.trials if trial.errors.get(measure.name, 0.0) > 0]
 
 
-def _panel(axes: Axes, ladder: Ladder, measure: Measure, style: dict[str, tuple[str, str, Any]]) -> None:
-    rungs = _seen(ladder, measure)
+def _panel(axes: Axes, ladder: Ladder, measure: ErrorMeasure, style: dict[str, tuple[str, str, Any]]) -> None:
+    trials = _seen(ladder, measure)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    best = [rung for rung in ladder.best(measure) if rung in rungs]
+    best = [trial for trial in ladder.best(measure) if trial in trials]
     if measure.compares and best:
         x, y = [r.seconds for r in best], [r.errors[measure.name] for r in best]
         wide: dict[str, Any] = {"color": FRONT, "linewidth": 5.0, "zorder": 0.5}
         axes.plot(x, y, drawstyle="steps-post", label="Pareto front", **wide)
     for model, (colour, marker, dashes) in style.items():
-        mine = [rung for rung in rungs if rung.model == model]
+        mine = [trial for trial in trials if trial.model == model]
         if not mine:
             continue
         if ladder.lines:
             path = sorted((r.seconds, r.errors[measure.name]) for r in mine)
             axes.plot(*zip(*path, strict=True), color=colour, linestyle=dashes, linewidth=1.3)
-        for rung in mine:
-            error = rung.errors[measure.name]
-            runs = rung.instead or rung.runs
+        for trial in mine:
+            error = trial.errors[measure.name]
+            runs = trial.instead or trial.runs
             axes.hlines(error, min(runs), max(runs), color=colour, linewidth=0.8)
             look: dict[str, Any] = {"marker": marker, "color": colour, "markersize": 6, "linestyle": ""}
-            filled = rung in best or not ladder.lines
+            filled = trial in best or not ladder.lines
             axes.plot(median(runs), error, markerfacecolor=colour if filled else "white", **look)
         label = model + (_slope(mine, measure) if ladder.lines else "")
         axes.plot([], [], color=colour, marker=marker, linestyle=dashes if ladder.lines else "", label=label)
     _words(axes, measure, "time, s" if ladder.lines else "time of the scene with the effect, s")
 
 
-def _slope(rungs: list[Rung], measure: Measure) -> str:
-    """The exponent of error against time in words, of the rungs above the reference's own error."""
-    told = [rung for rung in rungs if rung.errors[measure.name] > measure.floor]
+def _slope(trials: list[Trial], measure: ErrorMeasure) -> str:
+    """The exponent of error against time in words, of the trials above the reference's own error."""
+    told = [trial for trial in trials if trial.errors[measure.name] > measure.floor]
     found = slope([r.seconds for r in told], [r.errors[measure.name] for r in told])
     times = [r.seconds for r in told]
     if found is None or len(told) < LEAST_FOR_SLOPE or max(times) < SPREAD_FOR_SLOPE * min(times):
@@ -93,7 +93,7 @@ def _slope(rungs: list[Rung], measure: Measure) -> str:
     return f", slope {round(found, 1) + 0.0:g}"
 
 
-def _words(axes: Axes, measure: Measure, time: str) -> None:
+def _words(axes: Axes, measure: ErrorMeasure, time: str) -> None:
     if measure.floor:
         low, high = axes.get_ylim()
         low = min(low, measure.floor / 3)

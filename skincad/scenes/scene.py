@@ -16,8 +16,7 @@ from pydantic import Field, model_validator
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, parse, quantity
 from skincad.effects import effect
-from skincad.effects.kinds import MASS, Body, Effect, Law, Term
-from skincad.effects.kinds import Readout as Reader
+from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
 from skincad.inputs.catalog import load, overridden, read_table
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.grip import Drive
@@ -307,7 +306,7 @@ def _check_law(scene: Scene) -> None:
     others += [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks]
     asked = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
     asked += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
-    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, Body)}
+    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
     asked += [f"effects.{name}" for name, body in bodies.items() if body.condenses]
     if others and asked:
         rule = f"is not known together with {' and '.join(others)}"

@@ -17,7 +17,7 @@ from skincad.base.errors import InputError, RefusedError, needing
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
-from skincad.effects.kinds import Body, Readout, Watched
+from skincad.effects.kinds import PadChange, Reader, Watched
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.march import INTERRUPTED, March, march
 from skincad.scenes.moments import kept_steps
@@ -33,7 +33,7 @@ from skincad.scenes.signals import (
 from skincad.scenes.slip import report
 
 if TYPE_CHECKING:
-    from skincad.mechanics.film.stick import Part
+    from skincad.mechanics.film.stick import PadPiece
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -158,7 +158,7 @@ def simulate(
     _check_asked(tol, budget)
     wanted, began = tol or DEFAULT_TOLERANCE, perf_counter()
     seconds: dict[str, float] = {}
-    part, films = _part(scene, seconds), bool(scene.readout.ridges)
+    piece, films = _piece(scene, seconds), bool(scene.readout.ridges)
     before: March | None = None
     error: dict[int, float] | None = None
     reached, met = np.inf, False
@@ -167,14 +167,14 @@ def simulate(
     for level, following in zip(LEVELS, (*LEVELS[1:], None), strict=True):
         spent: dict[str, float] = {}
         rest = following if before is None and budget is None else None  # two meshes are the least
-        run = bound(_march, scene, part, level, films, meshes, spent, tick, rest, partial)
+        run = bound(_march, scene, piece, level, films, meshes, spent, tick, rest, partial)
         found = _or_before(run, before, met, partial, short)
         for stage, more in spent.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
         if before is not None and found.readings is before.readings:
             break
         if before is not None:
-            error, reached = _errors(part, scene, before, found)
+            error, reached = _errors(piece, scene, before, found)
             met = reached <= wanted
         enough = met and (tol is not None or budget is None)  # a budget alone asks for the best it buys
         if enough or found.failed or found.interrupted or following is None:
@@ -190,7 +190,7 @@ def simulate(
         short.append(f"the differential stress is {how}: {wanted:.1e} is not met")
     if budget is not None and (late := perf_counter() - began) > budget:
         short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
-    told = _told(scene, part, found, error, seconds, short)
+    told = _told(scene, piece, found, error, seconds, short)
     return replace(told, seconds={"total": perf_counter() - began, **seconds})
 
 
@@ -227,9 +227,9 @@ def _or_before(
 def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
-    part, films = _part(scene, seconds), bool(scene.readout.ridges)
-    found = _march(scene, part, level, films, {}, seconds, tick)
-    told = _told(scene, part, found, None, seconds, [])
+    piece, films = _piece(scene, seconds), bool(scene.readout.ridges)
+    found = _march(scene, piece, level, films, {}, seconds, tick)
+    told = _told(scene, piece, found, None, seconds, [])
     return replace(told, seconds={"total": perf_counter() - began, **seconds})
 
 
@@ -241,9 +241,9 @@ def _spent(seconds: dict[str, float], name: str) -> Iterator[None]:
     seconds[key] = seconds.get(key, 0.0) + perf_counter() - began
 
 
-def _part(scene: Scene, seconds: dict[str, float]) -> Part:
+def _piece(scene: Scene, seconds: dict[str, float]) -> PadPiece:
     """What is to be meshed: slots full of silicone, each body of the scene changing that."""
-    from skincad.mechanics.film.stick import part_of
+    from skincad.mechanics.film.stick import piece_of
     from skincad.mechanics.film.stress import filled_pad
     from skincad.mechanics.problem import check_pad, pad_of
 
@@ -251,16 +251,16 @@ def _part(scene: Scene, seconds: dict[str, float]) -> Part:
     plain = design.with_(contact={"film": "ignored"}) if design.slot else design.with_(contact={"film": None})
     pad, thickness = filled_pad(plain) if design.slot else (pad_of(plain), 0.0)
     for name, body in scene.parts.items():
-        if isinstance(body, Body):
+        if isinstance(body, PadChange):
             with _spent(seconds, name):
                 pad = body.changed(pad, design)
     check_pad(pad)
-    return part_of(pad, thickness, halved=scene.law.halves)
+    return piece_of(pad, thickness, halved=scene.law.halves)
 
 
 def _march(
     scene: Scene,
-    part: Part,
+    piece: PadPiece,
     level: Level,
     films: bool,
     meshes: dict[float, object],
@@ -275,9 +275,9 @@ def _march(
         tick(stage, 0)
     marks = [perf_counter()]
     with needing(f"the mesh of {stage}"):
-        mesh = _meshed(part, level, meshes)
+        mesh = _meshed(piece, level, meshes)
         marks.append(perf_counter())
-        model = scene.law.model(part, mesh, level.order, films, scene.terms)
+        model = scene.law.model(piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
     spent = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
@@ -297,28 +297,28 @@ def _march(
     return found
 
 
-def _meshed(part: Part, level: Level, meshes: dict[float, object]) -> object:
+def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
     """Return the level's mesh, of those made already where it is among them."""
     from skincad.mechanics.bodies.mesh import default_sizes, triangles
     from skincad.mechanics.film.rungs import RUNGS
 
     if level.fineness not in meshes:
         fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
-        sizes = fine.sizes(part) if part.pad.strips else default_sizes(part.pad, level.fineness)
-        meshes[level.fineness] = triangles(part.pad, sizes)
+        sizes = fine.sizes(piece) if piece.pad.strips else default_sizes(piece.pad, level.fineness)
+        meshes[level.fineness] = triangles(piece.pad, sizes)
     return meshes[level.fineness]
 
 
-def _differential(part: Part, scene: Scene, found: March) -> dict[int, Array]:
+def _differential(piece: PadPiece, scene: Scene, found: March) -> dict[int, Array]:
     """S1 - S2 across the films `(steps + 1,)` MPa by told ridge."""
-    place = {(s.ridge, s.side): i for i, s in enumerate(part.whole.section.slots)}
+    place = {(s.ridge, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     films = found.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
 
 
-def _errors(part: Part, scene: Scene, before: March, found: March) -> tuple[dict[int, float], float]:
+def _errors(piece: PadPiece, scene: Scene, before: March, found: March) -> tuple[dict[int, float], float]:
     """Largest change of each told ridge's difference from the mesh before, MPa; the largest relative one."""
-    one, other = (_differential(part, scene, each) for each in (before, found))
+    one, other = (_differential(piece, scene, each) for each in (before, found))
     steps = min(before.time.size, found.time.size)
     error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
     largest = max((float(np.abs(v).max()) for v in other.values()), default=0.0)
@@ -327,13 +327,13 @@ def _errors(part: Part, scene: Scene, before: March, found: March) -> tuple[dict
 
 def _told(
     scene: Scene,
-    part: Part,
+    piece: PadPiece,
     found: March,
     error: dict[int, float] | None,
     seconds: dict[str, float],
     notes: list[str],
 ) -> Simulation:
-    raw = _differential(part, scene, found)
+    raw = _differential(piece, scene, found)
     width = scene.readout.bandwidth_Hz
     touches = np.array([reading.touches for reading in found.readings])
     slips = np.array([reading.slips for reading in found.readings])
@@ -348,7 +348,7 @@ def _told(
     read: dict[str, Any] = {}
     watched = Watched(scene.design, tuple(scene.readout.ridges), width)
     for name, effect in scene.parts.items():
-        if isinstance(effect, Readout):
+        if isinstance(effect, Reader):
             with _spent(seconds, name):
                 told = dict(effect.read(watched, found.time, found.readings))
             notes = [*notes, *told.pop("warnings", ())]

@@ -67,7 +67,7 @@ class Event:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class Memory:
     """All that the detector keeps: the pairs' last outputs `(memory, ridges)`, newest last; who was above the
     threshold; the sign of the output since a ridge slips, 0 while it sticks; how many samples were fed."""
 
@@ -82,12 +82,12 @@ def detector(rate: float, bandwidth: float, noise: float, threshold: float = THR
     return Detector(max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate)), noise, threshold)
 
 
-def at_rest(d: Detector, ridges: int) -> State:
+def at_rest(d: Detector, ridges: int) -> Memory:
     """Return the state before the first sample."""
-    return State(np.zeros((MEMORY * d.window, ridges)), np.zeros(ridges, bool), np.zeros(ridges), 0)
+    return Memory(np.zeros((MEMORY * d.window, ridges)), np.zeros(ridges, bool), np.zeros(ridges), 0)
 
 
-def fed(d: Detector, state: State, outputs: Array) -> tuple[list[Event], State]:
+def fed(d: Detector, state: Memory, outputs: Array) -> tuple[list[Event], Memory]:
     """Return the events of `outputs` `(n, ridges, 2)` V (S1, S2), and the state behind them; n may be 1."""
     pair = outputs[:, :, 0] - outputs[:, :, 1]
     above = np.concatenate([state.above[None], statistic(d, state, outputs) > d.threshold])
@@ -98,7 +98,7 @@ def fed(d: Detector, state: State, outputs: Array) -> tuple[list[Event], State]:
     events = [Event(INCIPIENT, int(r), state.count + int(i)) for i, r in np.argwhere(rises)]
     events += [Event(GROSS, None, state.count + int(i)) for i in np.flatnonzero(first)]
     recent = np.concatenate([state.recent, pair])[-state.recent.shape[0] :]
-    after = State(recent, above[-1], np.array([sign for _, sign in told]), state.count + pair.shape[0])
+    after = Memory(recent, above[-1], np.array([sign for _, sign in told]), state.count + pair.shape[0])
     return sorted(events, key=lambda event: event.index), after
 
 
@@ -118,7 +118,7 @@ def _slipping(d: Detector, pair: Array, rises: Mask, sign: float) -> tuple[Mask,
     return found, sign
 
 
-def statistic(d: Detector, state: State, outputs: Array) -> Array:
+def statistic(d: Detector, state: Memory, outputs: Array) -> Array:
     """Return by how many noise rms each sample is a reversal of its ridge alone, `(n, ridges)`.
 
     It hangs on the last MEMORY windows alone, so that it is the same however the samples are cut in pieces.

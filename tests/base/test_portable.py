@@ -21,7 +21,7 @@ from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
 from skincad.fabrication.finding import Finding
 from skincad.ladders.climbing import Accuracy
-from skincad.ladders.ladder import Ladder, Measure, Rung
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
 from skincad.material.fit import fit_material
 from skincad.mechanics.contact.grip import GrossSlip
 from skincad.mechanics.film.stress import film_stress
@@ -101,8 +101,8 @@ def results(folder: Path) -> dict[str, Any]:
     (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
     part = PartReport("skin", 1.0, 2.0, 6, True, True, 0, 1e-3, 2e-3)
     finding = Finding("sag", "strip 1", 0.2, 0.1, "mm", "warning", "take a thicker film")
-    measure = Measure("rms", "of the gain", "1", "the finest", "by a closed form")
-    ladder = Ladder("circuit", "a title", (Rung("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,))
+    measure = ErrorMeasure("rms", "of the gain", "1", "the finest", "by a closed form")
+    ladder = Ladder("circuit", "a title", (Trial("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,))
     return {
         "estimate": Estimate(1.0, 0.1, "N"),
         "design": design,

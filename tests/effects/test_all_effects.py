@@ -15,11 +15,11 @@ import pytest
 from skincad.effects import EFFECTS, effect
 from skincad.effects.friction import Friction
 from skincad.effects.kinds import MASS, Reading, Step, Term
-from skincad.effects.moving import Moving, matter_of
+from skincad.effects.moving import MovingModel, matter_of
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.grip import OPEN, RIGHT, STICK, Drive
-from skincad.mechanics.film.stick import Part, part_of
+from skincad.mechanics.film.stick import PadPiece, piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.scenes.march import march
 from tests.mechanics.designs import yamada
@@ -42,9 +42,9 @@ CASES = pytest.mark.parametrize(("name", "table"), TERMS, ids=[f"{n}-{len(t)}" f
 
 
 @cache
-def part() -> tuple[Part, object]:
+def piece() -> tuple[PadPiece, object]:
     pad = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
-    found = part_of(*filled_pad(pad))
+    found = piece_of(*filled_pad(pad))
     return found, triangles(found.pad, default_sizes(found.pad, 0.4))
 
 
@@ -52,7 +52,7 @@ def part() -> tuple[Part, object]:
 def model(asked: frozenset[str]) -> Any:
     """One model for all terms that ask the same: it hangs on nothing else."""
     asking = type("Asking", (Term,), {"asks": asked})
-    return SmallStrain().model(*part(), 2, True, [asking()])
+    return SmallStrain().model(*piece(), 2, True, [asking()])
 
 
 def built(name: str, table: dict[str, Any]) -> tuple[Any, list[Term]]:
@@ -90,7 +90,7 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
     """dT/ds where every closed point's set stays: from the compliance alone, apart from the solver."""
     now = step(Drive(0.0), Drive(0.0), 1)
     inertia = 0.0
-    if isinstance(skin, Moving):
+    if isinstance(skin, MovingModel):
         matter = matter_of(now, [term.share(now) for term in terms])
         ops = skin.dynamics.factorised(DT, matter)
         compliance = ops.skin.compliance

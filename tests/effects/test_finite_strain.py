@@ -14,7 +14,7 @@ from skincad.effects.kinds import Step
 from skincad.inputs.catalog import template_text
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.grip import Drive
-from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import ContactError
 from skincad.scenes.march import march
@@ -25,9 +25,9 @@ from tests.mechanics.designs import yamada
 def model(films: bool = True, creases: str = "stop") -> Any:
     """Three ridges with silicone in the slots, coarse."""
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})
-    part = part_of(*filled_pad(design), halved=FiniteStrain.halves)
-    mesh = triangles(part.pad, default_sizes(part.pad, 0.35))
-    return FiniteStrain(creases=creases).model(part, mesh, 2, films, [])
+    piece = piece_of(*filled_pad(design), halved=FiniteStrain.halves)
+    mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
+    return FiniteStrain(creases=creases).model(piece, mesh, 2, films, [])
 
 
 def friction(mu: float) -> Any:
@@ -109,11 +109,11 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
 
     drives = [Drive(normal * min(i, 3) / 3, 0.3 * mu * normal * max(0, i - 3)) for i in range(7)]
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})
-    part = part_of(*filled_pad(design), halved=False)
-    mesh = triangles(part.pad, default_sizes(part.pad, 0.35))
+    piece = piece_of(*filled_pad(design), halved=False)
+    mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
     laws = SmallStrain(), FiniteStrain()
     found = [
-        march(law.model(part, mesh, 2, True, []), np.arange(7.0), drives, [friction(mu)]) for law in laws
+        march(law.model(piece, mesh, 2, True, []), np.arange(7.0), drives, [friction(mu)]) for law in laws
     ]
     small, large = (each.column("films")[:, ::2, 0] - each.column("films")[:, 1::2, 0] for each in found)
     changed = np.abs(large - small).max() / np.abs(small).max()

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from skincad.base.outfolder import replaced
-from skincad.ladders.ladder import Ladder, Measure, Rung
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
 from skincad.ladders.machine import machine
 from skincad.pictures.canvas import save
 from skincad.pictures.ladder_figures import SIZE, STYLES, diagram
@@ -113,13 +113,15 @@ def test_methods_differ_without_colour() -> None:
     assert len({str(dashes) for _, _, dashes in STYLES}) == len(STYLES)
 
 
-def test_a_diagram_in_grey_shows_every_rung(tmp_path: Path) -> None:
-    """A rung more is ink more, in grey; a ladder without any is a picture that says so."""
-    measure = Measure("all", "error", "1", "the truth", "")
-    rungs = tuple(Rung("a", f"{i}", i, (10.0**-i, 2 * 10.0**-i), {"all": 10.0 ** (i - 5)}) for i in range(4))
-    other = tuple(Rung("b", f"{i}", i, (2.0**-i,), {"all": 10.0 ** (i - 4)}) for i in range(4))
+def test_a_diagram_in_grey_shows_every_trial(tmp_path: Path) -> None:
+    """A trial more is ink more, in grey; a ladder without any is a picture that says so."""
+    measure = ErrorMeasure("all", "error", "1", "the truth", "")
+    trials = tuple(
+        Trial("a", f"{i}", i, (10.0**-i, 2 * 10.0**-i), {"all": 10.0 ** (i - 5)}) for i in range(4)
+    )
+    other = tuple(Trial("b", f"{i}", i, (2.0**-i,), {"all": 10.0 ** (i - 4)}) for i in range(4))
     ink = []
-    for name, these in (("none", ()), ("one", rungs), ("two", rungs + other)):
+    for name, these in (("none", ()), ("one", trials), ("two", trials + other)):
         path = tmp_path / f"{name}.png"
         save(diagram(Ladder("x", "x", these, (measure,)), machine()), path)
         with Image.open(path) as picture:

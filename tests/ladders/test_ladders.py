@@ -14,7 +14,7 @@ from skincad.effects import EFFECTS
 from skincad.inputs.design import Design
 from skincad.ladders import circuit, contact, effects, slip, tessellation
 from skincad.ladders.circuit import HOLDS, PER_PERIOD
-from skincad.ladders.ladder import LADDERS, Ladder, Rung, ladder_of
+from skincad.ladders.ladder import LADDERS, Ladder, Trial, ladder_of
 
 
 @pytest.fixture(scope="module")
@@ -38,17 +38,17 @@ def teller(told: list[str]) -> Progress:
 
 
 def errors(found: Ladder, model: str, measure: str) -> list[float]:
-    return [rung.errors[measure] for rung in found.rungs if rung.model == model]
+    return [trial.errors[measure] for trial in found.trials if trial.model == model]
 
 
 def assert_whole(found: Ladder) -> None:
     """What every ladder promises: errors by its own measures, each with a reference and how it is known."""
     known = {measure.name for measure in found.measures}
-    assert found.rungs
-    for rung in found.rungs:
-        assert set(rung.errors) <= known
-        assert rung.seconds > 0
-        assert all(np.isfinite(error) and error >= 0 for error in rung.errors.values())
+    assert found.trials
+    for trial in found.trials:
+        assert set(trial.errors) <= known
+        assert trial.seconds > 0
+        assert all(np.isfinite(error) and error >= 0 for error in trial.errors.values())
     assert all(measure.reference and measure.checked for measure in found.measures)
     assert {row["model"] for row in found.rows() if row["error"] is not None}
 
@@ -143,15 +143,15 @@ def pressed(plain: Design) -> Ladder:
 def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert_whole(pressed)
     assert not pressed.skipped
-    assert {rung.model for rung in pressed.rungs} == {
+    assert {trial.model for trial in pressed.trials} == {
         "winkler", "linear", "finite-strain", "solid", "corrected", *contact.BEST[:2],
     }  # fmt: skip
 
 
 def test_higher_orders_cost_and_gain(pressed: Ladder) -> None:
     for model in ("linear", "finite-strain"):
-        rungs = [rung for rung in pressed.rungs if rung.model == model]
-        lower, higher = rungs[:2]
+        trials = [trial for trial in pressed.trials if trial.model == model]
+        lower, higher = trials[:2]
         assert higher.unknowns > lower.unknowns
         assert higher.errors["mesh F9"] < lower.errors["mesh F9"]
         assert higher.errors["mesh approach"] < lower.errors["mesh approach"]
@@ -179,7 +179,7 @@ def test_what_cannot_judge_a_design_is_skipped_with_its_reason(
     small_ladders(monkeypatch)
     curved = plain.with_(skin={"curvature_radius_y": 40.0})
     found = contact.ladder(curved, 1, None)
-    assert [rung.model for rung in found.rungs] == ["winkler"]
+    assert [trial.model for trial in found.trials] == ["winkler"]
     assert all("curvature_radius_y" in why for why in found.skipped.values())
 
 
@@ -197,7 +197,7 @@ def test_more_steps_find_the_signal(slipped: Ladder) -> None:
     assert_whole(slipped)
     signal = errors(slipped, "time step", "signal")
     assert signal[-1] < signal[0] / 3  # the step moves the slip's instant: first order, ten times the steps
-    assert len([r for r in slipped.rungs if r.model == "mesh"]) == 1
+    assert len([r for r in slipped.trials if r.model == "mesh"]) == 1
 
 
 def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -217,12 +217,12 @@ def test_every_effect_is_tried_or_skipped_with_a_reason(
     small_ladders(monkeypatch)
     monkeypatch.setattr(effects, "EFFECTS", {name: EFFECTS[name] for name in named})
     found = effects.ladder(small, 1, None)
-    tried = {rung.model for rung in found.rungs}
+    tried = {trial.model for trial in found.trials}
     assert tried | set(found.skipped) == set(named)
     assert {"friction", "film"} <= tried
-    left_out = {r.model: r.errors for r in found.rungs if r.setting.startswith("left out")}
+    left_out = {r.model: r.errors for r in found.trials if r.setting.startswith("left out")}
     assert left_out["friction"]["signal"] > left_out["film"]["signal"] > 0
-    named: list[Rung] = [r for r in found.rungs if r.setting.startswith("named")]
-    assert all(not rung.errors for rung in named)
-    price = {rung.model: rung.runs for rung in named}  # a diagram shows what an error costs to be without
-    assert all(rung.instead == price[rung.model] for rung in found.rungs if rung.errors)
+    named: list[Trial] = [r for r in found.trials if r.setting.startswith("named")]
+    assert all(not trial.errors for trial in named)
+    price = {trial.model: trial.runs for trial in named}  # a diagram shows what an error costs to be without
+    assert all(trial.instead == price[trial.model] for trial in found.trials if trial.errors)

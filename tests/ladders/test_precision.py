@@ -8,22 +8,22 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.ladders.ladder import Ladder, Measure, Rung, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
 from skincad.ladders.precision import front, power_law, slope
 
 
 def test_the_front_holds_what_nothing_beats_in_both() -> None:
     seconds = [4.0, 1.0, 2.0, 3.0, 1.0]
     errors = [0.1, 1.0, 0.5, 0.6, 2.0]
-    assert front(seconds, errors) == [1, 2, 0]  # by time; the rungs of 3 s, and of 1 s and 2.0, are beaten
+    assert front(seconds, errors) == [1, 2, 0]  # by time; the trials of 3 s, and of 1 s and 2.0, are beaten
 
 
-def test_of_two_equal_rungs_one_is_on_the_front() -> None:
+def test_of_two_equal_trials_one_is_on_the_front() -> None:
     assert front([1.0, 1.0], [0.5, 0.5]) == [0]
     assert front([1.0, 2.0], [0.5, 0.5]) == [0]
 
 
-def test_every_rung_is_on_or_behind_the_front() -> None:
+def test_every_trial_is_on_or_behind_the_front() -> None:
     random = np.random.default_rng(1)
     seconds, errors = random.random((2, 50)).tolist()
     best = front(seconds, errors)
@@ -55,15 +55,15 @@ def test_scatter_tells_how_far_times_lie_off_the_law() -> None:
     assert 1.5 < law.scatter < 2.0  # ratios of 2 about a law that the fit tilts a little
 
 
-MINE = Measure("own", "error", "1", "own finest", "", compares=False)
-ALL = Measure("all", "error", "1", "the truth", "")
+MINE = ErrorMeasure("own", "error", "1", "own finest", "", compares=False)
+ALL = ErrorMeasure("all", "error", "1", "the truth", "")
 
 
 def test_times_of_different_models_compare_at_one_truth_alone() -> None:
     """A fast model that is exact in its own terms must not push a better model off its front."""
-    quick = Rung("quick", "a", 1, (1.0,), {"own": 0.01, "all": 0.5})
-    slow = Rung("slow", "a", 1, (2.0,), {"own": 0.02, "all": 0.6})
-    slower = Rung("slow", "b", 1, (3.0,), {"own": 0.03, "all": 0.1})
+    quick = Trial("quick", "a", 1, (1.0,), {"own": 0.01, "all": 0.5})
+    slow = Trial("slow", "a", 1, (2.0,), {"own": 0.02, "all": 0.6})
+    slower = Trial("slow", "b", 1, (3.0,), {"own": 0.03, "all": 0.1})
     found = Ladder("x", "x", (quick, slow, slower), (MINE, ALL))
     assert found.best(MINE) == [quick, slow]
     assert found.best(ALL) == [quick, slower]
@@ -71,9 +71,9 @@ def test_times_of_different_models_compare_at_one_truth_alone() -> None:
 
 
 def test_times_compare_at_matched_error() -> None:
-    """By the cheapest rung that is good enough; not below the reference's own error, not of one model."""
-    rough, fine = (Rung("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4)))
-    other = Rung("b", "", 1, (2.0,), {"all": 0.009})
+    """By the cheapest trial that is good enough; not below the reference's own error, not of one model."""
+    rough, fine = (Trial("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4)))
+    other = Trial("b", "", 1, (2.0,), {"all": 0.009})
     found = Ladder("x", "x", (rough, fine, other), (MINE, ALL))
     assert found.matched(ALL) == {0.1: [rough, other], 0.01: [other, fine]}
     assert found.matched(replace(ALL, floor=0.01)) == {0.1: [rough, other]}
@@ -83,16 +83,16 @@ def test_times_compare_at_matched_error() -> None:
 
 
 def test_rows_carry_median_spread_and_the_first_measure() -> None:
-    rung = Rung("quick", "a", 7, (1.0, 5.0, 2.0), {"all": 0.5})
-    row = Ladder("x", "x", (rung,), (MINE, ALL)).rows()[0]
+    trial = Trial("quick", "a", 7, (1.0, 5.0, 2.0), {"all": 0.5})
+    row = Ladder("x", "x", (trial,), (MINE, ALL)).rows()[0]
     assert (row["seconds"], row["spread_s"], row["repeats"]) == (2.0, 4.0, 3)
     assert row["error"] is None
     assert row["errors"] == {"all": 0.5}
 
 
 def test_a_law_needs_three_sizes() -> None:
-    three = tuple(Rung("a", "", n, (1e-6 * n**1.2,), {}) for n in (1000, 2000, 4000))
-    two = tuple(Rung("b", "", n, (1.0,), {}) for n in (1000, 2000))
+    three = tuple(Trial("a", "", n, (1e-6 * n**1.2,), {}) for n in (1000, 2000, 4000))
+    two = tuple(Trial("b", "", n, (1.0,), {}) for n in (1000, 2000))
     laws = Ladder("x", "x", three + two, (ALL,)).laws()
     assert set(laws) == {"a"}
     assert laws["a"].exponent == pytest.approx(1.2)

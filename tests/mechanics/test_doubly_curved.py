@@ -38,7 +38,7 @@ def solid_under_bent_gaps(design: Design, radius: float, force: float) -> tuple[
     """F9, approach and shares of the straight pad in three dimensions, its gaps those of the curved skin: to
     first order in thickness over radius that is the curved skin itself."""
     pad = pad_of(design)
-    meshed = level.meshed_part(pad, level.coarse_sizes(pad, 1.0))
+    meshed = level.meshed_piece(pad, level.coarse_sizes(pad, 1.0))
     small, scale = level.condensed_pad(meshed, level.forms_of(meshed, 3), level.Layers(0.4, 1.8, 4), {})
     straight = seen_by_plate(pad, small.seen, small.flexibility, meshed.unit)
     rows = small.seen.nodes.rows

@@ -11,7 +11,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Answer, Request, pad_of
 from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.linear import Level, level
+from skincad.mechanics.tiers.linear import PlaneSolution, level
 from tests.mechanics.designs import filleted, reference, void_slots, yamada
 
 DESIGNS = {
@@ -23,13 +23,13 @@ DESIGNS = {
 
 
 @cache
-def truth(name: str) -> Level:
+def truth(name: str) -> PlaneSolution:
     """Order 4 on a mesh finer than any rung's."""
     pad = pad_of(DESIGNS[name]())
     return level(pad, triangles(pad, default_sizes(pad, 3.0)), 4, 4.0)
 
 
-def assert_inside(found: Answer, exact: Level) -> None:
+def assert_inside(found: Answer, exact: PlaneSolution) -> None:
     force, approach = found.all_touch_force, found.approach
     assert abs((force.value or 0.0) - (exact.all_touch_force or 0.0)) <= (force.error or 0.0)
     assert abs((approach.value or 0.0) - exact.approach) <= (approach.error or 0.0)

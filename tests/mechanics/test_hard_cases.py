@@ -13,7 +13,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics import reference
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers.linear import Level, level
+from skincad.mechanics.tiers.linear import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Segment
@@ -60,7 +60,7 @@ def hertz_of(pad: Pad, force: float) -> reference.LineContact:
 
 
 @cache
-def light(force: float) -> Level:
+def light(force: float) -> PlaneSolution:
     """A single ridge at order 3 with ten edges across half of its contact."""
     pad = pad_of(one_ridge())
     half_width = hertz_of(pad, force).half_width

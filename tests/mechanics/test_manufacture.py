@@ -15,20 +15,20 @@ from skincad.mechanics.contact.under_plate import seen_by_plate
 from skincad.mechanics.manufacture import MODEL_MISCLASSIFIES, SCALED_MISCLASSIFIES, all_touch, manufacture
 from skincad.mechanics.problem import Request, RidgeModel, Spread, pad_of
 from skincad.mechanics.tiers import corrected
-from skincad.mechanics.tiers.linear import Level, level
-from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_part
+from skincad.mechanics.tiers.linear import PlaneSolution, level
+from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
 from tests.mechanics.designs import linear_check, reference
 
 
 @pytest.fixture(scope="module", params=["yamada-2002", "fingertip-soft", "nozzle-04"])
-def case(request: pytest.FixtureRequest) -> tuple[Level, RidgeModel, float, float]:
+def case(request: pytest.FixtureRequest) -> tuple[PlaneSolution, RidgeModel, float, float]:
     design = load(request.param)
     pad, force = pad_of(design), design.contact.force
     found = level(pad, triangles(pad, default_sizes(pad, 0.5)), 2, force)
     return found, ridge_model(found.ridges, force, unit_of(pad), found.scale), unit_of(pad), force
 
 
-def test_reduced_forces_are_the_condensed_ones(case: tuple[Level, RidgeModel, float, float]) -> None:
+def test_reduced_forces_are_the_condensed_ones(case: tuple[PlaneSolution, RidgeModel, float, float]) -> None:
     found, model, _, force = case
     reduced = ridge_forces(model, np.zeros((1, model.gap.size)), np.array([force / found.scale]))[0]
     # coupling by a fixed pressure under each crown: 2 % of the mean share
@@ -36,7 +36,7 @@ def test_reduced_forces_are_the_condensed_ones(case: tuple[Level, RidgeModel, fl
 
 
 def test_reduced_model_judges_parts_as_the_condensed_one(
-    case: tuple[Level, RidgeModel, float, float],
+    case: tuple[PlaneSolution, RidgeModel, float, float],
 ) -> None:
     found, model, _, force = case
     sigma = 0.15 * float(np.ptp(model.gap))
@@ -142,7 +142,7 @@ def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: st
     design = load(name)
     force, sigma = design.contact.force, 0.03
     made = corrected.answer(design, Request(force, 0.05, parts=True))
-    meshed = meshed_part(
+    meshed = meshed_piece(
         corrected.plain_pad(design), coarse_sizes(corrected.plain_pad(design), 1.0), whole=True
     )
     small, scale = condensed_pad(meshed, forms_of(meshed, corrected.ORDER), corrected.LAYERS, {})

@@ -72,8 +72,8 @@ def test_bytes_repeat(tmp_path: Path) -> None:
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
-def test_without_views_only_the_numbers(tmp_path: Path) -> None:
-    bare = [replace(state, views=()) for state in states()]
+def test_without_fields_only_the_numbers(tmp_path: Path) -> None:
+    bare = [replace(state, fields=()) for state in states()]
     canvas.save(film_stress_figure(bare[0], bare[1]), tmp_path / "bare.png")
     image = Image.open(tmp_path / "bare.png")
     assert image.size == (900, 400)

@@ -13,8 +13,8 @@ from skincad import effects
 from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.friction import Friction
-from skincad.effects.kinds import Body, Law, Readout, Share, Step, Term
-from skincad.effects.small_strain import Condensed, condensed
+from skincad.effects.kinds import Law, PadChange, Reader, Share, Step, Term
+from skincad.effects.small_strain import CondensedModel, condensed
 from skincad.mechanics.contact.grip import Drive, Grip
 from skincad.mechanics.film.sliding import Sliding
 from skincad.mechanics.problem import ContactError
@@ -25,7 +25,7 @@ from skincad.scenes.simulation import simulate
 TIMES = np.linspace(0.0, 1.0, 5)
 
 
-def block() -> Condensed:
+def block() -> CondensedModel:
     """One point on springs of 0.25 and 0.1 mm/N."""
     one, none = np.ones(1), np.zeros(1)
     pad = Sliding(
@@ -52,7 +52,7 @@ def test_a_driven_plate_goes_on_through_gross_slip_and_its_work_is_accounted_for
     assert found.column("dissipated").sum() == pytest.approx(0.15 * 0.9 + 0.4, rel=1e-12)
 
 
-class _Failing(Condensed):
+class _Failing(CondensedModel):
     def advanced(self, state: Grip, step: Step, shares: Any) -> Grip:
         if step.end > 0.6:
             raise self.failure
@@ -84,7 +84,7 @@ class Softer(Law):
 
     factor: float = quantity("1", "of the compliance", gt=0.0)
 
-    def model(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> Condensed:  # noqa: ARG002
+    def model(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> CondensedModel:  # noqa: ARG002
         from dataclasses import replace
 
         from skincad.mechanics.film.sliding import sliding
@@ -94,7 +94,7 @@ class Softer(Law):
         return condensed(replace(pad, compliance=self.factor * pad.compliance, whole=None))
 
 
-class Thicker(Body):
+class Thicker(PadChange):
     """A body that changes the pad."""
 
     def check(self, design: Any) -> None:
@@ -107,7 +107,7 @@ class Thicker(Body):
         return replace(pad, young_modulus=2 * pad.young_modulus, film_modulus=2 * pad.film_modulus)
 
 
-class Telling(Readout):
+class Telling(Reader):
     """A readout with a key of its own."""
 
     def read(self, watched: Any, time: Any, readings: Any) -> dict[str, Any]:  # noqa: ARG002

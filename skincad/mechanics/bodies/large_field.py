@@ -15,7 +15,7 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.mechanics.bodies.neo_hooke import Body, swelling
+from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, swelling
 from skincad.mechanics.bodies.strip_field import strips_of
 from skincad.shape.cross_section import SlotPlace
 
@@ -51,7 +51,7 @@ class StripStress:
 
 
 def strip_stress(
-    body: Body,
+    body: NeoHookeBody,
     order: int,
     materials: Mapping[str, tuple[float, float]],
     slots: Sequence[SlotPlace],

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Line:
+class AlongY:
     """Integrals over y of n displacement functions w and q pressure functions r.
 
     `at` `(n,)` are the functions' points, `weight` `(n,)` what length each stands for. `mass` is w_i w_j,
@@ -53,10 +53,10 @@ def inside(order: int) -> Inside:
     return Inside(weight / 2, value, slope, test)
 
 
-def constant() -> Line:
+def constant() -> AlongY:
     """Return the line of plane strain: one function, 1, over a length of 1."""
     one, zero = np.ones((1, 1)), np.zeros((1, 1))
-    return Line(np.zeros(1), np.ones(1), one, zero, zero, one, zero, one, one)
+    return AlongY(np.zeros(1), np.ones(1), one, zero, zero, one, zero, one, one)
 
 
 def graded(half: float, last: float, growth: float) -> Array:
@@ -67,7 +67,7 @@ def graded(half: float, last: float, growth: float) -> Array:
     return np.concatenate([[0.0], np.cumsum(sizes) * half / sizes.sum()])
 
 
-def line(borders: Array, order: int, samples: int = 4) -> Line:
+def line(borders: Array, order: int, samples: int = 4) -> AlongY:
     """Return Lagrange elements of order 2 or more on the layers' Gauss-Lobatto points.
 
     The pressure is discontinuous and of order - 2: tested with displacements along the section alone, which
@@ -101,7 +101,7 @@ def line(borders: Array, order: int, samples: int = 4) -> Line:
         fine.append(row)
     end = np.zeros((1, count))
     end[0, -1] = 1.0
-    return Line(at, weight, mass, slope, stiff, mean, rise, inverse, np.vstack([*fine, end]))
+    return AlongY(at, weight, mass, slope, stiff, mean, rise, inverse, np.vstack([*fine, end]))
 
 
 def _lagrange(points: Array, at: Array) -> tuple[Array, Array]:

@@ -32,7 +32,7 @@ SINGULAR = "singular"  # what NGSolve says of an element's inner block without a
 
 
 @dataclass(frozen=True)
-class Body:
+class NeoHookeBody:
     """A meshed pad at one order. `rest` is its tangent at rest with the contact's rows.
 
     `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
@@ -116,7 +116,7 @@ def _clamped_edges(mesh: Any, reach: float) -> Any:
     return marks
 
 
-def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Body:
+def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> NeoHookeBody:
     """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio).
 
     At the ends of the clamped back strains are unbounded in any mesh fine enough, and no load step is small
@@ -138,7 +138,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     rest = with_contact(as_csr(form.mat), mesh, both, order)
     free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
-    return Body(mesh, both, form, rest, free, elimination)
+    return NeoHookeBody(mesh, both, form, rest, free, elimination)
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ class Linearised:
         return self.tangent.recover(self.small.solve(-self.tangent.residual - push))
 
 
-def tangent(body: Body, state: Array, residual: Array) -> Tangent:
+def tangent(body: NeoHookeBody, state: Array, residual: Array) -> Tangent:
     """Return the tangent at a state whose `residual` is at hand; ContactError where it has none."""
     try:
         body.form.AssembleLinearization(_vector(body, state))
@@ -192,7 +192,7 @@ def tangent(body: Body, state: Array, residual: Array) -> Tangent:
     return under(body, as_csr(body.form.mat), residual)
 
 
-def under(body: Body, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
+def under(body: NeoHookeBody, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
     """Return the body's latest tangent, its condensed `matrix` kept, under another state's residual."""
     whole = _vector(body, residual)
     condensed = whole.CreateVector()
@@ -200,20 +200,20 @@ def under(body: Body, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
     return Tangent(matrix, np.array(condensed.FV().NumPy()), body.form, whole)
 
 
-def residual(body: Body, state: Array) -> Array:
+def residual(body: NeoHookeBody, state: Array) -> Array:
     """Return the energy's derivative `(n,)` by all unknowns, clamped ones included."""
     found = _vector(body, state).CreateVector()
     body.form.Apply(_vector(body, state), found)
     return np.array(found.FV().NumPy())
 
 
-def energy(body: Body, state: Array) -> float:
+def energy(body: NeoHookeBody, state: Array) -> float:
     """Return the energy per length along y; infinite where a point of the elements is turned inside out."""
     value = float(body.form.Energy(_vector(body, state)))
     return value if np.isfinite(value) else np.inf
 
 
-def transferred(coarse: Body, state: Array, fine: Body) -> Array:
+def transferred(coarse: NeoHookeBody, state: Array, fine: NeoHookeBody) -> Array:
     """Return a state in the unknowns of a higher order on the same mesh."""
     source, target = ng.GridFunction(coarse.space), ng.GridFunction(fine.space)
     source.vec.FV().NumPy()[:] = state
@@ -222,7 +222,7 @@ def transferred(coarse: Body, state: Array, fine: Body) -> Array:
     return np.array(target.vec.FV().NumPy())
 
 
-def _vector(body: Body, values: Array) -> Any:
+def _vector(body: NeoHookeBody, values: Array) -> Any:
     vector = body.form.mat.CreateColVector()
     vector.FV().NumPy()[:] = values
     return vector

@@ -18,7 +18,7 @@ from scipy import linalg, sparse
 
 from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
 from skincad.mechanics.bodies.elements import Assembled, Sample, assemble
-from skincad.mechanics.bodies.layers import Line
+from skincad.mechanics.bodies.layers import AlongY
 from skincad.mechanics.problem import ContactError
 
 Array = NDArray[np.float64]
@@ -126,7 +126,7 @@ def _on_cut(mesh: Any, space: Any, points: Array) -> NDArray[np.bool_]:
     return cut
 
 
-def stiffness(forms: SectionForms, line: Line) -> sparse.csr_matrix:
+def stiffness(forms: SectionForms, line: AlongY) -> sparse.csr_matrix:
     """Return the stiffness over (component x, z, y; section function; function along y), small strain.
 
     2 G dev(e):dev(e) + K (P div u)^2 with the projection P on the pressures: what `elements.assemble`
@@ -155,7 +155,7 @@ def _term(shear: Any, along: Any, a: str, b: str, factor: float) -> sparse.csr_m
     return sparse.kron(factor * shear[a, b], along[key], format="csr")
 
 
-def condensed(forms: SectionForms, line: Line, *, plane: bool = False, clamped_end: bool = False) -> Solid:
+def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False) -> Solid:
     """Return the solid seen by the plate: half of the length, u_y = 0 at y = 0, the end free.
 
     With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain.
@@ -183,7 +183,7 @@ def condensed(forms: SectionForms, line: Line, *, plane: bool = False, clamped_e
 
 
 def free_unknowns(
-    forms: SectionForms, line: Line, *, plane: bool = False, clamped_end: bool = False
+    forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False
 ) -> NDArray[np.bool_]:
     """Return which unknowns `(component, section function, function along y)` are free, see `condensed`."""
     count, layers = forms.held.size, line.at.size
@@ -212,7 +212,7 @@ def fronts_of(forms: SectionForms, free: NDArray[np.bool_]) -> tuple[list[Front]
     return dissection(functions, forms.centres, forms.plane.contact), unknowns
 
 
-def seen_by_plate(plane: Assembled, line: Line) -> Assembled:
+def seen_by_plate(plane: Assembled, line: AlongY) -> Assembled:
     """The section's contact points repeated along y; the contact unknowns run along y first."""
     return replace(
         plane,

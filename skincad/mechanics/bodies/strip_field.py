@@ -28,7 +28,7 @@ AREA = 1e-9  # relative; the triangles of a strip make up its area
 
 
 @dataclass(frozen=True)
-class Body:
+class StripBody:
     """A meshed pad at one order; `held` gives the unknowns in x and in z that lie on x = 0.
 
     `along_x` numbers the contact unknowns in x in the order of `system.contact`, those in z.
@@ -43,7 +43,7 @@ class Body:
     held: tuple[Index, Index]
 
 
-def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Body:
+def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> StripBody:
     """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio)."""
     form, both = small_strain(mesh, order, materials)
     space = both.components[0]
@@ -58,7 +58,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     moved = ng.GridFunction(both)
     stress = _stress(mesh, materials, *moved.components)
     along_x = system.contact - first[1] + first[0]
-    return Body(system, order, form, stress, moved, along_x, (on_cut + first[0], on_cut + first[1]))
+    return StripBody(system, order, form, stress, moved, along_x, (on_cut + first[0], on_cut + first[1]))
 
 
 def _stress(mesh: Any, materials: Mapping[str, tuple[float, float]], u: Any, q: Any) -> Any:
@@ -76,7 +76,7 @@ def _stress(mesh: Any, materials: Mapping[str, tuple[float, float]], u: Any, q: 
     )
 
 
-def set_state(body: Body, condensed: Array) -> None:
+def set_state(body: StripBody, condensed: Array) -> None:
     """Put displacements `(n,)` of the condensed unknowns into the body, what is inside the elements with
     them; `averages` and `field` then tell of this state."""
     whole = body.moved.vec
@@ -84,7 +84,7 @@ def set_state(body: Body, condensed: Array) -> None:
     whole.data += body.form.harmonic_extension * whole
 
 
-def averages(body: Body, slots: Sequence[SlotPlace], thickness: float, unit: float) -> Array:
+def averages(body: StripBody, slots: Sequence[SlotPlace], thickness: float, unit: float) -> Array:
     """Return `(strips, 4)`: the state's stresses xx, xz, zz, yy averaged over each strip of domain `film`.
 
     `slots` are the strips' places, `thickness` theirs, both mm. Integrated exactly. Because a Galerkin
@@ -108,7 +108,7 @@ def averages(body: Body, slots: Sequence[SlotPlace], thickness: float, unit: flo
 
 
 def average_rows(
-    body: Body,
+    body: StripBody,
     materials: Mapping[str, tuple[float, float]],
     slots: Sequence[SlotPlace],
     thickness: float,
@@ -169,7 +169,7 @@ class Patch:
     film: Mask
 
 
-def field(body: Body, centre: tuple[float, float], reach: float, cuts: int = PIECES) -> Patch:
+def field(body: StripBody, centre: tuple[float, float], reach: float, cuts: int = PIECES) -> Patch:
     """Return the state within `reach` of `centre`, in units; a triangle's edge is drawn in so many `cuts`."""
     mesh = body.system.mesh
     lattice = [(i, j) for j in range(cuts + 1) for i in range(cuts + 1 - j)]

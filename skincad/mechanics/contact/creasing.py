@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from skincad.mechanics.bodies import folding
 from skincad.mechanics.bodies.elements import Outline, outlines
-from skincad.mechanics.contact.dragged import Dragged, State
+from skincad.mechanics.contact.dragged import Dragged, DraggedState
 
 Array = NDArray[np.float64]
 WRINKLES = 0.544
@@ -57,7 +57,7 @@ def pinch(loops: list[Outline], plate: float) -> Pinch:
     return found
 
 
-def fault(pad: Dragged, state: State, creases: bool) -> str | None:
+def fault(pad: Dragged, state: DraggedState, creases: bool) -> str | None:
     """Return what a state has that the model does not know: contact of the skin with itself or, off its
     crests, with the plate; with `creases` a surface that folds too. None for a sound state."""
     plate = (pad.top - state.grip.approach) / pad.unit

@@ -22,9 +22,9 @@ from scipy import linalg, sparse
 from skincad.mechanics.bodies import neo_hooke
 from skincad.mechanics.bodies.condense import factors, fill_order
 from skincad.mechanics.bodies.elements import Assembled
-from skincad.mechanics.bodies.neo_hooke import Body, Tangent, under
+from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, Tangent, under
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import Cone, Drive, Grip, GrossSlip, Pressed, at_rest
+from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, at_rest
 from skincad.mechanics.contact.newton import RESIDUAL, ROUNDING, SHORTEST
 from skincad.mechanics.problem import ContactError
 
@@ -60,7 +60,7 @@ class Dragged:
     `kept` holds the latest tangent alone, for the body has room for no other.
     """
 
-    body: Body
+    body: NeoHookeBody
     contact: Index
     order: Index
     rows: sparse.csr_matrix
@@ -80,7 +80,7 @@ class Dragged:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class DraggedState:
     """An equilibrium: the unknowns `values` `(n,)` in units, which the step changed by `change`, the contact,
     in mm and N, and what friction dissipated in the step, mJ. `residual` is relative to the contact forces'
     norm, `iterations` what it took; `moves` tells by what the plate's drive changed."""
@@ -127,11 +127,11 @@ def dragged(
     )
 
 
-def unloaded(pad: Dragged) -> State:
+def unloaded(pad: Dragged) -> DraggedState:
     """Return the start of a march, of which no tangent is known: the same march gives the same bits."""
     pad.kept.clear()
     zero = np.zeros(pad.body.free.size)
-    return State(zero, at_rest(pad.gap.size), zero)
+    return DraggedState(zero, at_rest(pad.gap.size), zero)
 
 
 def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
@@ -161,10 +161,12 @@ def moved(pad: Dragged, linear: Tangential, at: Tangent, push: Array) -> Array:
     return at.recover(step)
 
 
-def newton(pad: Dragged, before: State, drive: Drive, cone: Cone, guess: Array | None = None) -> State:
+def newton(
+    pad: Dragged, before: DraggedState, drive: Drive, cone: Cone, guess: Array | None = None
+) -> DraggedState:
     """Return the equilibrium at a step's end, looked for from `guess` `(n,)` or from where the step begins.
 
-    Raises ContactError where there is none to be found, and GrossSlip, whose `last` is the State that just
+    Raises ContactError where there is none to be found, and GrossSlip, whose `last` is the state that just
     slips, where friction cannot hold the tangential force.
     """
     if drive.angle:
@@ -172,7 +174,7 @@ def newton(pad: Dragged, before: State, drive: Drive, cone: Cone, guess: Array |
     body, values = pad.body, before.values if guess is None else guess
     if drive.normal == 0.0 and drive.tangential in (None, 0.0):
         lifted = grip(_seen(pad, *_rest(pad)), before.grip, drive, cone)
-        return State(np.zeros_like(values), lifted, -before.values)
+        return DraggedState(np.zeros_like(values), lifted, -before.values)
     unbalanced, last = body.residual(values), np.inf
     if not np.isfinite(unbalanced).all():
         raise ContactError("an element turns inside out")
@@ -188,7 +190,7 @@ def newton(pad: Dragged, before: State, drive: Drive, cone: Cone, guess: Array |
         if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
             whole = replace(contact, residual=max(contact.residual, size))
             spent = _dissipated(before.grip, contact)
-            found = State(values, whole, values - before.values, spent, size, i + 1)
+            found = DraggedState(values, whole, values - before.values, spent, size, i + 1)
             if slipping is not None:
                 raise GrossSlip(found, str(slipping))
             return found
@@ -212,7 +214,7 @@ def _rest(pad: Dragged) -> tuple[Tangential, Array]:
     return Tangential(pad.rest.matrix, None, np.zeros((2 * pad.gap.size,) * 2), 0), zero
 
 
-def _contact(skin: Pressed, before: Grip, drive: Drive, cone: Cone) -> tuple[Grip, GrossSlip | None]:
+def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[Grip, GrossSlip | None]:
     """The contact of the linearised body; where friction does not hold, as it just slips."""
     try:
         return grip(skin, before, drive, cone), None
@@ -220,10 +222,10 @@ def _contact(skin: Pressed, before: Grip, drive: Drive, cone: Cone) -> tuple[Gri
         return end.last, end
 
 
-def _seen(pad: Dragged, linear: Tangential, ahead: Array) -> Pressed:
+def _seen(pad: Dragged, linear: Tangential, ahead: Array) -> Compliant:
     """The linearised body as the plate sees it; `ahead` `(n,)` is where it goes without contact forces."""
     free = pad.rows @ ahead[pad.contact] * pad.unit
-    return Pressed(linear.compliance, pad.gap, free, linear.solved)
+    return Compliant(linear.compliance, pad.gap, free, linear.solved)
 
 
 def pushed(pad: Dragged, contact: Grip) -> Array:
@@ -234,7 +236,7 @@ def pushed(pad: Dragged, contact: Grip) -> Array:
     return push
 
 
-def _taken(body: Body, values: Array, move: Array) -> tuple[Array, Array, float]:
+def _taken(body: NeoHookeBody, values: Array, move: Array) -> tuple[Array, Array, float]:
     """Return state and residual after a step, and how much of it was taken: all, or the largest half,
     quarter, ... that turns no element inside out, where the energy's logarithm has no value."""
     share = 1.0

@@ -22,12 +22,12 @@ from skincad.mechanics.contact.grip import (
     OPEN,
     RIGHT,
     STICK,
+    Compliant,
     Cone,
     Drive,
     Grip,
     GrossSlip,
     Inert,
-    Pressed,
     Status,
 )
 from skincad.mechanics.problem import ContactError
@@ -44,7 +44,7 @@ ROUNDING = 1e-12  # relative; what counts as zero when the sets are updated
 ACCEPTED = 1e-10  # relative; a larger residual is never accepted
 
 
-def grip(skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None) -> Grip:
+def grip(skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None) -> Grip:
     """Return the state at the end of a step; a plate with mass, `inert`, may leave the skin and may slide.
 
     Raises GrossSlip where friction cannot hold the tangential force, ContactError where the sets do not
@@ -66,7 +66,7 @@ def grip(skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | N
     return step.settled()
 
 
-def _lifted(skin: Pressed, before: Grip, drive: Drive) -> Grip:
+def _lifted(skin: Compliant, before: Grip, drive: Drive) -> Grip:
     """The state without a normal force: nothing touches, the plate is where it would just touch."""
     if drive.tangential:
         limit = replace(before, normal=0 * before.normal, tangential=0 * before.normal)
@@ -98,7 +98,7 @@ class _Step:
     """One step's data and scales."""
 
     def __init__(
-        self, skin: Pressed, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None
+        self, skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None
     ) -> None:
         self.skin, self.before, self.drive, self.cone, self.inert = skin, before, drive, cone, inert
         m = self.m = skin.gap.size

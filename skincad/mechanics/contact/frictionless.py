@@ -24,7 +24,7 @@ COMPLEMENTARITY = 1e-10  # relative; a larger residual is never accepted
 
 
 @dataclass(frozen=True)
-class Contact:
+class NodalContact:
     """Nodal forces `(m,)`, approach and gaps `(m,)` at a force; `active` `(m,)` marks touching points."""
 
     force: Array
@@ -39,7 +39,7 @@ Solved = dict[bytes, tuple[Array, Array]]  # of one pad: active points to what t
 
 def press(
     flexibility: Array, gap: Array, force: float, start: Mask | None = None, solved: Solved | None = None
-) -> Contact:
+) -> NodalContact:
     """Return the contact state at a total force by a primal-dual active set.
 
     `flexibility` `(m, m)` symmetric positive definite, `gap` `(m,)` at approach 0. Hintermueller, Ito and
@@ -102,7 +102,7 @@ def _carried(flexibility: Array, gap: Array) -> tuple[Array, Array]:
     return by_gap, by_one
 
 
-def _descend(flexibility: Array, gap: Array, force: float) -> Contact:
+def _descend(flexibility: Array, gap: Array, force: float) -> NodalContact:
     """Primal active set: stay feasible, add the most closed point, step back to the first zero force.
 
     Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 16.3.
@@ -132,7 +132,7 @@ def _descend(flexibility: Array, gap: Array, force: float) -> Contact:
 
 def _accepted(
     flexibility: Array, gap: Array, force: float, nodal: Array, approach: float, active: Mask
-) -> Contact:
+) -> NodalContact:
     """Measure penetration, tension, gap times force and balance, each against its scale."""
     open_gap = gap - approach + flexibility @ nodal
     length, largest = _length(gap, approach), float(nodal.max())
@@ -148,10 +148,10 @@ def _accepted(
             f"the contact is satisfied to {residual:.1e} only, {COMPLEMENTARITY:g} is asked; "
             "take a smaller poisson_ratio or a coarser mesh"
         )
-    return Contact(nodal, approach, open_gap, active, residual)
+    return NodalContact(nodal, approach, open_gap, active, residual)
 
 
-def press_by_least_squares(flexibility: Array, gap: Array, force: float) -> Contact:
+def press_by_least_squares(flexibility: Array, gap: Array, force: float) -> NodalContact:
     """Return the same state by another way, for comparison: non-negative least squares.
 
     With C = R^T R the forces minimise |R f + R^-T (g - d)|; the approach d that gives the force is found
@@ -168,4 +168,4 @@ def press_by_least_squares(flexibility: Array, gap: Array, force: float) -> Cont
         high = low + 2 * (high - low)
     approach = optimize.brentq(lambda d: forces(d).sum() - force, low, high, xtol=1e-15, rtol=1e-14)
     nodal = forces(approach)
-    return Contact(nodal, approach, gap - approach + flexibility @ nodal, nodal > 0, 0.0)
+    return NodalContact(nodal, approach, gap - approach + flexibility @ nodal, nodal > 0, 0.0)

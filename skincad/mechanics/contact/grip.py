@@ -88,7 +88,7 @@ class GrossSlip(ContactError):  # noqa: N818
 
 
 @dataclass(frozen=True, eq=False)
-class Pressed:
+class Compliant:
     """The elastic side of a step: u = compliance @ (t, -p) + free, `(2 m,)` mm, and the gaps `(m,)`, mm.
 
     `solved` remembers the last sets' factorisations, for the steps in which the sets stay.

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import Cone, Drive, Grip, GrossSlip, Pressed
+from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 
 def halved(
-    skin: Callable[[Drive], Pressed], before: Grip, start: Drive, end: Drive, cone: Cone, deepest: int = 4
+    skin: Callable[[Drive], Compliant], before: Grip, start: Drive, end: Drive, cone: Cone, deepest: int = 4
 ) -> Grip:
     """Return `grip` at `end`; a step that does not converge is cut in two, `deepest` times at most.
 

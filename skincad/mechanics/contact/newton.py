@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from skincad.mechanics.bodies import neo_hooke
 from skincad.mechanics.bodies.elements import Assembled
-from skincad.mechanics.bodies.neo_hooke import Body
-from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.bodies.neo_hooke import NeoHookeBody
+from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.problem import ContactError
 
@@ -44,7 +44,7 @@ class DivergedError(ContactError):
         self.reached = reached
 
 
-class Linear(Protocol):
+class LinearisedBody(Protocol):
     """A body linearised at a state, seen by its contact unknowns: their `flexibility` `(k, k)`."""
 
     @property
@@ -76,7 +76,7 @@ class Elastic(Protocol):
     def energy(self, state: Array) -> float:
         """Return the energy; infinite where a point of the elements is turned inside out."""
 
-    def linearised(self, state: Array, residual: Array) -> Linear:
+    def linearised(self, state: Array, residual: Array) -> LinearisedBody:
         """Return the body at a state whose `residual` is at hand; ContactError where it is singular."""
 
     def fault(self, state: Array, plate: float) -> str | None:
@@ -99,7 +99,7 @@ class Pressed(Generic[AnyBody_co]):
 
 
 @dataclass(frozen=True)
-class State:
+class PressedState:
     """An equilibrium at `force`: unknowns `values` `(n,)`, the contact and the plate's `approach`.
 
     `ridges` is the contact linearised here; `residual` is relative to the contact forces' norm and
@@ -109,7 +109,7 @@ class State:
     values: Array
     force: float
     approach: float
-    contact: Contact
+    contact: NodalContact
     ridges: Ridges
     residual: float
     history: tuple[float, ...]
@@ -121,12 +121,12 @@ def pressed(
     materials: Mapping[str, tuple[float, float]],
     top: float,
     drops: Array | None = None,
-) -> Pressed[Body]:
+) -> Pressed[NeoHookeBody]:
     """Return the pad of a curved mesh at one order of displacements."""
     return Pressed(neo_hooke.body(mesh, order, materials), top, drops)
 
 
-def newton(pad: Pressed[Elastic], start: Array, load: Load) -> State:
+def newton(pad: Pressed[Elastic], start: Array, load: Load) -> PressedState:
     """Return the equilibrium near `start` `(n,)` at the force that `load` asks for.
 
     A step is halved while it turns a point of an element inside out. Raises DivergedError when the residual
@@ -134,7 +134,7 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load) -> State:
     """
     body, values = pad.body, start
     history: list[float] = []
-    contact: Contact | None = None
+    contact: NodalContact | None = None
     unbalanced = body.residual(values)
     for _ in range(STEPS):
         linear = _linearised(body, values, unbalanced)
@@ -152,18 +152,20 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load) -> State:
         if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale):
             if not linear.stable:
                 raise DivergedError(UNSTABLE)
-            return State(values, force, contact.approach + base, contact, ridges, history[-1], tuple(history))
+            return PressedState(
+                values, force, contact.approach + base, contact, ridges, history[-1], tuple(history)
+            )
     raise DivergedError(f"the residual is {history[-1]:.1e} of the contact force after {STEPS} steps")
 
 
-def _linearised(body: Elastic, values: Array, unbalanced: Array) -> Linear:
+def _linearised(body: Elastic, values: Array, unbalanced: Array) -> LinearisedBody:
     try:
         return body.linearised(values, unbalanced)
     except ContactError:
         raise DivergedError(UNSTABLE) from None
 
 
-def _seen_by_plate(pad: Pressed[Elastic], values: Array, linear: Linear) -> tuple[Ridges, float]:
+def _seen_by_plate(pad: Pressed[Elastic], values: Array, linear: LinearisedBody) -> tuple[Ridges, float]:
     """The contact as the plate sees it, its gaps those of the linearised body without contact forces.
 
     Gaps count from the lowest one, which is returned too.
@@ -193,7 +195,7 @@ def _given(force: float) -> Load:
     return lambda _: force
 
 
-def press_to(pad: Pressed[Elastic], force: float, guess: Array | None = None) -> State:
+def press_to(pad: Pressed[Elastic], force: float, guess: Array | None = None) -> PressedState:
     """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes.
 
     From rest the first step is the small-strain solution. Raises DivergedError with the largest force
@@ -219,7 +221,9 @@ def press_to(pad: Pressed[Elastic], force: float, guess: Array | None = None) ->
         values, done = state.values, target
 
 
-def press_until_all_touch(pad: Pressed[Elastic], near: State, guess: Array | None = None) -> State:
+def press_until_all_touch(
+    pad: Pressed[Elastic], near: PressedState, guess: Array | None = None
+) -> PressedState:
     """Return the state at the smallest force at which every ridge touches, found from a state nearby.
 
     In each step that force is the linearised contact's own (threshold.py), so that the force converges

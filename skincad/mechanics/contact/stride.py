@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from skincad.mechanics.contact.dragged import Dragged, State, newton
+from skincad.mechanics.contact.dragged import Dragged, DraggedState, newton
 from skincad.mechanics.contact.grip import Cone, Drive, GrossSlip
 from skincad.mechanics.contact.halving import between
 from skincad.mechanics.problem import ContactError
@@ -21,7 +21,9 @@ CUTS = 30  # of the last stride, by the secant; four to six are usual
 SAME_FORCE = 1e-9  # of the normal force
 
 
-def to(pad: Dragged, before: State, start: Drive, end: Drive, cone: Cone, deepest: int = DEEPEST) -> State:
+def to(
+    pad: Dragged, before: DraggedState, start: Drive, end: Drive, cone: Cone, deepest: int = DEEPEST
+) -> DraggedState:
     """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most.
 
     A pull that does not converge in any cut is driven by travel. What the parts slipped and dissipated is
@@ -58,7 +60,7 @@ def _moves(start: Drive, end: Drive) -> tuple[float, ...]:
     return tuple(change(a, b) for a, b in pairs if b is not None)
 
 
-def _driven(pad: Dragged, before: State, end: Drive, cone: Cone) -> State:
+def _driven(pad: Dragged, before: DraggedState, end: Drive, cone: Cone) -> DraggedState:
     """Return the state at the end's forces, the plate driven there by its travel; the last stride is cut."""
     wanted, state, total = float(end.tangential or 0.0), before, None
     here = float(before.grip.tangential.sum())
@@ -80,12 +82,14 @@ def _driven(pad: Dragged, before: State, end: Drive, cone: Cone) -> State:
     )
 
 
-def _by_travel(pad: Dragged, before: State, normal: float, travel: float, cone: Cone) -> State:
+def _by_travel(pad: Dragged, before: DraggedState, normal: float, travel: float, cone: Cone) -> DraggedState:
     start = Drive(normal, travel=before.grip.travel)
     return to(pad, before, start, Drive(normal, travel=travel), cone, STEADY)
 
 
-def _cut(pad: Dragged, before: State, after: State, normal: float, wanted: float, cone: Cone) -> State:
+def _cut(
+    pad: Dragged, before: DraggedState, after: DraggedState, normal: float, wanted: float, cone: Cone
+) -> DraggedState:
     """Return the state between two at which the tangential force is the wanted one, by the Illinois rule."""
     ends = [before.grip.travel, after.grip.travel]
     missing = [float(s.grip.tangential.sum()) - wanted for s in (before, after)]
@@ -106,7 +110,7 @@ def _cut(pad: Dragged, before: State, after: State, normal: float, wanted: float
     )
 
 
-def _joined(first: State, second: State) -> State:
+def _joined(first: DraggedState, second: DraggedState) -> DraggedState:
     contact = replace(
         second.grip,
         slipped=first.grip.slipped + second.grip.slipped,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import optimize, sparse
 
 from skincad.mechanics.bodies.elements import Assembled
-from skincad.mechanics.contact.frictionless import Contact, Solved, press
+from skincad.mechanics.contact.frictionless import NodalContact, Solved, press
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -125,7 +125,7 @@ class _Outsider:
         self.solved: Solved = {}
         self.at_rest = self._least(ridges.fine_gap[self.points])
 
-    def press(self, force: float) -> Contact:
+    def press(self, force: float) -> NodalContact:
         state = press(self.flexibility, self.gap, force, self.start, self.solved)
         self.start = state.active
         return state

@@ -17,23 +17,23 @@ from scipy import sparse
 
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.elements import as_csr
-from skincad.mechanics.bodies.strip_field import Body
-from skincad.mechanics.film.stick import Part
+from skincad.mechanics.bodies.strip_field import StripBody
+from skincad.mechanics.film.stick import PadPiece
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
-    """A part's matrices over the displacements of `body`, in mm, N and tonne.
+class MovingBody:
+    """A piece's matrices over the displacements of `body`, in mm, N and tonne.
 
     `stiff` `(n, n)` is elastic, `soft` `(n, n)` the deviatoric part of the silicone, which relaxes, `mass`
     `(n, n)`. `strips` are the mean stresses xx, xz, zz, yy, MPa per mm, of all the elastic stress and of what
     relaxes of it, `(4 strips, n)` each, strip by strip. `free` numbers what is not clamped.
     """
 
-    body: Body
+    body: StripBody
     free: Index
     stiff: sparse.csr_matrix
     soft: sparse.csr_matrix
@@ -41,9 +41,9 @@ class Moving:
     strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
 
 
-def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
-    """Return the matrices of netgen's mesh of a part; `films` asks for the strips' stresses."""
-    pad, unit = part.pad, part.unit
+def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
+    """Return the matrices of netgen's mesh of a piece; `films` asks for the strips' stresses."""
+    pad, unit = piece.pad, piece.unit
     skin = (1.0, pad.poisson_ratio)
     materials, densities = {"skin": skin}, {"skin": pad.density}
     if pad.strips:
@@ -53,8 +53,8 @@ def moving(part: Part, mesh: object, order: int, films: bool) -> Moving:
     body = strip_field.body(elements.curved(mesh, order), order, materials)
     forms = _forms(body, materials, densities, silicone)
     scale = pad.young_modulus * pad.length
-    strips = _strips(part, body, forms, materials, silicone) if films else (sparse.csr_matrix((0, 0)),) * 2
-    return Moving(
+    strips = _strips(piece, body, forms, materials, silicone) if films else (sparse.csr_matrix((0, 0)),) * 2
+    return MovingBody(
         body,
         np.flatnonzero(np.fromiter(forms.space.FreeDofs(), dtype=bool, count=forms.space.ndof)),
         sparse.csr_matrix(scale * (forms.deviatoric + forms.divergence.T @ forms.pressure)),
@@ -79,7 +79,7 @@ class _Forms:
 
 
 def _forms(
-    body: Body,
+    body: StripBody,
     materials: Mapping[str, tuple[float, float]],
     densities: Mapping[str, float],
     silicone: str,
@@ -122,13 +122,13 @@ def _inverse(matrix: sparse.csr_matrix, mesh: Any, pressures: Any) -> sparse.csr
 
 
 def _strips(
-    part: Part,
-    body: Body,
+    piece: PadPiece,
+    body: StripBody,
     forms: _Forms,
     materials: Mapping[str, tuple[float, float]],
     silicone: str,
 ) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """Mean stresses, in E per unit, as `Moving.strips`; of a strip that is no silicone nothing relaxes."""
+    """Mean stresses, in E per unit, as `MovingBody.strips`; of a strip not of silicone nothing relaxes."""
     mesh = body.system.mesh
     film = mesh.Materials("film")
     flat = ng.L2(mesh, order=0)
@@ -140,20 +140,20 @@ def _strips(
     inside = ng.dx(definedon=film)
     by_element = [_assembled(shear * each * test * inside, forms.space, flat) for each in parts]
     volumetric = _assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
-    sums = _by_strip(part, body, list(film.Elements()), flat)
-    count = len(part.slots)
+    sums = _by_strip(piece, body, list(film.Elements()), flat)
+    count = len(piece.slots)
     order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
     relaxing = sparse.vstack([sums @ each for each in by_element]).tocsr()[order]
     steady = sparse.vstack([sums @ volumetric * share for share in (1.0, 0.0, 1.0, 1.0)]).tocsr()[order]
     return sparse.csr_matrix(relaxing + steady), relaxing * float("film" in silicone.split("|"))
 
 
-def _by_strip(part: Part, body: Body, elements_: list[Any], flat: Any) -> sparse.csr_matrix:
+def _by_strip(piece: PadPiece, body: StripBody, elements_: list[Any], flat: Any) -> sparse.csr_matrix:
     """Matrix `(strips, unknowns of flat)` that averages over each strip what was integrated by element."""
     points = np.array([v.point for v in body.system.mesh.vertices])
     centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements_])
-    strip = strip_field.nearest(centres * part.unit, part.slots, part.thickness)
-    areas = np.array([slot.depth * part.thickness for slot in part.slots]) / part.unit**2
+    strip = strip_field.nearest(centres * piece.unit, piece.slots, piece.thickness)
+    areas = np.array([slot.depth * piece.thickness for slot in piece.slots]) / piece.unit**2
     column = np.array([flat.GetDofNrs(e)[0] for e in elements_])
-    shape = len(part.slots), flat.ndof
+    shape = len(piece.slots), flat.ndof
     return sparse.csr_matrix((1 / areas[strip], (strip, column)), shape=shape)

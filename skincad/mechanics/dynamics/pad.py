@@ -13,27 +13,27 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from skincad.base.blas import one_blas_thread
-from skincad.mechanics.dynamics.moving_body import Moving, moving
-from skincad.mechanics.dynamics.state import Half, Linear
+from skincad.mechanics.dynamics.moving_body import MovingBody, moving
+from skincad.mechanics.dynamics.state import Half, PadEquations
 from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
-from skincad.mechanics.film.stick import Part, on_whole, resolved
+from skincad.mechanics.film.stick import PadPiece, on_whole, resolved
 from skincad.mechanics.problem import SizeError
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
-    """Return the equations of netgen's mesh of the part; `films` asks for the strips' stresses.
+def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquations:
+    """Return the equations of netgen's mesh of the piece; `films` asks for the strips' stresses.
 
     Raises SizeError for more contact unknowns than a dense block can hold.
     """
     with one_blas_thread():
-        found = moving(part, mesh, order, films)
-    body, unit = found.body, part.unit
+        found = moving(piece, mesh, order, films)
+    body, unit = found.body, piece.unit
     nodes, size = body.system.nodes, found.stiff.shape[0]
     x, z = (nodes.position * unit).T
-    lay = layout(x, part.mirrored, ON_AXIS * unit)
+    lay = layout(x, piece.mirrored, ON_AXIS * unit)
     if 2 * lay.of.size > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
         raise SizeError("ridge.count", limit, 2 * lay.of.size, "take fewer ridges")
@@ -43,22 +43,22 @@ def linear(part: Part, mesh: object, order: int, films: bool) -> Linear:
         (np.ones(contact.size), (np.arange(contact.size), contact)), (contact.size, size)
     )
     halves = []
-    for parity, held in parities(part, body):
+    for parity, held in parities(piece, body):
         last = np.setdiff1d(contact, held)
         points = lay.spread(parity).T / lay.share @ rows @ at_unknowns
         # what is held on the cut does not move, so that no force on it counts
         points = sparse.csr_matrix(points @ sparse.diags(_marked(np.setdiff1d(found.free, held), size)))
         inner = np.setdiff1d(found.free, np.concatenate([last, held]))
-        halves.append(Half(points, inner, last, _strips(part, found, parity, films)))
-    gap = (part.whole.top - z)[lay.of]
-    return Linear(
+        halves.append(Half(points, inner, last, _strips(piece, found, parity, films)))
+    gap = (piece.whole.top - z)[lay.of]
+    return PadEquations(
         found.stiff,
         found.soft,
         _spread(found.mass, contact, body.system.lift[:size]),
         tuple(halves),
         lay.share,
         gap - gap.min(),
-        ridges_of(part, nodes.ridge[lay.of], lay.left),
+        ridges_of(piece, nodes.ridge[lay.of], lay.left),
         sum(half.inner.size + half.contact.size for half in halves),
         body,
     )
@@ -78,15 +78,15 @@ def _marked(of: Index, size: int) -> Array:
 
 
 def _strips(
-    part: Part, found: Moving, parity: int, films: bool
+    piece: PadPiece, found: MovingBody, parity: int, films: bool
 ) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
     """The stresses of all strips, each in its own axes, `(3 strips of the whole, n)`."""
     if not films:
         none = sparse.csr_matrix((0, found.stiff.shape[0]))
         return none, none
-    count = len(part.slots)
+    count = len(piece.slots)
     turned = []
     for one in np.eye(4 * count):
-        turned.append(on_whole(part, resolved(one.reshape(count, 4), part.slots), parity or 1).ravel())
+        turned.append(on_whole(piece, resolved(one.reshape(count, 4), piece.slots), parity or 1).ravel())
     turn = sparse.csr_matrix(np.array(turned).T)
     return sparse.csr_matrix(turn @ found.strips[0]), sparse.csr_matrix(turn @ found.strips[1])

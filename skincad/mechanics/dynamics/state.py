@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from skincad.mechanics.bodies.strip_field import Body
+from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.contact.grip import Drive, Grip, at_rest
 from skincad.mechanics.dynamics.time_scheme import Matter
 
@@ -35,7 +35,7 @@ class Half:
 
 
 @dataclass(frozen=True, eq=False)
-class Linear:
+class PadEquations:
     """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
 
     `stiff`, `soft` and `mass` `(n, n)`; `share` is what of a force the part bears, 1 or, of a mirrored pad,
@@ -50,7 +50,7 @@ class Linear:
     gap: Array
     ridge: Index
     unknowns: int
-    body: Body | None = None
+    body: StripBody | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Moved:
     work: float = 0.0
 
 
-def at_rest_on(pad: Linear) -> Moved:
+def at_rest_on(pad: PadEquations) -> Moved:
     """Return the unloaded start."""
     zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
     return Moved(at_rest(pad.gap.size), zero, zero, zero, zero, zero, (), np.zeros((3, 2)), Drive(0.0, 0.0))

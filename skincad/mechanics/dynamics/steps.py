@@ -21,10 +21,10 @@ from scipy import sparse
 
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import Cone, Drive, Grip, GrossSlip, Inert, Pressed
+from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
 from skincad.mechanics.contact.halving import between
 from skincad.mechanics.dynamics.plate import TONNE, carried, pushed_plate, rubbed, work_done
-from skincad.mechanics.dynamics.state import Linear, Moved, sum_of, unrelaxed
+from skincad.mechanics.dynamics.state import Moved, PadEquations, sum_of, unrelaxed
 from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
 from skincad.mechanics.problem import ContactError
 
@@ -41,7 +41,7 @@ class Operators:
 
     scheme: Scheme
     small: tuple[Condensed, ...]
-    skin: Pressed
+    skin: Compliant
     fresh: tuple[float, ...]
     left: tuple[float, ...]
 
@@ -50,7 +50,7 @@ class Operators:
 class Dynamics:
     """A pad with mass or memory; `operators` remembers a factorisation for each length of step."""
 
-    pad: Linear
+    pad: PadEquations
     operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
 
     def step(self, state: Moved, drive: Drive, dt: float, cone: Cone, matter: Matter) -> Moved:
@@ -121,7 +121,7 @@ class Dynamics:
             points = half.points[:, each.order[-half.contact.size :]]
             own = points @ np.asarray(points @ each.flexibility).T
             compliance += pad.share * (own + own.T) / 2
-        skin = Pressed(compliance, pad.gap, np.zeros(size))
+        skin = Compliant(compliance, pad.gap, np.zeros(size))
         found = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
         return found
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
-from skincad.mechanics.film.view import View
+from skincad.mechanics.film.ridge_field import RidgeField
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class FilmStress:
     residual: float
     seconds: dict[str, float]
     warnings: tuple[str, ...]
-    views: tuple[View, ...] = ()
+    fields: tuple[RidgeField, ...] = ()
     fault: str = ""
 
     def lean_share(self, ridge: int) -> Estimate:

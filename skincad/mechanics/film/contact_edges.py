@@ -10,22 +10,22 @@ from itertools import pairwise
 import numpy as np
 from scipy import optimize
 
-from skincad.mechanics.film.stick import Level, Part
+from skincad.mechanics.film.stick import PadPiece, StickSolution
 from skincad.shape.cross_section import CONTACT_KINDS
 from skincad.shape.curves import Segment
 
 
-def with_fine_edges(part: Part, found: Level) -> Part:
-    """Return the part with its crowns cut around where contact ends in `found`.
+def with_fine_edges(piece: PadPiece, found: StickSolution) -> PadPiece:
+    """Return the piece with its crowns cut around where contact ends in `found`.
 
     Full stick has its largest shear at the contact's edges, so its answer is wrong by how far they lie off:
     the last sticking and the first clear point are a step apart. The new pieces are a step long, the mesh's
     edges on them half of that.
     """
     nodes = found.body.system.nodes
-    x = nodes.position[:, 0] * part.unit
+    x = nodes.position[:, 0] * piece.unit
     cuts: dict[int, list[float]] = {}
-    for ridge in part.pad.ridges:
+    for ridge in piece.pad.ridges:
         mine = np.flatnonzero(nodes.ridge == ridge)
         mine = mine[np.argsort(x[mine])]
         for a, b in pairwise(mine):
@@ -34,10 +34,10 @@ def with_fine_edges(part: Part, found: Level) -> Part:
                 cuts.setdefault(ridge, []).extend([middle - step, middle, middle + step])
     outline = tuple(
         piece
-        for s in part.pad.section.outline
+        for s in piece.pad.section.outline
         for piece in (_cut(s, cuts.get(s.ridge or 0, [])) if s.kind in CONTACT_KINDS else (s,))
     )
-    return replace(part, pad=replace(part.pad, section=replace(part.pad.section, outline=outline)))
+    return replace(piece, pad=replace(piece.pad, section=replace(piece.pad.section, outline=outline)))
 
 
 def _cut(segment: Segment, at: Sequence[float]) -> Iterator[Segment]:

@@ -16,8 +16,8 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.contact_edges import with_fine_edges
-from skincad.mechanics.film.stick import Level, Part, level, part_of
-from skincad.mechanics.film.view import view
+from skincad.mechanics.film.ridge_field import ridge_field
+from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_of
 from skincad.mechanics.film.whole_state import collision, on_sides
 from skincad.mechanics.problem import Pad, SizeError, check_pad
 from skincad.mechanics.tiers.linear import MOST_CONTACT_UNKNOWNS
@@ -29,7 +29,7 @@ PATH = "full stick is an assumption, and depends on the path: the normal force f
 
 
 @dataclass(frozen=True)
-class Rung:
+class FilmRung:
     """Orders `order - 1` and `order` on a mesh; a strip's corners get edges of `tip` of its thickness.
 
     A strip in silicone is a stiff inclusion whose corners are singular. Ungraded, its stress is 10 % too
@@ -41,13 +41,13 @@ class Rung:
     tip: float
     grading: float
 
-    def sizes(self, part: Part) -> Sizes:
-        """Return the mesh's edge sizes for a part."""
-        usual = default_sizes(part.pad, self.fineness)
-        return replace(usual, tip=self.tip * part.thickness, grading=self.grading)
+    def sizes(self, piece: PadPiece) -> Sizes:
+        """Return the mesh's edge sizes for a piece."""
+        usual = default_sizes(piece.pad, self.fineness)
+        return replace(usual, tip=self.tip * piece.thickness, grading=self.grading)
 
 
-RUNGS = (Rung(0.5, 4, 1 / 30, 0.5), Rung(1.0, 4, 1 / 100, 0.4), Rung(1.0, 5, 1 / 200, 0.3))
+RUNGS = (FilmRung(0.5, 4, 1 / 30, 0.5), FilmRung(1.0, 4, 1 / 100, 0.4), FilmRung(1.0, 5, 1 / 200, 0.3))
 
 
 def solve(
@@ -64,11 +64,11 @@ def solve(
     Rungs are climbed until the error is below `tol` of the largest stress. A tolerance not met is said.
     """
     check_pad(pad)
-    watch, pull, plain = Stopwatch(progress), any(tangential), part_of(pad, thickness)
+    watch, pull, plain = Stopwatch(progress), any(tangential), piece_of(pad, thickness)
     spent: dict[str, float] = {}
 
-    def solved(part: Part, mesh: object, order: int, pulled: bool) -> Level:
-        found = level(part, mesh, order, force, pulled)
+    def solved(piece: PadPiece, mesh: object, order: int, pulled: bool) -> StickSolution:
+        found = level(piece, mesh, order, force, pulled)
         for stage, seconds in found.seconds.items():
             spent[stage] = spent.get(stage, 0.0) + seconds
         return found
@@ -90,11 +90,11 @@ def solve(
                 raise _too_large(contact)
             full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
             break
-        part = finer
+        piece = finer
         if progress:
             progress(f"film stress: fineness {rung.fineness:g}, order {rung.order}")
-        lower, best = (solved(part, mesh, order, pull) for order in (rung.order - 1, rung.order))
-        results = [_estimated(part, best, lower, force, t) for t in tangential]
+        lower, best = (solved(piece, mesh, order, pull) for order in (rung.order - 1, rung.order))
+        results = [_estimated(piece, best, lower, force, t) for t in tangential]
         reached = max(_relative_error(each) for each in results)
         if reached <= tol:
             break
@@ -103,20 +103,20 @@ def solve(
         if reached <= tol
         else (f"the error is {reached:.1e} of the largest stress: {tol:.1e} is not met{full}",)
     )
-    faults = [collision(part, best.body, _moved(part, best, t), math.inf, 0.0) or "" for t in tangential]
-    shown = [tuple(view(part, best, ridge, t) for ridge in show) for t in tangential]
+    faults = [collision(piece, best.body, _moved(piece, best, t), math.inf, 0.0) or "" for t in tangential]
+    shown = [tuple(ridge_field(piece, best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
     return [
-        replace(each, seconds=seconds, warnings=(*short, *each.warnings), views=views, fault=wrong)
-        for each, views, wrong in zip(results, shown, faults, strict=True)
+        replace(each, seconds=seconds, warnings=(*short, *each.warnings), fields=fields, fault=wrong)
+        for each, fields, wrong in zip(results, shown, faults, strict=True)
     ]
 
 
-def _moved(part: Part, found: Level, tangential: float) -> list[Array]:
-    """Displacements of the part and of its image, in units, under both forces."""
+def _moved(piece: PadPiece, found: StickSolution, tangential: float) -> list[Array]:
+    """Displacements of the piece and of its image, in units, under both forces."""
     pressed = found.pressed.moved
     pulled = 0.0 * pressed if found.pulled is None else tangential * found.pulled.moved
-    return on_sides([pressed, pulled]) if part.mirrored else [pressed + pulled]
+    return on_sides([pressed, pulled]) if piece.mirrored else [pressed + pulled]
 
 
 def _contact_unknowns(mesh: Any, order: int) -> int:
@@ -128,15 +128,15 @@ def _too_large(contact: int) -> SizeError:
     return SizeError("ridge.count", limit, contact, "take fewer ridges")
 
 
-def _values(part: Part, found: Level, tangential: float) -> dict[str, Array]:
+def _values(piece: PadPiece, found: StickSolution, tangential: float) -> dict[str, Array]:
     """The numbers of one level at a tangential force, by field of FilmStress."""
-    state, numbers = found.pressed, part.whole.ridges
+    state, numbers = found.pressed, piece.whole.ridges
     strips, push, pull = state.strips, state.normal, state.tangential
     if found.pulled is not None:
         strips = strips + tangential * found.pulled.strips
         push = push + tangential * found.pulled.normal
         pull = pull + tangential * found.pulled.tangential
-    place = {(s.ridge, s.side): i for i, s in enumerate(part.whole.section.slots)}
+    place = {(s.ridge, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     one, other = (strips[[place[r, side] for r in numbers]] for side in ("S1", "S2"))
     return {
         "s1": one[:, 0],
@@ -154,12 +154,14 @@ def _values(part: Part, found: Level, tangential: float) -> dict[str, Array]:
 UNITS = {"ridge_force": "N", "ridge_tangential": "N"}
 
 
-def _estimated(part: Part, best: Level, lower: Level, force: float, tangential: float) -> FilmStress:
+def _estimated(
+    piece: PadPiece, best: StickSolution, lower: StickSolution, force: float, tangential: float
+) -> FilmStress:
     """Values of the best level, errors from the next lower order.
 
     All ridges, and both sides, share the largest error among them: a single difference may vanish by chance.
     """
-    here, there = (_values(part, found, tangential) for found in (best, lower))
+    here, there = (_values(piece, found, tangential) for found in (best, lower))
     error = {key: TAIL * float(np.abs(here[key] - there[key]).max()) for key in here}
     for kind in ("s", "along", "lengthwise"):
         error[f"{kind}1"] = error[f"{kind}2"] = max(error[f"{kind}1"], error[f"{kind}2"])
@@ -171,14 +173,14 @@ def _estimated(part: Part, best: Level, lower: Level, force: float, tangential: 
         name="",
         force=force,
         tangential=tangential,
-        ridges=len(part.whole.ridges),
+        ridges=len(piece.whole.ridges),
         film="",
         **fields,
         needed_friction=friction,
         unknowns=best.unknowns,
         residual=max(best.residual, lower.residual),
         seconds={},
-        warnings=tuple(_stick_notes(part, best, friction, tangential)),
+        warnings=tuple(_stick_notes(piece, best, friction, tangential)),
     )
 
 
@@ -201,12 +203,14 @@ def _relative_error(found: FilmStress) -> float:
     return max(found.s1[0].error or 0.0, found.differential[0].error or 0.0) / max(values)
 
 
-def _stick_notes(part: Part, found: Level, friction: Sequence[Estimate], tangential: float) -> Iterator[str]:
+def _stick_notes(
+    piece: PadPiece, found: StickSolution, friction: Sequence[Estimate], tangential: float
+) -> Iterator[str]:
     """What full stick takes for granted at a tangential force."""
     if found.pulled is None or tangential == 0.0:
         return
     yield PATH
-    by_ridge = dict(zip(part.whole.ridges, (e.value for e in friction), strict=True))
+    by_ridge = dict(zip(piece.whole.ridges, (e.value for e in friction), strict=True))
     lifted = [str(r) for r, mu in by_ridge.items() if mu is None]
     if lifted:
         yield f"the pull takes the normal force off ridge {', '.join(lifted)}: no full stick there"
@@ -214,7 +218,7 @@ def _stick_notes(part: Part, found: Level, friction: Sequence[Estimate], tangent
         worst = max(by_ridge, key=lambda r: by_ridge[r] or 0.0)
         yield f"full stick needs a friction coefficient of {by_ridge[worst]:.2g} (at ridge {worst})"
     pressed, lift = found.pressed.node[found.bonded], tangential * found.pulled.node[found.bonded]
-    sides = (pressed + lift, (pressed - lift)[lift != 0]) if part.mirrored else (pressed + lift,)
+    sides = (pressed + lift, (pressed - lift)[lift != 0]) if piece.mirrored else (pressed + lift,)
     total = np.concatenate(sides)
     if (total < 0).any():
         count, pulling = np.count_nonzero(total < 0), -total[total < 0].sum() / found.pressed.normal.sum()

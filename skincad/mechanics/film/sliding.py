@@ -18,8 +18,8 @@ from scipy import sparse
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed
-from skincad.mechanics.bodies.strip_field import Body
-from skincad.mechanics.film.stick import Part, condensed, contact_rows, on_whole, resolved
+from skincad.mechanics.bodies.strip_field import StripBody
+from skincad.mechanics.film.stick import PadPiece, condensed, contact_rows, on_whole, resolved
 from skincad.mechanics.film.whole_state import Parity, WholeState
 from skincad.mechanics.problem import Pad, SizeError
 
@@ -51,19 +51,19 @@ class Sliding:
     whole: WholeState | None = None
 
 
-def sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
-    """Return the condensed pad of a netgen mesh of the part; `films` asks for the strips' stresses.
+def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
+    """Return the condensed pad of a netgen mesh of the piece; `films` asks for the strips' stresses.
 
     Raises SizeError for more contact unknowns than a dense block can hold.
     """
     with one_blas_thread():
-        return _sliding(part, mesh, order, films)
+        return _sliding(piece, mesh, order, films)
 
 
-def _sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
-    pad, unit = part.pad, part.unit
+def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
+    pad, unit = piece.pad, piece.unit
     curved = elements.curved(mesh, order)
-    asked = 2 * elements.contact_unknowns(curved, order) * (2 if part.mirrored else 1)
+    asked = 2 * elements.contact_unknowns(curved, order) * (2 if piece.mirrored else 1)
     if asked > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
         raise SizeError("ridge.count", limit, asked, "take fewer ridges")
@@ -72,15 +72,15 @@ def _sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
         materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
     body = strip_field.body(curved, order, materials)
     functionals = (
-        strip_field.average_rows(body, materials, part.slots, part.thickness, unit) if films else None
+        strip_field.average_rows(body, materials, piece.slots, piece.thickness, unit) if films else None
     )
     nodes = body.system.nodes
     x, z = (nodes.position * unit).T
-    lay = layout(x, part.mirrored, ON_AXIS * unit)
+    lay = layout(x, piece.mirrored, ON_AXIS * unit)
     compliance = np.zeros((2 * lay.of.size, 2 * lay.of.size))
-    strips = np.zeros((len(part.whole.section.slots) if films else 0, 3, 2 * lay.of.size))
+    strips = np.zeros((len(piece.whole.section.slots) if films else 0, 3, 2 * lay.of.size))
     seconds, solved = 0.0, []
-    for parity, held in parities(part, body):
+    for parity, held in parities(piece, body):
         small = condensed(body, held)
         rows, spread = contact_rows(body, small), lay.spread(parity)
         solved.append(Parity(small, rows, spread))
@@ -90,21 +90,21 @@ def _sliding(part: Part, mesh: object, order: int, films: bool) -> Sliding:
         small.solve(body.system.lift)
         seconds = perf_counter() - began
         if functionals is not None:
-            stress = _stress_rows(part, functionals, small, rows, parity)
+            stress = _stress_rows(piece, functionals, small, rows, parity)
             strips += np.asarray((stress.reshape(-1, rows.shape[0]) @ spread).reshape(strips.shape))
-    per_force = 1 / (pad.young_modulus * pad.length)  # mm of the part per N on it, of a unit length each
-    gap = (part.whole.top - z)[lay.of]
-    ridges = ridges_of(part, nodes.ridge[lay.of], lay.left)
+    per_force = 1 / (pad.young_modulus * pad.length)  # mm of the piece per N on it, of a unit length each
+    gap = (piece.whole.top - z)[lay.of]
+    ridges = ridges_of(piece, nodes.ridge[lay.of], lay.left)
     return Sliding(
-        compliance * per_force + _of_ends(part.whole, ridges),
+        compliance * per_force + _of_ends(piece.whole, ridges),
         gap - gap.min(),
         np.where(lay.left, -x[lay.of], x[lay.of]),
         ridges,
-        nodes.weight[lay.of] * unit * np.where(lay.axis & part.mirrored, 2.0, 1.0),
+        nodes.weight[lay.of] * unit * np.where(lay.axis & piece.mirrored, 2.0, 1.0),
         strips / (unit * pad.length),
         body.system.unknowns,
         seconds,
-        WholeState(part, body, tuple(solved)),
+        WholeState(piece, body, tuple(solved)),
     )
 
 
@@ -117,16 +117,16 @@ def _of_ends(pad: Pad, ridges: Index) -> Array:
     return more
 
 
-def ridges_of(part: Part, meshed: Index, left: NDArray[np.bool_]) -> Index:
+def ridges_of(piece: PadPiece, meshed: Index, left: NDArray[np.bool_]) -> Index:
     """Ridge of each point `(m,)` from that of its meshed point: the image of the last is the first."""
-    numbers = np.array(part.whole.ridges)
+    numbers = np.array(piece.whole.ridges)
     at = np.searchsorted(numbers, meshed)
     return np.asarray(numbers[np.where(left, numbers.size - 1 - at, at)])
 
 
-def parities(part: Part, body: Body) -> Iterator[tuple[int, Index]]:
+def parities(piece: PadPiece, body: StripBody) -> Iterator[tuple[int, Index]]:
     """The loads to solve apart and the unknowns each holds on the cut: 1 even, -1 odd, 0 a whole pad."""
-    if not part.mirrored:
+    if not piece.mirrored:
         yield 0, np.empty(0, np.int64)
         return
     yield 1, body.held[0]
@@ -134,9 +134,9 @@ def parities(part: Part, body: Body) -> Iterator[tuple[int, Index]]:
 
 
 @dataclass(frozen=True)
-class Layout:
+class WholePoints:
     """The whole pad's points: `of` `(m,)` is the meshed point of each, `left` those that mirror one at x > 0,
-    `axis` those on the cut; `share` is what of a force the meshed part bears."""
+    `axis` those on the cut; `share` is what of a force the meshed piece bears."""
 
     of: Index
     left: NDArray[np.bool_]
@@ -144,7 +144,7 @@ class Layout:
     share: float
 
     def spread(self, parity: int) -> sparse.csr_matrix:
-        """Matrix `(2 meshed, 2 m)` that gives a part's forces from the whole pad's.
+        """Matrix `(2 meshed, 2 m)` that gives a piece's forces from the whole pad's.
 
         Of a mirrored pad the even part is (right + image) / 2, where the image of an x component turns round.
         """
@@ -159,26 +159,26 @@ class Layout:
         return sparse.csr_matrix((both, index), shape=(2 * meshed, 2 * m))
 
 
-def layout(x: Array, mirrored: bool, tolerance: float) -> Layout:
+def layout(x: Array, mirrored: bool, tolerance: float) -> WholePoints:
     """Return the whole pad's points by x `(meshed,)`; those within `tolerance` of 0 are on the cut, mm."""
     order = np.argsort(x, kind="stable")
     axis = np.abs(x) <= tolerance
     if not mirrored:
-        return Layout(order, np.zeros(x.size, dtype=bool), axis[order], 1.0)
+        return WholePoints(order, np.zeros(x.size, dtype=bool), axis[order], 1.0)
     images = order[~axis[order]][::-1]
     of = np.concatenate([images, order])
     left = np.concatenate([np.ones(images.size, dtype=bool), np.zeros(order.size, dtype=bool)])
-    return Layout(of, left, axis[of], 0.5)
+    return WholePoints(of, left, axis[of], 0.5)
 
 
 def _stress_rows(
-    part: Part, functionals: Array, small: Condensed, rows: sparse.csr_matrix, parity: int
+    piece: PadPiece, functionals: Array, small: Condensed, rows: sparse.csr_matrix, parity: int
 ) -> Array:
-    """Stresses `(strips of the whole, 3, 2 meshed)` across, along and lengthwise per force on the part."""
+    """Stresses `(strips of the whole, 3, 2 meshed)` across, along and lengthwise per force on the piece."""
     last = small.order[-small.flexibility.shape[0] :]
-    sides = resolved(functionals, part.slots).reshape(-1, functionals.shape[2]).T
+    sides = resolved(functionals, piece.slots).reshape(-1, functionals.shape[2]).T
     free = np.zeros_like(sides)
     free[small.order] = sides[small.order]
     per_force = (rows @ small.solve(free)[last]).T
-    whole = on_whole(part, per_force.reshape(functionals.shape[0], -1), parity or 1)
+    whole = on_whole(piece, per_force.reshape(functionals.shape[0], -1), parity or 1)
     return whole.reshape(len(whole), 3, -1)

@@ -22,7 +22,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.bodies.strip_field import Body
+from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.plate import rise
@@ -37,7 +37,7 @@ SAME = 1e-9  # of the pad's width; centres of mirrored strips agree to that
 
 
 @dataclass(frozen=True)
-class Part:
+class PadPiece:
     """What is meshed of a pad: its half where `mirrored`. `slots` are the places of the meshed strips, mm."""
 
     whole: Pad
@@ -49,8 +49,8 @@ class Part:
 
 
 @dataclass(frozen=True)
-class State:
-    """What a load does to the whole pad; `moved` `(n,)` are the part's condensed unknowns, for views.
+class UnderLoad:
+    """What a load does to the whole pad; `moved` `(n,)` are the piece's condensed unknowns, to be drawn.
 
     `strips` `(strips, 3)`: mean stress across a film, along it in the section and along y, in the order
     of the section's slots. `normal` and `tangential` `(ridges,)`: the plate's force on each ridge, positive
@@ -65,59 +65,59 @@ class State:
 
 
 @dataclass(frozen=True)
-class Level:
+class StickSolution:
     """`pressed` at the normal force, in MPa and N; `pulled` what 1 N of tangential force adds, in MPa / N
     and 1, or None where it was not asked. `bonded` `(m,)` marks the meshed contact points that stick."""
 
-    pressed: State
-    pulled: State | None
+    pressed: UnderLoad
+    pulled: UnderLoad | None
     bonded: Mask
     unknowns: int
     residual: float
     seconds: dict[str, float]
-    body: Body
+    body: StripBody
 
 
-def part_of(pad: Pad, thickness: float, halved: bool = True) -> Part:
+def piece_of(pad: Pad, thickness: float, halved: bool = True) -> PadPiece:
     """Return what is to be meshed of a pad with strips of this thickness, mm, in its section's slots.
 
     That is the half of a mirror-symmetric one, unless `halved` says otherwise.
     """
     half, slots = half_of(pad) if halved else None, pad.section.slots
     if half is None:
-        return Part(pad, pad, False, slots, thickness, unit_of(pad))
+        return PadPiece(pad, pad, False, slots, thickness, unit_of(pad))
     right = tuple(s for s in slots if s.centre.x > 0)
-    return Part(pad, half, True, right, thickness, unit_of(half))
+    return PadPiece(pad, half, True, right, thickness, unit_of(half))
 
 
-def level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Level:
-    """Solve one order on netgen's mesh of the part: pressed by `force` N, and pulled if asked."""
+def level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
+    """Solve one order on netgen's mesh of the piece: pressed by `force` N, and pulled if asked."""
     with one_blas_thread():
-        return _level(part, mesh, order, force, pull)
+        return _level(piece, mesh, order, force, pull)
 
 
-def _level(part: Part, mesh: object, order: int, force: float, pull: bool) -> Level:
+def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
     clock = [perf_counter()]
-    pad = part.pad
+    pad = piece.pad
     stiff = pad.film_modulus / pad.young_modulus, pad.film_ratio
     curved = elements.curved(mesh, order)
     body = strip_field.body(curved, order, {"skin": (1.0, pad.poisson_ratio), "film": stiff})
     clock.append(perf_counter())
-    even, odd = body.held if part.mirrored else (np.empty(0, np.int64),) * 2
+    even, odd = body.held if piece.mirrored else (np.empty(0, np.int64),) * 2
     small = condensed(body, even)
-    loose = small if not part.mirrored else condensed(body, odd) if pull else None
+    loose = small if not piece.mirrored else condensed(body, odd) if pull else None
     clock.append(perf_counter())
-    pressed, bonded, residual = _press(part, body, small, force)
+    pressed, bonded, residual = _press(piece, body, small, force)
     pulled = None
     if pull and loose is not None:
-        pulled, balance = _pull(part, body, loose, bonded)
+        pulled, balance = _pull(piece, body, loose, bonded)
         residual = max(residual, balance)
     clock.append(perf_counter())
     stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
-    return Level(pressed, pulled, bonded, body.system.unknowns, residual, stages, body)
+    return StickSolution(pressed, pulled, bonded, body.system.unknowns, residual, stages, body)
 
 
-def condensed(body: Body, held: Index) -> Condensed:
+def condensed(body: StripBody, held: Index) -> Condensed:
     """Factorise with the contact unknowns of both directions last, those in `held` left out."""
     system = body.system
     contact = np.setdiff1d(_contact(body), held)
@@ -125,11 +125,11 @@ def condensed(body: Body, held: Index) -> Condensed:
     return condense(system.matrix, np.setdiff1d(free, np.concatenate([contact, held])), contact)
 
 
-def _contact(body: Body) -> Index:
+def _contact(body: StripBody) -> Index:
     return np.concatenate([body.along_x, body.system.contact])
 
 
-def contact_rows(body: Body, small: Condensed) -> sparse.csr_matrix:
+def contact_rows(body: StripBody, small: Condensed) -> sparse.csr_matrix:
     """Rows `(2 m, k)`: contact points' displacements in x, then in z, of the condensed contact unknowns."""
     rows = body.system.nodes.rows
     both = sparse.csr_matrix(sparse.block_diag([rows, rows]))
@@ -142,30 +142,30 @@ def contact_rows(body: Body, small: Condensed) -> sparse.csr_matrix:
     return both @ sparse.csr_matrix(select, shape=(local.size, last.size))
 
 
-def _scale(part: Part) -> tuple[float, float]:
-    """N on the whole pad for a force of 1 on the part in its units, and the part's share of a force."""
-    share = 0.5 if part.mirrored else 1.0
-    return part.pad.young_modulus * part.unit * part.pad.length / share, share
+def _scale(piece: PadPiece) -> tuple[float, float]:
+    """N on the whole pad for a force of 1 on the piece in its units, and the piece's share of a force."""
+    share = 0.5 if piece.mirrored else 1.0
+    return piece.pad.young_modulus * piece.unit * piece.pad.length / share, share
 
 
-def _press(part: Part, body: Body, small: Condensed, force: float) -> tuple[State, Mask, float]:
+def _press(piece: PadPiece, body: StripBody, small: Condensed, force: float) -> tuple[UnderLoad, Mask, float]:
     rows = contact_rows(body, small)
-    nodes, unit, plate = body.system.nodes, part.unit, part.whole.plate
+    nodes, unit, plate = body.system.nodes, piece.unit, piece.whole.plate
     m = nodes.weight.size
     up = rows[m:]
     flexibility = up @ np.asarray(up @ small.flexibility).T
     x, z = nodes.position.T
-    gap = (part.whole.top / unit - z) + rise(plate, x * unit) / unit
-    wanted = force / _scale(part)[0]
+    gap = (piece.whole.top / unit - z) + rise(plate, x * unit) / unit
+    wanted = force / _scale(piece)[0]
     found = press((flexibility + flexibility.T) / 2, gap - gap.min(), wanted)
     load = np.concatenate([np.zeros(m), -found.force])
     moved = _moved(body, small, rows, load)
-    balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if part.mirrored else None)
-    state = _state(part, body, moved, load, 1)
+    balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if piece.mirrored else None)
+    state = _state(piece, body, moved, load, 1)
     return state, found.force > 0, max(found.residual, balance)
 
 
-def _pull(part: Part, body: Body, small: Condensed, bonded: Mask) -> tuple[State, float]:
+def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> tuple[UnderLoad, float]:
     """Move the bonded points as one until the plate's tangential force is 1 N, its normal one unchanged.
 
     C p = M a and M^T p = (force, 0): M has the plate's translations in x and z, of a mirrored pad in x only.
@@ -174,28 +174,28 @@ def _pull(part: Part, body: Body, small: Condensed, bonded: Mask) -> tuple[State
     m = bonded.size
     flexibility = rows @ np.asarray(rows @ small.flexibility).T
     held = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
-    modes = np.column_stack([held < m, held >= m]).astype(float)[:, : 1 if part.mirrored else 2]
+    modes = np.column_stack([held < m, held >= m]).astype(float)[:, : 1 if piece.mirrored else 2]
     block = flexibility[np.ix_(held, held)]
     try:
         by_mode = linalg.solve((block + block.T) / 2, modes, assume_a="pos")
     except linalg.LinAlgError:
         raise ContactError("the bonded flexibility is singular; take a coarser contact mesh") from None
-    wanted = np.array([1.0, 0.0]) / _scale(part)[0]
+    wanted = np.array([1.0, 0.0]) / _scale(piece)[0]
     load = np.zeros(2 * m)
     load[held] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
     moved = _moved(body, small, rows, load)
-    balance = _balance(body, moved, wanted, 0 if part.mirrored else None)
-    return _state(part, body, moved, load, -1), balance
+    balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
+    return _state(piece, body, moved, load, -1), balance
 
 
-def _moved(body: Body, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
+def _moved(body: StripBody, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
     """Displacements `(n,)` under forces `(2 m,)` at the contact points."""
     whole = np.zeros(body.system.lift.size)
     whole[small.order[-small.flexibility.shape[0] :]] = rows.T @ load
     return small.solve(whole)
 
 
-def _balance(body: Body, moved: Array, force: Array, only: int | None) -> float:
+def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> float:
     """Largest difference, relative to the force `(2,)`, between the plate's force and the clamped back's.
 
     On a half, `only` one direction is: the cut carries the other.
@@ -213,20 +213,20 @@ def _balance(body: Body, moved: Array, force: Array, only: int | None) -> float:
     return balance
 
 
-def _state(part: Part, body: Body, moved: Array, load: Array, parity: int) -> State:
+def _state(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> UnderLoad:
     strip_field.set_state(body, moved)
-    stress = strip_field.averages(body, part.slots, part.thickness, part.unit) * part.pad.young_modulus
-    nodes, (scale, share) = body.system.nodes, _scale(part)
+    stress = strip_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
+    nodes, (scale, share) = body.system.nodes, _scale(piece)
     m = nodes.weight.size
-    numbers = part.whole.ridges
+    numbers = piece.whole.ridges
     pull, push = np.zeros(len(numbers)), np.zeros(len(numbers))
     at = np.searchsorted(numbers, nodes.ridge)
     np.add.at(pull, at, load[:m] * scale * share)
     np.add.at(push, at, -load[m:] * scale * share)
-    if part.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
+    if piece.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
         push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
-    strips = on_whole(part, resolved(stress, part.slots), parity)
-    return State(strips, push, pull, -load[m:] * scale * share, moved)
+    strips = on_whole(piece, resolved(stress, piece.slots), parity)
+    return UnderLoad(strips, push, pull, -load[m:] * scale * share, moved)
 
 
 def resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
@@ -239,12 +239,12 @@ def resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
     return np.asarray(np.einsum("sij,sj...->si...", turn, stress))
 
 
-def on_whole(part: Part, values: Array, parity: int) -> Array:
+def on_whole(piece: PadPiece, values: Array, parity: int) -> Array:
     """Values of all strips: those of the half and, times the parity, their mirror images'."""
-    if not part.mirrored:
+    if not piece.mirrored:
         return values
-    here = np.array([s.centre for s in part.slots])
-    whole = np.array([s.centre for s in part.whole.section.slots])
+    here = np.array([s.centre for s in piece.slots])
+    whole = np.array([s.centre for s in piece.whole.section.slots])
     found = np.empty((len(whole), values.shape[1]))
     for i, centre in enumerate(whole):
         mirrored = centre[0] < 0

@@ -56,7 +56,7 @@ def film_stresses(
     """Return the films' stresses at a normal force and each tangential one, N, from one solution.
 
     `force` is the design's own if None, `tol` relative to the largest stress; `show` names ridges whose
-    stress field comes as `views`. Where the film is `ignored`, the stress is the silicone's in the film's
+    stress field comes as `fields`. Where the film is `ignored`, the stress is the silicone's in the film's
     place (the slot's, without a film). Raises InputError without slots, where they are empty, or for bad
     numbers; RefusedError where ridges strain beyond the model's range.
     """

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.mechanics.contact.grip import Grip, Pressed
+from skincad.mechanics.contact.grip import Compliant, Grip
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.sliding import Sliding
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def turned(pad: Sliding, angle: float) -> Pressed:
+def turned(pad: Sliding, angle: float) -> Compliant:
     """Return the pad as a plate at `angle` rad sees it, positive where the plate rises towards +x."""
     m, gap = pad.gap.size, _gap(pad, angle)
     cos, sin = math.cos(angle), math.sin(angle)
@@ -39,7 +39,7 @@ def turned(pad: Sliding, angle: float) -> Pressed:
         ]
     )
     free = np.concatenate([_along(pad, angle) - pad.x, np.zeros(m)])
-    return Pressed((compliance + compliance.T) / 2, gap - gap.min(), free)
+    return Compliant((compliance + compliance.T) / 2, gap - gap.min(), free)
 
 
 def in_skin_axes(force: Array, angle: float) -> Array:

@@ -15,9 +15,9 @@ from scipy import sparse
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed
 from skincad.mechanics.bodies.folding import fault
-from skincad.mechanics.bodies.strip_field import Body, Patch
-from skincad.mechanics.film.stick import Part
-from skincad.mechanics.film.view import as_image, joined
+from skincad.mechanics.bodies.strip_field import Patch, StripBody
+from skincad.mechanics.film.ridge_field import as_image, joined
+from skincad.mechanics.film.stick import PadPiece
 
 Array = NDArray[np.float64]
 
@@ -39,8 +39,8 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Parity:
-    """A factorisation for even or odd loads: forces `(2 m,)` of the whole pad are put on the part by `spread`
-    and on its contact unknowns by `rows`."""
+    """A factorisation for even or odd loads: forces `(2 m,)` of the whole pad are put on the piece by
+    `spread` and on its contact unknowns by `rows`."""
 
     small: Condensed
     rows: sparse.csr_matrix
@@ -51,15 +51,15 @@ class Parity:
 class WholeState:
     """What tells the whole pad's state from the forces at its contact points."""
 
-    part: Part
-    body: Body
+    piece: PadPiece
+    body: StripBody
     parities: tuple[Parity, ...]
 
     def shown(self, force: Array, plate: float, angle: float) -> Shown:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
         patches = [self._field(moved) for moved in self._moved(force)]
         found = patches[0] if len(patches) == 1 else joined(patches[0], as_image(patches[1], 1))
-        unit, modulus = self.part.unit, self.part.pad.young_modulus
+        unit, modulus = self.piece.unit, self.piece.pad.young_modulus
         place, shift = found.place * unit, found.shift * unit
         return Shown(place, shift, found.stress * modulus, found.triangles, found.film, plate, angle)
 
@@ -70,15 +70,15 @@ class WholeState:
 
         `give` is at which x and by how much, mm, the skin has come down beside what its field says.
         """
-        return collision(self.part, self.body, self._moved(force), plate, angle, give)
+        return collision(self.piece, self.body, self._moved(force), plate, angle, give)
 
     def _field(self, moved: Array) -> Patch:
         strip_field.set_state(self.body, moved)
         return strip_field.field(self.body, (0.0, 0.0), math.inf, 1)
 
     def _moved(self, force: Array) -> list[Array]:
-        """Displacements `(n,)` of the part, in units; of a mirrored pad also those that the rest mirrors."""
-        per_force = 1 / (self.part.pad.young_modulus * self.part.pad.length * self.part.unit)
+        """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
+        per_force = 1 / (self.piece.pad.young_modulus * self.piece.pad.length * self.piece.unit)
         found = []
         for parity in self.parities:
             small, load = parity.small, np.zeros(self.body.system.lift.size)
@@ -89,8 +89,8 @@ class WholeState:
 
 
 def on_sides(found: list[Array]) -> list[Array]:
-    """Return the displacements of a part and of its image from those under even and odd loads; of a whole pad
-    the ones that there are."""
+    """Return the displacements of a piece and of its image from those under even and odd loads; of a whole
+    pad the ones that there are."""
     if len(found) == 1:
         return found
     even, odd = found
@@ -98,8 +98,8 @@ def on_sides(found: list[Array]) -> list[Array]:
 
 
 def collision(
-    part: Part,
-    body: Body,
+    piece: PadPiece,
+    body: StripBody,
     moved: list[Array],
     plate: float,
     angle: float,
@@ -107,13 +107,13 @@ def collision(
 ) -> str | None:
     """Return what would collide although the models know no contact there, or None.
 
-    `moved` are displacements `(n,)`, in units, of the part and, of a mirrored pad, of its image; the plate is
-    the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
+    `moved` are displacements `(n,)`, in units, of the piece and, of a mirrored pad, of its image; the plate
+    is the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
     """
 
     def over(x: Array) -> Array:
-        more = 0.0 if give is None else np.interp(x * part.unit, *give) / part.unit
-        return np.asarray(plate / part.unit + math.tan(angle) * x + more)
+        more = 0.0 if give is None else np.interp(x * piece.unit, *give) / piece.unit
+        return np.asarray(plate / piece.unit + math.tan(angle) * x + more)
 
     def over_image(x: Array) -> Array:
         return over(-x)

@@ -20,10 +20,10 @@ from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import linear
 from skincad.mechanics.tiers.solid_level import (
     Layers,
-    Level,
+    SolidSolution,
     coarse_sizes,
     forms_of,
-    meshed_part,
+    meshed_piece,
     pressed,
     timed,
 )
@@ -46,8 +46,8 @@ SHARE_ERROR = 0.01  # of the mean share
 class Ends:
     """The coarse answers in plane strain and with free ends, on the same section mesh."""
 
-    plane: Level
-    solid: Level
+    plane: SolidSolution
+    solid: SolidSolution
 
 
 def answer(
@@ -93,7 +93,7 @@ def free_ends(
     drops: tuple[float, ...] = (),
 ) -> Ends:
     """Return the coarse answers at `force` N in plane strain and with free ends; `drops` as in Request."""
-    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, 1.0), whole=bool(drops)))
+    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, 1.0), whole=bool(drops)))
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, ORDER))
     plane = pressed(meshed, forms, None, force, seconds, drops=drops)
     return Ends(plane, pressed(meshed, forms, along, force, seconds, drops=drops))
@@ -108,7 +108,9 @@ class Errors:
     share: float
 
 
-def changed(fine: Answer, before: Level, after: Level, force: float, errors: Errors) -> Answer:
+def changed(
+    fine: Answer, before: SolidSolution, after: SolidSolution, force: float, errors: Errors
+) -> Answer:
     """Return a fine answer with what changes from one coarse level to another on the same mesh.
 
     Approach and F9 change by a factor; shares by a difference, so that they still sum to the force.
@@ -130,7 +132,9 @@ def changed(fine: Answer, before: Level, after: Level, force: float, errors: Err
     )
 
 
-def _threshold(fine: Answer, before: Level, after: Level, force: float, relative: float) -> Estimate:
+def _threshold(
+    fine: Answer, before: SolidSolution, after: SolidSolution, force: float, relative: float
+) -> Estimate:
     """F9 times its ratio; where it is next to nothing, the level's own value, known to FLOOR of the force."""
     value, first, last = fine.all_touch_force.value, before.all_touch_force, after.all_touch_force
     if value is None or first is None or last is None:
@@ -142,7 +146,7 @@ def _threshold(fine: Answer, before: Level, after: Level, force: float, relative
     return Estimate(value * ratio, error * ratio, "N")
 
 
-def _shares(fine: Answer, before: Level, after: Level) -> Array:
+def _shares(fine: Answer, before: SolidSolution, after: SolidSolution) -> Array:
     """Changed shares: none where the last level's ridge is clear, never a pull, in sum the force."""
     known = np.array([f.value or 0.0 for f in fine.ridge_force])
     found = known + after.ridge_force - before.ridge_force

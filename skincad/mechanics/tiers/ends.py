@@ -25,7 +25,7 @@ from skincad.mechanics.tiers.solid_level import (
     coarse_sizes,
     condensed_pad,
     forms_of,
-    meshed_part,
+    meshed_piece,
 )
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ def added_compliance(design: Design, along: Layers = LAYERS) -> Array:
     """
     seconds: dict[str, float] = {}
     pad = plain_pad(design)
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.0), whole=True)
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.0), whole=True)
     forms = forms_of(meshed, ORDER)
     plane, solid = (_by_ridge(meshed, forms, layers, seconds) for layers in (None, along))
     more = solid - plane

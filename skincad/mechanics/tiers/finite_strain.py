@@ -25,18 +25,18 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.bodies.neo_hooke import Body, transferred
+from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, transferred
 from skincad.mechanics.contact.newton import (
     DivergedError,
     Elastic,
     Pressed,
-    State,
+    PressedState,
     press_to,
     press_until_all_touch,
     pressed,
 )
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
-from skincad.mechanics.tiers.linear import Level, climb
+from skincad.mechanics.tiers.linear import PlaneSolution, climb
 
 Array = NDArray[np.float64]
 
@@ -89,9 +89,9 @@ class _Solved:
 
     triangles: object
     mesh: Any
-    pad: Pressed[Body]
-    pressed: State
-    touching: State | None
+    pad: Pressed[NeoHookeBody]
+    pressed: PressedState
+    touching: PressedState | None
     beyond: str
 
 
@@ -103,7 +103,7 @@ class Levels:
 
     def __call__(
         self, pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...] = ()
-    ) -> Level:
+    ) -> PlaneSolution:
         """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
         with one_blas_thread():
             before = self.last if self.last and self.last.triangles is triangles else None
@@ -117,7 +117,7 @@ class Levels:
 
 def _level(
     pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...], before: _Solved | None
-) -> tuple[_Solved, Level]:
+) -> tuple[_Solved, PlaneSolution]:
     unit, modulus = unit_of(pad), pad.young_modulus
     scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
     materials = {"skin": (1.0, pad.poisson_ratio)}
@@ -139,7 +139,7 @@ def _level(
     return solved, _found(pad, solved, unit, scale, stages)
 
 
-def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | None = None) -> State:
+def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | None = None) -> PressedState:
     """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
     reached = 0.0
     try:
@@ -159,8 +159,8 @@ def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | 
 
 
 def _all_touch(
-    what: Pressed[Body], state: State, scale: float, before: _Solved | None
-) -> tuple[State | None, str]:
+    what: Pressed[NeoHookeBody], state: PressedState, scale: float, before: _Solved | None
+) -> tuple[PressedState | None, str]:
     """`all_touch`, guessed from the order before."""
     if before is not None and before.beyond:
         return None, before.beyond  # a higher order would only search for longer
@@ -173,8 +173,8 @@ def _all_touch(
 
 
 def all_touch(
-    what: Pressed[Elastic], state: State, scale: float, guess: Array | None = None
-) -> tuple[State | None, str]:
+    what: Pressed[Elastic], state: PressedState, scale: float, guess: Array | None = None
+) -> tuple[PressedState | None, str]:
     """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
     none. `state` is one nearby."""
     if state.ridges.numbers.size == 1:
@@ -193,13 +193,13 @@ def all_touch(
     )
 
 
-def _found(pad: Pad, solved: _Solved, unit: float, scale: float, stages: dict[str, float]) -> Level:
+def _found(pad: Pad, solved: _Solved, unit: float, scale: float, stages: dict[str, float]) -> PlaneSolution:
     state, touching, rest = solved.pressed, solved.touching, solved.pad.body.rest
     numbers, nodal = state.ridges.numbers, state.contact.force
     shares = np.array([nodal[state.ridges.of_point == r].sum() for r in numbers]) * scale
     states = [state] if touching is None else [state, touching]
     threshold = 0.0 if numbers.size == 1 else None
-    return Level(
+    return PlaneSolution(
         threshold if touching is None else touching.force * scale,
         state.approach * unit,
         shares,

@@ -22,7 +22,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
@@ -55,7 +55,7 @@ BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factor
 
 
 @dataclass(frozen=True)
-class Rung:
+class PlaneRung:
     """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it mostly reaches.
 
     `price` is its time on top of the rungs before, as a multiple of the first one's (measured on four
@@ -70,16 +70,16 @@ class Rung:
 
 NEVER = "no force makes all ridges touch: some stay clear however hard it is pressed"
 RUNGS = (
-    Rung(0.5, 3, 6e-3, 1.0),
-    Rung(1.0, 3, 2e-3, 1.2),
-    Rung(1.0, 4, 1e-3, 2.0),
-    Rung(2.0, 4, 4e-4, 4.5),
-    Rung(2.0, 5, 0.0, 4.0),
+    PlaneRung(0.5, 3, 6e-3, 1.0),
+    PlaneRung(1.0, 3, 2e-3, 1.2),
+    PlaneRung(1.0, 4, 1e-3, 2.0),
+    PlaneRung(2.0, 4, 4e-4, 4.5),
+    PlaneRung(2.0, 5, 0.0, 4.0),
 )
 
 
 @dataclass(frozen=True)
-class Level:
+class PlaneSolution:
     """One mesh and order: what the verdict asks, in mm and N, and the state behind it.
 
     `ridge_force` is `(ridges,)`; `x`, `pressure` `(m,)` are the contact points in mm and MPa.
@@ -99,7 +99,7 @@ class Level:
     fault: str = ""  # parts that go through each other or the plate unseen
 
 
-LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], Level]
+LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], PlaneSolution]
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -127,7 +127,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 def climb(
     pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
-) -> tuple[Answer, Level]:
+) -> tuple[Answer, PlaneSolution]:
     """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
     check_pad(pad)
     _check_coarsest(pad)
@@ -137,9 +137,9 @@ def climb(
     index = 0 if budget is not None else _first_rung(wanted)
     seconds: dict[str, float] = {}
     meshes: dict[float, object] = {}
-    levels: dict[tuple[float, int], Level] = {}
-    before: Level | None = None
-    climbed: list[Rung] = []
+    levels: dict[tuple[float, int], PlaneSolution] = {}
+    before: PlaneSolution | None = None
+    climbed: list[PlaneRung] = []
     full = ""
     while True:
         rung = RUNGS[index]
@@ -179,7 +179,7 @@ def climb(
     return replace(result, warnings=warnings, seconds=seconds), best
 
 
-def _parts(pad: Pad, best: Level, force: float, seconds: dict[str, float]) -> RidgeModel:
+def _parts(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
     """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
     with one_blas_thread():
@@ -195,7 +195,7 @@ def _check_fits(request: Request, solved: object, began: float, rest: float) -> 
         raise LateError(spent + rest)
 
 
-def _affordable(climbed: list[Rung], following: int, spent: float, budget: float | None) -> bool:
+def _affordable(climbed: list[PlaneRung], following: int, spent: float, budget: float | None) -> bool:
     """Whether there is a rung of the number `following` that fits into the budget, judged by what those
     climbed so far took."""
     if following == len(RUNGS):
@@ -223,13 +223,13 @@ def _first_rung(wanted: float) -> int:
     return usual if usual < 2 else usual - 1
 
 
-def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> Level:
+def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> PlaneSolution:
     """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
     with one_blas_thread():
         return _level(pad, mesh, order, force, drops)
 
 
-def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> Level:
+def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> PlaneSolution:
     unit, modulus = unit_of(pad), pad.young_modulus
     scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
     clock = [perf_counter()]
@@ -254,7 +254,7 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     wrong = fault(elements.outlines(system, moved), height_above(pad, ridges, system, state.approach, unit))
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
-    return Level(
+    return PlaneSolution(
         None if threshold is None else threshold * scale,
         state.approach * unit,
         shares,
@@ -290,7 +290,7 @@ def _too_large(contact: int) -> SizeError:
     )
 
 
-def _moved(system: elements.Assembled, small: Condensed, state: Contact) -> Array:
+def _moved(system: elements.Assembled, small: Condensed, state: NodalContact) -> Array:
     """Displacements `(n,)` under the contact forces."""
     load = np.zeros(system.lift.size)
     load[system.contact] = -(system.nodes.rows.T @ state.force)
@@ -311,7 +311,11 @@ def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
 
 
 def _estimated(
-    best: Level, lower: Level, before: Level | None, order: int, seconds: dict[str, float]
+    best: PlaneSolution,
+    lower: PlaneSolution,
+    before: PlaneSolution | None,
+    order: int,
+    seconds: dict[str, float],
 ) -> Answer:
     """Values of the best level; errors from the next lower order and from the rung before.
 
@@ -322,7 +326,7 @@ def _estimated(
     """
     tail = TAIL * (1.2 if order <= 3 else order - 1.0)
 
-    def error(of: Callable[[Level], Array]) -> float:
+    def error(of: Callable[[PlaneSolution], Array]) -> float:
         orders = tail * float(np.abs(of(best) - of(lower)).max())
         return orders if before is None else max(orders, float(np.abs(of(best) - of(before)).max()))
 

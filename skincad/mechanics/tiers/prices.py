@@ -20,7 +20,7 @@ AFTER_MESH, AFTER_ORDER = 6.0, 3.4
 
 
 @dataclass(frozen=True)
-class Law:
+class TimeLaw:
     """`seconds` at `unknowns`, and its exponent; s of one core of the machine it was measured on."""
 
     unknowns: float
@@ -34,13 +34,13 @@ class Law:
 
 # each tier's own part, without what it builds on
 LAWS = {
-    "winkler": Law(1.0, 4e-4, 0.0),
-    "linear": Law(19_400, 0.66, 1.1),
-    "corrected": Law(8_700, 0.29, 1.3),
-    "finite-strain": Law(19_400, 3.4, 1.38),
-    "corrected-finite-strain": Law(1.0, 1e-3, 0.0),
-    "solid": Law(75_000, 8.0, 1.65),
-    "solid-finite-strain": Law(8_700, 0.9, 1.6),
+    "winkler": TimeLaw(1.0, 4e-4, 0.0),
+    "linear": TimeLaw(19_400, 0.66, 1.1),
+    "corrected": TimeLaw(8_700, 0.29, 1.3),
+    "finite-strain": TimeLaw(19_400, 3.4, 1.38),
+    "corrected-finite-strain": TimeLaw(1.0, 1e-3, 0.0),
+    "solid": TimeLaw(75_000, 8.0, 1.65),
+    "solid-finite-strain": TimeLaw(8_700, 0.9, 1.6),
 }
 
 
@@ -73,10 +73,10 @@ def _solid_unknowns(design: Design, order: int) -> float:
     from skincad.mechanics.bodies import elements, layers
     from skincad.mechanics.problem import pad_of
     from skincad.mechanics.tiers.corrected import LAYERS, plain_pad
-    from skincad.mechanics.tiers.solid_level import coarse_sizes, meshed_part
+    from skincad.mechanics.tiers.solid_level import coarse_sizes, meshed_piece
 
     pad = plain_pad(design) if order == 2 else pad_of(design)
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.0))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     mesh = elements.curved(meshed.mesh, 1)
     functions = mesh.nv + (order - 1) * mesh.nedge + (mesh.ne if order > 2 else 0)
     height, half = meshed.height / meshed.unit, meshed.whole.length / 2 / meshed.unit

@@ -22,12 +22,12 @@ from skincad.mechanics.bodies.mesh import unit_of
 from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, SizeError, check_pad, pad_of
 from skincad.mechanics.tiers.solid_level import (
     Layers,
-    Level,
+    SolidSolution,
     check_size,
     coarse_sizes,
     forms_of,
     layers_of,
-    meshed_part,
+    meshed_piece,
     pressed,
     timed,
 )
@@ -41,7 +41,7 @@ LAYERS_TAIL = 1.0  # what is left after the finer layers, against their differen
 
 
 @dataclass(frozen=True)
-class Rung:
+class SolidRung:
     """A section mesh at `order - 1` and `order`, and layers against finer ones.
 
     `fineness` 1 is the coarsest mesh; `price` is its time as a multiple of the first rung's.
@@ -55,8 +55,8 @@ class Rung:
 
 
 RUNGS = (
-    Rung(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
-    Rung(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
+    SolidRung(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
+    SolidRung(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
 )
 
 
@@ -102,11 +102,11 @@ def shortfalls(reached: float, wanted: float, spent: float, budget: float | None
 
 
 def _climb(
-    pad: Pad, rung: Rung, force: float, seconds: dict[str, float], progress: Progress | None
+    pad: Pad, rung: SolidRung, force: float, seconds: dict[str, float], progress: Progress | None
 ) -> Answer:
     if progress:
         progress(f"solid tier: fineness {rung.fineness:g}, order {rung.order}")
-    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, rung.fineness)))
+    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, rung.fineness)))
     lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order - 1))
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order))
     for each, along in ((lower_forms, rung.finer), (forms, rung.layers)):
@@ -117,20 +117,20 @@ def _climb(
     return _estimated(best, lower, finer)
 
 
-def _estimated(best: Level, lower: Level, finer: Level) -> Answer:
+def _estimated(best: SolidSolution, lower: SolidSolution, finer: SolidSolution) -> Answer:
     """Values of the best level and what finer layers change; errors from the order and from the layers.
 
     All ridges share the largest error among them: a single difference may vanish by chance.
     """
 
-    def value(of: Callable[[Level], Array]) -> Array:
+    def value(of: Callable[[SolidSolution], Array]) -> Array:
         return of(best) + of(finer) - of(lower)
 
-    def error(of: Callable[[Level], Array]) -> float:
+    def error(of: Callable[[SolidSolution], Array]) -> float:
         section = float(np.abs(of(best) - of(lower)).max())
         return SECTION_TAIL * section + LAYERS_TAIL * float(np.abs(of(finer) - of(lower)).max())
 
-    def estimate(of: Callable[[Level], Array], unit: str) -> Estimate:
+    def estimate(of: Callable[[SolidSolution], Array], unit: str) -> Estimate:
         return Estimate(float(value(of)[0]), error(of), unit)
 
     threshold = Estimate(None, None, "N")

@@ -29,13 +29,13 @@ from skincad.mechanics.tiers.corrected import ORDER, Errors, changed, plain_pad
 from skincad.mechanics.tiers.finite_strain import all_touch, at_force
 from skincad.mechanics.tiers.solid_level import (
     Layers,
-    Level,
     Meshed,
+    SolidSolution,
     coarse_sizes,
     forms_of,
     level_of,
     materials_of,
-    meshed_part,
+    meshed_piece,
     timed,
 )
 
@@ -53,8 +53,8 @@ ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
 class Strains:
     """The coarse answers at small and at finite strain, on the same mesh; `beyond` says why F9 is None."""
 
-    small: Level
-    finite: Level
+    small: SolidSolution
+    finite: SolidSolution
     beyond: str
 
 
@@ -99,14 +99,14 @@ def solve(
 ) -> Strains:
     """Return the coarse answers at `force` N; raises InputError as `answer`, and for too large a pad."""
     check_pad(pad)
-    meshed = timed(seconds, "mesh", lambda: meshed_part(pad, coarse_sizes(pad, fineness)))
+    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, fineness)))
     with one_blas_thread():
         body: SolidBody = timed(seconds, "assemble", lambda: body_of(meshed, along))
         return _strains(meshed, body, force, seconds)
 
 
 def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
-    """Return the neo-Hookean body of a meshed part, of `order` in the section."""
+    """Return the neo-Hookean body of a meshed piece, of `order` in the section."""
     forms = forms_of(meshed, order)
     borders = layers.graded(
         meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, along.growth
@@ -119,12 +119,12 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
             unknowns,
             "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
         )
-    return solid_body(forms, borders, along.order, materials_of(meshed.part), clamped_end=clamped_end)
+    return solid_body(forms, borders, along.order, materials_of(meshed.piece), clamped_end=clamped_end)
 
 
 def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
     what = Pressed(body, meshed.whole.top / meshed.unit)
-    # N on the whole pad that are a force of 1 on the part
+    # N on the whole pad that are a force of 1 on the piece
     scale = meshed.whole.young_modulus * meshed.unit**2 * (4 if meshed.mirrored else 2)
     small = timed(seconds, "small strain", lambda: _at_rest(meshed, what, body, force / scale, scale))
     state = timed(seconds, "newton", lambda: at_force(what, force / scale, scale))
@@ -146,7 +146,9 @@ def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, f
     return Strains(small, finite, beyond)
 
 
-def _at_rest(meshed: Meshed, what: Pressed[SolidBody], body: SolidBody, force: float, scale: float) -> Level:
+def _at_rest(
+    meshed: Meshed, what: Pressed[SolidBody], body: SolidBody, force: float, scale: float
+) -> SolidSolution:
     """The small-strain answer of the same body: its tangent at rest."""
     rest = np.zeros(body.free.size)
     ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, what.top)

@@ -14,7 +14,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, layers, prisms
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.bodies.symmetry import half_of
-from skincad.mechanics.contact.frictionless import Contact, press
+from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import all_touch_force
 from skincad.mechanics.contact.under_plate import seen_by_plate
 from skincad.mechanics.problem import ContactError, Pad, SizeError
@@ -38,10 +38,10 @@ class Layers:
 
 @dataclass(frozen=True)
 class Meshed:
-    """The part of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm."""
+    """The piece of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm."""
 
     whole: Pad
-    part: Pad
+    piece: Pad
     mirrored: bool
     unit: float
     height: float
@@ -49,10 +49,10 @@ class Meshed:
 
 
 @dataclass(frozen=True)
-class Level:
+class SolidSolution:
     """What the verdict asks, in mm and N, of the whole pad; `ridge_force` is `(ridges,)`.
 
-    `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the part that is meshed.
+    `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the piece that is meshed.
     """
 
     all_touch_force: float | None
@@ -90,16 +90,16 @@ def height_of(pad: Pad) -> float:
     return max(heights) - min(heights)
 
 
-def meshed_part(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
+def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
     """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
     half = None if whole else half_of(pad)
-    part = pad if half is None else half
-    return Meshed(pad, part, half is not None, unit_of(part), height_of(pad), triangles(part, sizes))
+    piece = pad if half is None else half
+    return Meshed(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
 
 
 def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
     """Return the section's integrals at an order."""
-    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials_of(meshed.part))
+    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials_of(meshed.piece))
 
 
 def materials_of(pad: Pad) -> dict[str, tuple[float, float]]:
@@ -119,14 +119,14 @@ def pressed(
     *,
     drops: tuple[float, ...] = (),
     clamped_end: bool = False,
-) -> Level:
+) -> SolidSolution:
     """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh.
 
     Crests lower than the section's by `drops` mm need the whole pad's mesh.
     """
     small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
     with one_blas_thread():
-        found: Level = timed(seconds, "contact", lambda: _level(meshed, small, force, scale, drops))
+        found: SolidSolution = timed(seconds, "contact", lambda: _level(meshed, small, force, scale, drops))
     return found
 
 
@@ -138,7 +138,7 @@ def condensed_pad(
     *,
     clamped_end: bool = False,
 ) -> tuple[prisms.Solid, float]:
-    """Return the condensed part, for many forces, and what N on the whole pad is a force of 1 on it."""
+    """Return the condensed piece, for many forces, and what N on the whole pad is a force of 1 on it."""
     half = meshed.whole.length / 2 / meshed.unit
     line = layers.constant() if along is None else layers_of(meshed, along)
     check_size(forms, line)
@@ -158,8 +158,8 @@ def condensed_pad(
 
 def _level(
     meshed: Meshed, small: prisms.Solid, force: float, scale: float, drops: tuple[float, ...]
-) -> Level:
-    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the part, in its units."""
+) -> SolidSolution:
+    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the piece, in its units."""
     unit = meshed.unit
     ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, unit)
     if drops:
@@ -184,17 +184,17 @@ def level_of(
     meshed: Meshed,
     nodes: elements.Sample,
     along: Array,
-    state: Contact,
+    state: NodalContact,
     approach: float,
     threshold: float | None,
     scale: float,
     unknowns: int,
     residual: float,
-) -> Level:
-    """Return in mm and N what was found in the part's units, of the contact `nodes` at y = `along`."""
+) -> SolidSolution:
+    """Return in mm and N what was found in the piece's units, of the contact `nodes` at y = `along`."""
     unit = meshed.unit
     shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
-    return Level(
+    return SolidSolution(
         None if threshold is None else threshold * scale,
         approach * unit,
         _on_whole(meshed, shares),
@@ -212,12 +212,12 @@ def _on_whole(meshed: Meshed, shares: Array) -> Array:
         return shares
     numbers = meshed.whole.ridges
     found = np.zeros(len(numbers))
-    for ridge, share in zip(meshed.part.ridges, shares, strict=True):
+    for ridge, share in zip(meshed.piece.ridges, shares, strict=True):
         found[numbers.index(ridge)] += share / 2
     return found + found[::-1]
 
 
-def layers_of(meshed: Meshed, along: Layers) -> layers.Line:
+def layers_of(meshed: Meshed, along: Layers) -> layers.AlongY:
     """Return the functions along y of these layers, on half of the pad's length."""
     half = meshed.whole.length / 2 / meshed.unit
     return layers.line(
@@ -225,7 +225,7 @@ def layers_of(meshed: Meshed, along: Layers) -> layers.Line:
     )
 
 
-def check_size(forms: prisms.SectionForms, line: layers.Line) -> None:
+def check_size(forms: prisms.SectionForms, line: layers.AlongY) -> None:
     """Raise SizeError for more unknowns than fit, before any is solved."""
     unknowns, contact = 3 * forms.held.size * line.at.size, forms.plane.contact.size * line.at.size
     if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:

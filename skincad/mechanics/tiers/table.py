@@ -1,4 +1,4 @@
-"""The ladder of models: what each leaves out, what it costs, and where its code is."""
+"""The tiers, cheapest first: what each leaves out, what it costs, and where its code is."""
 
 from __future__ import annotations
 

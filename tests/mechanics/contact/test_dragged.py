@@ -12,13 +12,13 @@ from skincad.mechanics import reference as closed_forms
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.large_field import strip_stress
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
-from skincad.mechanics.contact.dragged import Dragged, State, dragged, linearised, newton, unloaded
+from skincad.mechanics.contact.dragged import Dragged, DraggedState, dragged, linearised, newton, unloaded
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import STICK, Cone, Drive, GrossSlip, Pressed
+from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, GrossSlip
 from skincad.mechanics.contact.newton import RESIDUAL, press_to, pressed
 from skincad.mechanics.contact.stride import to
 from skincad.mechanics.film.sliding import sliding
-from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import ContactError, Pad, pad_of
 from tests.mechanics.bodies.test_elements import block
@@ -43,7 +43,9 @@ def three() -> tuple[Pad, Dragged]:
     return pad, whole(pad, 0.35)
 
 
-def march(pad: Dragged, drives: list[Drive], cone: Cone, start: State | None = None) -> list[State]:
+def march(
+    pad: Dragged, drives: list[Drive], cone: Cone, start: DraggedState | None = None
+) -> list[DraggedState]:
     found = [start or unloaded(pad)]
     for before, after in pairwise([Drive(0.0, 0.0), *drives] if start is None else drives):
         found.append(to(pad, found[-1], before, after, cone))
@@ -51,7 +53,7 @@ def march(pad: Dragged, drives: list[Drive], cone: Cone, start: State | None = N
 
 
 @cache
-def pulled() -> list[State]:
+def pulled() -> list[DraggedState]:
     """Pressed by 1.2 N in three steps, pulled to 0.54 N of 0.6 in six."""
     drives = [Drive(0.4 * i, 0.0) for i in (1, 2, 3)] + [Drive(1.2, 0.09 * i) for i in range(1, 7)]
     return march(three()[1], drives, Cone(0.5, 0.5))
@@ -91,24 +93,24 @@ def test_without_friction_it_is_the_finite_strain_tier() -> None:
 def test_small_loads_are_small_strain_to_first_order() -> None:
     """The relative distance of travels and films' stresses halves with the load: order 1 within 0.15."""
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
-    part = part_of(*filled_pad(design), halved=False)
-    mesh = triangles(part.pad, default_sizes(part.pad, 0.35))
-    small = sliding(part, mesh, 2, True)
-    stiff = {"skin": (1.0, part.pad.poisson_ratio), "film": (3750.0, 0.35)}
-    scale = part.pad.young_modulus * part.unit * part.pad.length
-    what = dragged(elements.curved(mesh, 2), 2, stiff, part.pad.top, part.unit, scale)
-    strips = strip_stress(what.body, 2, stiff, part.slots, part.thickness, part.unit)
+    piece = piece_of(*filled_pad(design), halved=False)
+    mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
+    small = sliding(piece, mesh, 2, True)
+    stiff = {"skin": (1.0, piece.pad.poisson_ratio), "film": (3750.0, 0.35)}
+    scale = piece.pad.young_modulus * piece.unit * piece.pad.length
+    what = dragged(elements.curved(mesh, 2), 2, stiff, piece.pad.top, piece.unit, scale)
+    strips = strip_stress(what.body, 2, stiff, piece.slots, piece.thickness, piece.unit)
     apart = []
     for force in (1e-3, 5e-4, 2.5e-4):
         # one touching point moves on to the next as it grows: bonded points make the contact the same
         drives = [Drive(force, travel=0.0), Drive(force, 0.3 * force)]
         found = march(what, drives, STICKY)[-1]
-        skin = Pressed(small.compliance, small.gap, np.zeros(2 * small.gap.size))
+        skin = Compliant(small.compliance, small.gap, np.zeros(2 * small.gap.size))
         linear = grip(skin, unloaded(what).grip, drives[0], STICKY)
         linear = grip(skin, linear, drives[1], STICKY)
         assert (linear.status == found.grip.status).all()
         stress = small.strips @ np.concatenate([linear.tangential, -linear.normal])
-        films = strips.at(found.values) * part.pad.young_modulus
+        films = strips.at(found.values) * piece.pad.young_modulus
         largest = np.abs(stress).max()
         apart.append([found.grip.travel / linear.travel - 1, np.abs(films - stress).max() / largest])
     rates = np.log2(np.abs(np.array(apart[:-1]) / np.array(apart[1:])))
@@ -146,12 +148,12 @@ def test_tangent_is_the_derivative(drives: tuple[float | None, float | None]) ->
         assert getattr(guess, name) - getattr(here.grip, name) == pytest.approx(slope, abs=1e-3 * largest)
 
 
-def predicted(what: Dragged, here: State) -> Pressed:
+def predicted(what: Dragged, here: DraggedState) -> Compliant:
     """The linearised contact at a state, which is in balance with its contact forces."""
     linear = what.kept[0]
     force = np.concatenate([here.grip.tangential, -here.grip.normal])
     place = what.rows @ here.values[what.contact] * what.unit
-    return Pressed(linear.compliance, what.gap, place - linear.compliance @ force)
+    return Compliant(linear.compliance, what.gap, place - linear.compliance @ force)
 
 
 def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
@@ -232,7 +234,7 @@ def test_gross_slip_tells_the_state_that_slips() -> None:
     with pytest.raises(GrossSlip) as end:
         to(three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), Cone(0.5, 0.5))
     last = end.value.last
-    assert isinstance(last, State)
+    assert isinstance(last, DraggedState)
     assert last.grip.slips.all() or last.grip.gross
     assert last.grip.tangential.sum() == pytest.approx(0.6, rel=1e-9)
     assert last.residual <= RESIDUAL
@@ -257,17 +259,17 @@ def test_strips_stress_turns_with_the_strip() -> None:
     1e-9: rounding, beside a bulk modulus of 170 E.
     """
     design = yamada().with_(ridge={"count": 1}, skin={"width": 3.0})
-    part = part_of(*filled_pad(design), halved=False)
-    mesh = elements.curved(triangles(part.pad, default_sizes(part.pad, 0.25)), 2)
+    piece = piece_of(*filled_pad(design), halved=False)
+    mesh = elements.curved(triangles(piece.pad, default_sizes(piece.pad, 0.25)), 2)
     ratio, along = 0.3, 1.3
     both = {"skin": (1.0, ratio), "film": (1.0, ratio)}
-    what = dragged(mesh, 2, both, part.pad.top, part.unit, 1.0)
-    strips = strip_stress(what.body, 2, both, part.slots, part.thickness, part.unit)
+    what = dragged(mesh, 2, both, piece.pad.top, piece.unit, 1.0)
+    strips = strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit)
     shear, rest = closed_forms.lame(1.0, ratio)
     wanted = [rest * (along - 1), shear / along * (along**2 - 1) + rest * (along - 1), rest * (along - 1)]
     for angle in (0.0, np.radians(50.0)):
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        for i, slot in enumerate(part.slots):
+        for i, slot in enumerate(piece.slots):
             direction = np.array(slot.direction)
             stretch = turn @ (np.eye(2) + (along - 1) * np.outer(direction, direction))
             values = affine(what, stretch - np.eye(2), (rest + 2 * shear / 3) * (along - 1))

@@ -17,16 +17,16 @@ from skincad.mechanics.contact.grip import (
     OPEN,
     RIGHT,
     STICK,
+    Compliant,
     Cone,
     Drive,
     Grip,
     GrossSlip,
-    Pressed,
     at_rest,
 )
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.film.sliding import Sliding, sliding
-from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError, Pad
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
@@ -36,17 +36,17 @@ from tests.mechanics.film.test_sliding import meshed
 SPRING = 0.25  # mm/N
 
 
-def block() -> Pressed:
+def block() -> Compliant:
     """One point on a spring in x and one in z: a block that a plate drags."""
-    return Pressed(np.diag([SPRING, 0.1]), np.zeros(1), np.zeros(2))
+    return Compliant(np.diag([SPRING, 0.1]), np.zeros(1), np.zeros(2))
 
 
-def skin() -> Pressed:
+def skin() -> Compliant:
     pad = meshed()[2]
-    return Pressed(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    return Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
 
 
-def march(skin: Pressed, drives: list[Drive], cone: Cone) -> list[Grip]:
+def march(skin: Compliant, drives: list[Drive], cone: Cone) -> list[Grip]:
     found = [at_rest(skin.gap.size)]
     for before, after in pairwise(drives):
         found.append(halved(lambda _: skin, found[-1], before, after, cone))
@@ -93,8 +93,8 @@ def test_more_than_friction_holds_is_gross_slip() -> None:
 @cache
 def round_pad() -> Sliding:
     pad = cylinder(50.0, 0.49999)
-    part = part_of(pad, 0.0)
-    return sliding(part, triangles(part.pad, Sizes(0.012, 0.2, 0.6, 0.05)), 3, False)
+    piece = piece_of(pad, 0.0)
+    return sliding(piece, triangles(piece.pad, Sizes(0.012, 0.2, 0.6, 0.05)), 3, False)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6])
@@ -105,7 +105,7 @@ def test_cattaneo_and_mindlin(share: float) -> None:
     """
     pad, mu = round_pad(), 0.4
     load = 10.0 * math.pi * 0.8 / (1 - 0.49999**2) * 0.2**2 / (4 * 50.0)  # Hertz's for a half-width of 0.2 mm
-    skin = Pressed(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    skin = Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
     state = grip(skin, at_rest(pad.gap.size), Drive(load, 0.0), Cone(0.0, 0.0))
     state = replace(state, status=np.where(state.touches, STICK, OPEN).astype(np.int8))
     for i in range(1, 21):
@@ -223,8 +223,8 @@ def thin_layer() -> Sliding:
     sides = [Segment(a, b) for a, b in pairwise([*corners, corners[0]])]
     sides[0] = replace(sides[0], kind="back")
     sides[2] = replace(sides[2], kind="crown", ridge=1)
-    part = part_of(Pad(Section(tuple(sides)), 5.0, 0.8, 0.3), 0.0)
-    return sliding(part, triangles(part.pad, Sizes(0.4, 0.4, 0.4, 0.1)), 3, False)
+    piece = piece_of(Pad(Section(tuple(sides)), 5.0, 0.8, 0.3), 0.0)
+    return sliding(piece, triangles(piece.pad, Sizes(0.4, 0.4, 0.4, 0.1)), 3, False)
 
 
 @pytest.mark.parametrize(("travel", "slips"), [(0.02, False), (2.0, True)])
@@ -236,7 +236,7 @@ def test_frictional_patch(travel: float, slips: bool) -> None:
     """
     pad, mu, force = thin_layer(), 0.5, 5.0
     drives = [Drive(0.0, travel=0.0), Drive(force, travel=0.0), Drive(force, travel=travel)]
-    layer = Pressed(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    layer = Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
     state = march(layer, drives, Cone(mu, mu))[-1]
     middle = np.abs(pad.x) < 2.0
     pressure, traction = (

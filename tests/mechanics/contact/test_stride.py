@@ -10,7 +10,7 @@ import pytest
 from skincad.mechanics.bodies.elements import Outline
 from skincad.mechanics.contact import stride
 from skincad.mechanics.contact.creasing import CREASES, WRINKLES, fault, pinch
-from skincad.mechanics.contact.dragged import State, newton, unloaded
+from skincad.mechanics.contact.dragged import DraggedState, newton, unloaded
 from skincad.mechanics.contact.grip import Cone, Drive
 from skincad.mechanics.contact.stride import to
 from skincad.mechanics.problem import ContactError
@@ -23,7 +23,7 @@ def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -
     """The first tries are made to fail: the halves then are what the step took."""
     tries = []
 
-    def failing(pad: Any, before: State, end: Drive, *more: Any) -> State:
+    def failing(pad: Any, before: DraggedState, end: Drive, *more: Any) -> DraggedState:
         tries.append(end.normal)
         if len(tries) == 1:
             raise ContactError("made to fail")
@@ -48,7 +48,7 @@ def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.M
     what, start = three()[1], pulled()[4]
     wanted = to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
 
-    def failing(pad: Any, before: State, end: Drive, *more: Any) -> State:
+    def failing(pad: Any, before: DraggedState, end: Drive, *more: Any) -> DraggedState:
         if end.tangential is not None:
             raise ContactError("made to fail")
         return newton(pad, before, end, *more)

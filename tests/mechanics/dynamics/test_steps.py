@@ -14,17 +14,17 @@ from scipy.sparse.linalg import eigsh
 
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import STICK, Cone, Drive, Grip, GrossSlip, Pressed, at_rest
+from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, Grip, GrossSlip, at_rest
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.dynamics import reference
 from skincad.mechanics.dynamics import steps as dynamics
 from skincad.mechanics.dynamics.moving_body import moving
 from skincad.mechanics.dynamics.pad import linear
-from skincad.mechanics.dynamics.state import Half, Linear, Moved, at_rest_on
+from skincad.mechanics.dynamics.state import Half, Moved, PadEquations, at_rest_on
 from skincad.mechanics.dynamics.steps import Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 from skincad.mechanics.film.sliding import sliding
-from skincad.mechanics.film.stick import part_of
+from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError
 from skincad.shape.curves import area
 from tests.mechanics.bodies.test_elements import block
@@ -47,7 +47,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
     one = np.ones(1, dtype=np.int64)
     soft = np.diag([stiff, 0.0, 0.0])
     matrices = (sparse.csr_matrix(each) for each in (k, soft, m))
-    return Dynamics(Linear(*matrices, (half,), 1.0, np.zeros(1), one, 3))
+    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), one, 3))
 
 
 def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> Moved:
@@ -200,7 +200,7 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
     half = Half(points, inner, np.array([n - 1, pieces]), (none, none))
     one = np.ones(1, dtype=np.int64)
     matrices = (sparse.csr_matrix(each) for each in (k, 0 * k, m))
-    return Dynamics(Linear(*matrices, (half,), 1.0, np.zeros(1), one, n))
+    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), one, n))
 
 
 def flying(pad: Dynamics, place: float, speed: float) -> Moved:
@@ -257,9 +257,9 @@ def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -
 
 
 @cache
-def pad_in_motion() -> tuple[Dynamics, Linear]:
-    part, mesh, _ = meshed()
-    found = linear(part, mesh, 3, True)
+def pad_in_motion() -> tuple[Dynamics, PadEquations]:
+    piece, mesh, _ = meshed()
+    found = linear(piece, mesh, 3, True)
     return Dynamics(found), found
 
 
@@ -277,12 +277,12 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
 
 def test_it_weighs_what_its_section_does() -> None:
     """Area of skin and films by their densities, to 1e-6: the mesh follows the arcs to order 3."""
-    part, mesh, _ = meshed()
-    found = moving(part, mesh, 3, False)
+    piece, mesh, _ = meshed()
+    found = moving(piece, mesh, 3, False)
     lift = found.body.system.lift[: found.mass.shape[0]]
-    films = sum(abs(area(loop)) for loop in part.pad.strips)
-    skin = abs(area(part.pad.section.outline)) - films
-    wanted = 1e-12 * part.pad.length * (skin * part.pad.density + films * part.pad.film_density)
+    films = sum(abs(area(loop)) for loop in piece.pad.strips)
+    skin = abs(area(piece.pad.section.outline)) - films
+    wanted = 1e-12 * piece.pad.length * (skin * piece.pad.density + films * piece.pad.film_density)
     assert lift @ found.mass @ lift == pytest.approx(wanted, rel=1e-6)
     # what its contact points would bear is spread over the rest
     spread = pad_in_motion()[1].mass
@@ -295,9 +295,9 @@ def test_it_weighs_what_its_section_does() -> None:
 def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     """sqrt(G / rho) / (4 h). 0.5 %: a layer of 100 by 1 has free ends."""
     pad = replace(block(100.0, 1.0, ratio), density=1000.0)
-    part = part_of(pad, 0.0)
-    found = moving(part, triangles(part.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
-    held = found.body.held[1] if part.mirrored else np.empty(0, dtype=np.int64)
+    piece = piece_of(pad, 0.0)
+    found = moving(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    held = found.body.held[1] if piece.mirrored else np.empty(0, dtype=np.int64)
     free = np.setdiff1d(found.free, held)
     stiff, mass = (each[free][:, free] for each in (found.stiff, found.mass))
     wanted = reference.shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
@@ -403,7 +403,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
 def test_slow_motion_is_the_quasi_static_one() -> None:
     """Over 10 s, 1e4 swings of the pad, with damping: forces as of the condensed pad, to 1e-4."""
     pad, (_, _, small) = pad_in_motion()[0], meshed()
-    still = Pressed(small.compliance, small.gap, np.zeros(2 * small.gap.size))
+    still = Compliant(small.compliance, small.gap, np.zeros(2 * small.gap.size))
     resting, state = at_rest(small.gap.size), at_rest_on(pad.pad)
     last = Drive(0.0, travel=0.0)
     for i in range(1, 11):
@@ -420,12 +420,12 @@ def test_the_half_and_the_whole_agree() -> None:
     """A flat block that is swayed and pressed: split by symmetry, and on a mesh of all of it; 2 %: the
     meshes differ, and kinetic energy is what is left of a ringing that dies."""
     pad = replace(block(4.0, 1.0, 0.45), density=1000.0)
-    half = part_of(pad, 0.0)
+    half = piece_of(pad, 0.0)
     whole = replace(half, pad=pad, mirrored=False, unit=unit_of(pad))
     ends = []
-    for part in (half, whole):
+    for piece in (half, whole):
         sizes = Sizes(0.25, 0.5, 0.5, 0.1)
-        body = Dynamics(linear(part, triangles(part.pad, sizes), 2, False))
+        body = Dynamics(linear(piece, triangles(piece.pad, sizes), 2, False))
         state = at_rest_on(body.pad)
         for i in range(1, 41):
             drive = Drive(0.1, 0.01 * min(i, 10) / 10)
@@ -436,9 +436,9 @@ def test_the_half_and_the_whole_agree() -> None:
 
 
 def test_sliding_and_moving_pads_have_the_same_points() -> None:
-    part, mesh, small = meshed()
+    piece, mesh, small = meshed()
     found = pad_in_motion()[1]
-    assert (found.gap == sliding(part, mesh, 3, False).gap).all()
+    assert (found.gap == sliding(piece, mesh, 3, False).gap).all()
     assert (found.ridge == small.ridge).all()
 
 

@@ -11,28 +11,28 @@ from skincad.mechanics.bodies.mesh import triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.film.rungs import RUNGS
 from skincad.mechanics.film.sliding import Sliding, sliding
-from skincad.mechanics.film.stick import Part, level, part_of
+from skincad.mechanics.film.stick import PadPiece, level, piece_of
 from skincad.mechanics.film.stress import filled_pad
 from tests.mechanics.designs import yamada
 
 ORDER = 3
 
 
-def three() -> Part:
-    return part_of(*filled_pad(yamada().with_(ridge={"count": 3}, skin={"width": 5.0})))
+def three() -> PadPiece:
+    return piece_of(*filled_pad(yamada().with_(ridge={"count": 3}, skin={"width": 5.0})))
 
 
 @cache
-def meshed() -> tuple[Part, object, Sliding]:
-    part = three()
-    mesh = triangles(part.pad, RUNGS[0].sizes(part))
-    return part, mesh, sliding(part, mesh, ORDER, True)
+def meshed() -> tuple[PadPiece, object, Sliding]:
+    piece = three()
+    mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
+    return piece, mesh, sliding(piece, mesh, ORDER, True)
 
 
 def test_stresses_and_approach_are_the_film_stress_solvers() -> None:
     """The stresses come from one adjoint solve each; there, from the displacements' own integrals."""
-    part, mesh, pad = meshed()
-    other = level(part, mesh, ORDER, 1.2, False)
+    piece, mesh, pad = meshed()
+    other = level(piece, mesh, ORDER, 1.2, False)
     m = pad.gap.size
     state = press(pad.compliance[m:, m:], pad.gap, 1.2)
     found = pad.strips @ np.concatenate([np.zeros(m), -state.force])
@@ -54,9 +54,9 @@ def test_pad_is_its_own_mirror_image() -> None:
 
 def test_the_half_agrees_with_the_whole() -> None:
     """Another mesh and no mirror conditions: a shear of all points and a press, to 0.5 % of mesh."""
-    part, _, half = meshed()
-    slots, unit = part.whole.section.slots, unit_of(part.whole)
-    whole = Part(part.whole, part.whole, False, slots, part.thickness, unit)
+    piece, _, half = meshed()
+    slots, unit = piece.whole.section.slots, unit_of(piece.whole)
+    whole = PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
     pad = sliding(whole, triangles(whole.pad, RUNGS[0].sizes(whole)), ORDER, True)
     answers = []
     for each in (half, pad):

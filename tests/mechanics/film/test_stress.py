@@ -23,9 +23,9 @@ from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.film import rungs as film_rungs
 from skincad.mechanics.film import stick
 from skincad.mechanics.film.answer import FilmStress
+from skincad.mechanics.film.ridge_field import RidgeField
 from skincad.mechanics.film.rungs import RUNGS, solve
 from skincad.mechanics.film.stress import filled_pad, film_stresses
-from skincad.mechanics.film.view import View
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.shape.cross_section import Section, SlotPlace
 from skincad.shape.curves import Point
@@ -130,19 +130,19 @@ def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None
         for field in ("s1", "s2", "differential", "along1", "lengthwise2", "ridge_force", "ridge_tangential"):
             one, other = getattr(half, field), getattr(whole, field)
             assert values(one) == pytest.approx(values(other), abs=one[0].error + other[0].error + 1e-12)
-        for one, other in zip(half.views, whole.views, strict=True):
+        for one, other in zip(half.fields, whole.fields, strict=True):
             # 3 %: linear between the drawn points of two meshes
             assert drawn_between_strips(one) == pytest.approx(drawn_between_strips(other), rel=0.03)
 
 
-def drawn_between_strips(view: View) -> float:
+def drawn_between_strips(field: RidgeField) -> float:
     """Interpolated in the drawn triangle that holds the point half-way between the two films."""
-    a, b, c = (view.place[view.triangles[:, i]] for i in range(3))
+    a, b, c = (field.place[field.triangles[:, i]] for i in range(3))
     sides = np.stack([b - a, c - a], axis=2)
-    shares = np.linalg.solve(sides, (view.middle - a)[:, :, None])[:, :, 0]
+    shares = np.linalg.solve(sides, (field.middle - a)[:, :, None])[:, :, 0]
     shares = np.column_stack([1 - shares.sum(axis=1), shares])
     holder = int(shares.min(axis=1).argmax())
-    return float(shares[holder] @ view.stress[view.triangles[holder]])
+    return float(shares[holder] @ field.stress[field.triangles[holder]])
 
 
 def test_pulling_back_mirrors_everything() -> None:
@@ -181,7 +181,7 @@ def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
         assert lengthwise[0].value == pytest.approx(0.0, abs=1e-8 * pressure)
 
 
-def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: dict) -> strip_field.Body:
+def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: dict) -> strip_field.StripBody:
     """Pressed without the module under test: the linear tier's steps, on the whole pad."""
     body = strip_field.body(elements.curved(mesh, order), order, materials)
     system, unit = body.system, unit_of(pad)
@@ -194,11 +194,11 @@ def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: di
     return body
 
 
-def stress_at(body: strip_field.Body, points: np.ndarray, unit: float) -> np.ndarray:
+def stress_at(body: strip_field.StripBody, points: np.ndarray, unit: float) -> np.ndarray:
     """xx, xz, zz `(p, 3)` in E at points in mm."""
     mesh = body.system.mesh
     return np.array(
-        [[part(mesh(x / unit, z / unit)) for part in (body.stress[i] for i in range(3))] for x, z in points]
+        [[piece(mesh(x / unit, z / unit)) for piece in (body.stress[i] for i in range(3))] for x, z in points]
     )
 
 
@@ -228,7 +228,9 @@ def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     pad, thickness = filled_pad(design)
     told = film_stresses(design, 1.2)[0]
     rung = RUNGS[0]
-    mesh = triangles(pad, rung.sizes(stick.Part(pad, pad, False, pad.section.slots, thickness, unit_of(pad))))
+    mesh = triangles(
+        pad, rung.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, unit_of(pad)))
+    )
     stiff = {"skin": (1.0, pad.poisson_ratio), "film": (pad.film_modulus / pad.young_modulus, pad.film_ratio)}
     body = pressed_body(pad, mesh, 4, 1.2, stiff)
     for i, expected in ((0, told.s1[0]), (3, told.s2[1])):
@@ -237,7 +239,7 @@ def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
         )
 
 
-def contour_mean(body: strip_field.Body, pad: Pad, slot: SlotPlace, thickness: float) -> float:
+def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SlotPlace, thickness: float) -> float:
     """Around a rectangle OFF outside of the film, less what the silicone between them holds.
 
     All is cut in line with the film's corners, where stress has no bound, and sampled densely towards them.

@@ -6,7 +6,7 @@ import pytest
 
 from skincad.mechanics.problem import Request, pad_of
 from skincad.mechanics.tiers import corrected, linear
-from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, meshed_part, pressed
+from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, meshed_piece, pressed
 from skincad.mechanics.touching import check
 from tests.mechanics.designs import filleted, reference, yamada
 from tests.mechanics.tiers.test_solid import assert_inside, refined
@@ -66,7 +66,7 @@ def test_the_changes_error_on_variants(name: str) -> None:
     design = filleted().with_(**VARIANTS[name])
     coarse = corrected.free_ends(corrected.plain_pad(design), 4.0, {})
     pad = pad_of(design)
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.25))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.25))
     forms = forms_of(meshed, 3)
     plane, solid = (pressed(meshed, forms, along, 4.0, {}) for along in (None, Layers(0.3, 1.8, 4)))
     fine = corrected.Ends(plane, solid)

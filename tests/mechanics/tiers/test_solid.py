@@ -23,11 +23,11 @@ from skincad.mechanics.problem import Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, linear, solid, solid_level
 from skincad.mechanics.tiers.solid_level import (
     Layers,
-    Level,
     Meshed,
+    SolidSolution,
     coarse_sizes,
     forms_of,
-    meshed_part,
+    meshed_piece,
     pressed,
 )
 from tests.mechanics.bodies.test_elements import block
@@ -38,16 +38,18 @@ FEW = Layers(0.6, 2.0, 3)
 USUAL = Layers(0.6, 2.0, 4)
 
 
-def coarse(pad: Pad, order: int = 2, along: Layers | None = USUAL, force: float = 4.0, **how: Any) -> Level:
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.0))
+def coarse(
+    pad: Pad, order: int = 2, along: Layers | None = USUAL, force: float = 4.0, **how: Any
+) -> SolidSolution:
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     return pressed(meshed, forms_of(meshed, order), along, force, {}, **how)
 
 
 @cache
-def refined() -> Level:
+def refined() -> SolidSolution:
     """The reference section: order 3 on a finer mesh and finer layers than any rung's."""
     pad = pad_of(sharp())
-    meshed = meshed_part(pad, coarse_sizes(pad, 2.0))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 2.0))
     return pressed(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), 4.0, {})
 
 
@@ -80,7 +82,7 @@ def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> No
 def test_clamped_ends_are_plane_strain(film: bool) -> None:
     """With u_y = 0 at both ends the solution doesn't depend on y: rounding only, the film at 3750 E."""
     pad = pad_of(yamada() if film else sharp())
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.0))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, 2)
     plane = pressed(meshed, forms, None, 4.0, {})
     held = pressed(meshed, forms, FEW, 4.0, {}, clamped_end=True)
@@ -102,7 +104,7 @@ def test_half_is_the_whole() -> None:
     1.7 % of the force here, by that of the force."""
     pad = pad_of(sharp().with_(ridge={"count": 3}, skin={"width": 5.0, "length": 6.0}))
     sizes = coarse_sizes(pad, 1.5)
-    half = meshed_part(pad, sizes)
+    half = meshed_piece(pad, sizes)
     assert half.mirrored
     whole = Meshed(
         pad, pad, False, solid_level.unit_of(pad), solid_level.height_of(pad), triangles(pad, sizes)
@@ -124,7 +126,7 @@ def test_a_half_is_half_of_the_area() -> None:
 def test_nested_dissection_is_a_solve() -> None:
     """The Schur complement's inverse against the sparse solver's columns; condition 1e5 leaves 1e-9."""
     pad = pad_of(sharp().with_(ridge={"count": 1}, skin={"width": 2.0, "length": 4.0}))
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.0))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, 2)
     along = line(graded(2.0, 1.0, 2.0), 2)
     matrix = stiffness(forms, along)
@@ -220,7 +222,7 @@ def test_answer_holds_the_refined_solution_and_its_residual() -> None:
     assert_inside(found, exact)
 
 
-def assert_inside(found: Any, exact: Level) -> None:
+def assert_inside(found: Any, exact: SolidSolution) -> None:
     threshold, approach = found.all_touch_force, found.approach
     assert abs((threshold.value or 0.0) - (exact.all_touch_force or 0.0)) <= (threshold.error or 0.0)
     assert abs((approach.value or 0.0) - exact.approach) <= (approach.error or 0.0)
@@ -235,7 +237,7 @@ def test_truth_lies_inside_for_templates(name: str) -> None:
 
     design: Design = load(name)
     pad, force = pad_of(design), design.contact.force
-    meshed = meshed_part(pad, coarse_sizes(pad, 1.5))
+    meshed = meshed_piece(pad, coarse_sizes(pad, 1.5))
     exact = pressed(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), force, {})
     for answer in (solid.answer, corrected.answer):
         assert_inside(answer(design, Request(force)), exact)

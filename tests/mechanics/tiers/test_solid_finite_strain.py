@@ -25,7 +25,7 @@ from skincad.mechanics.tiers.solid_level import (
     coarse_sizes,
     forms_of,
     materials_of,
-    meshed_part,
+    meshed_piece,
     pressed,
 )
 from tests.mechanics.bodies.test_elements import block
@@ -36,7 +36,7 @@ SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length":
 
 
 def meshed_of(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> Meshed:
-    return meshed_part(pad, coarse_sizes(pad, fineness), whole=whole)
+    return meshed_piece(pad, coarse_sizes(pad, fineness), whole=whole)
 
 
 def small_body(along: Layers = FEW) -> SolidBody:
@@ -191,7 +191,7 @@ def test_half_is_the_whole() -> None:
     monkey = pytest.MonkeyPatch()
     with monkey.context() as patch:
         patch.setattr(
-            solid_finite_strain, "meshed_part", lambda pad, sizes: meshed_part(pad, sizes, whole=True)
+            solid_finite_strain, "meshed_piece", lambda pad, sizes: meshed_piece(pad, sizes, whole=True)
         )
         whole = solve(pad, 1.0, {}, FEW, fineness=1.5)
     assert half.finite.approach == pytest.approx(whole.finite.approach, rel=5e-3)

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from skincad.mechanics.bodies import strip_field
 from skincad.mechanics.bodies.strip_field import Patch
-from skincad.mechanics.film.stick import Level, Part, State
+from skincad.mechanics.film.stick import PadPiece, StickSolution, UnderLoad
 
 Array = NDArray[np.float64]
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class RidgeField:
     """A ridge and what is around it: `place` and `shift` `(p, 2)` mm, `stress` `(p,)` MPa across the ridge,
     from one strip's middle towards the other's, `triangles` `(t, 3)` of the points, `film` `(t,)` the film's.
     `middle` mm is the place half-way between the two strips.
@@ -31,43 +31,43 @@ class View:
     film: NDArray[np.bool_]
 
 
-def view(part: Part, found: Level, ridge: int, tangential: float) -> View:
+def ridge_field(piece: PadPiece, found: StickSolution, ridge: int, tangential: float) -> RidgeField:
     """Return the field around a ridge with both strips, under the normal force and `tangential` N."""
-    pressed = _around(part, found, ridge, found.pressed, 1)
+    pressed = _around(piece, found, ridge, found.pressed, 1)
     shift, stress = pressed.shift, pressed.stress
     if found.pulled is not None and tangential:
-        pulled = _around(part, found, ridge, found.pulled, -1)
+        pulled = _around(piece, found, ridge, found.pulled, -1)
         shift, stress = shift + tangential * pulled.shift, stress + tangential * pulled.stress
-    x, z = _across(part, ridge)
-    xx, xz, zz, _ = stress.T * part.pad.young_modulus
-    first, second = _middles(part, ridge)
-    return View(
+    x, z = _across(piece, ridge)
+    xx, xz, zz, _ = stress.T * piece.pad.young_modulus
+    first, second = _middles(piece, ridge)
+    return RidgeField(
         ridge,
         ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
-        pressed.place * part.unit,
-        shift * part.unit,
+        pressed.place * piece.unit,
+        shift * piece.unit,
         xx * x * x + 2 * xz * x * z + zz * z * z,
         pressed.triangles,
         pressed.film,
     )
 
 
-def _middles(part: Part, ridge: int) -> Array:
-    return np.array([slot.centre for slot in part.whole.section.slots if slot.ridge == ridge])
+def _middles(piece: PadPiece, ridge: int) -> Array:
+    return np.array([slot.centre for slot in piece.whole.section.slots if slot.ridge == ridge])
 
 
-def _across(part: Part, ridge: int) -> Array:
+def _across(piece: PadPiece, ridge: int) -> Array:
     """Unit vector from a ridge's first strip to its second."""
-    first, second = _middles(part, ridge)
+    first, second = _middles(piece, ridge)
     return np.asarray((second - first) / np.hypot(*(second - first)))
 
 
-def _around(part: Part, found: Level, ridge: int, state: State, parity: int) -> Patch:
+def _around(piece: PadPiece, found: StickSolution, ridge: int, state: UnderLoad, parity: int) -> Patch:
     """The field around a ridge, in units; of a half, what lies at x < 0 is the mirror image of x > 0."""
     strip_field.set_state(found.body, state.moved)
-    x, z = _middles(part, ridge).mean(axis=0) / part.unit
+    x, z = _middles(piece, ridge).mean(axis=0) / piece.unit
     here = strip_field.field(found.body, (x, z), REACH)
-    if not part.mirrored:
+    if not piece.mirrored:
         return here
     return joined(here, as_image(strip_field.field(found.body, (-x, z), REACH), parity))
 
