@@ -33,5 +33,5 @@ class Friction(Term):
         return self
 
     def share(self, step: Step) -> Share:  # noqa: ARG002
-        """Return the cone; it hangs on nothing of the step."""
+        """Return the cone; the same at every step."""
         return Share(Cone(self.coefficient, self.coefficient if self.kinetic is None else self.kinetic))

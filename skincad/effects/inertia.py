@@ -31,7 +31,7 @@ class Inertia(Term):
     )
 
     def share(self, step: Step) -> Share:  # noqa: ARG002
-        """Return how the highest modes are damped; it hangs on nothing of the step."""
+        """Return how the highest modes are damped; the same at every step."""
         return Share(damped=self.spectral_radius)
 
     def remarks(self, asked: frozenset[str]) -> Iterator[str]:

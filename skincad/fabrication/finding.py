@@ -24,7 +24,7 @@ class Finding:
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        return (
-            f"{self.severity}: {self.rule}: {self.where}: {self.measured:.4g}{unit}, "
-            f"limit {self.limit:.4g}; {self.remedy}"
-        )
+        numbers = f": {self.measured:.4g}{unit}, limit {self.limit:.4g}"
+        if not unit and {self.measured, self.limit} == {0.0, 1.0}:  # yes or no, as `where` says
+            numbers = ""
+        return f"{self.severity}: {self.rule}: {self.where}{numbers}; {self.remedy}"

@@ -189,7 +189,7 @@ def _notch_room(case: Case) -> Iterator[Finding]:
 def _cure(case: Case) -> Iterator[Finding]:
     material = silicone(case.design.material)
     if case.process.inhibits_platinum and material.platinum_cure:
-        place = f"what {case.name} makes, {material.name} cures by platinum"
+        place = f"{case.name} parts may keep {material.name}, a platinum-cured silicone, from curing"
         remedy = "wash, post-cure and bake the parts, seal them, and cast a trial first"
         yield Finding("cure inhibition", place, 1.0, 0.0, "", "note", remedy)
 

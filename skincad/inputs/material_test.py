@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -10,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.base.arguments import require_number
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 
@@ -51,8 +51,8 @@ def material_test(
     deformation, load = (columns[name] for name in pair)
     sides = (("gauge_length", gauge_length, "mm"), ("area", area, "mm2"))
     for option, size, unit in sides:
-        if size is not None and not 0 < size < math.inf:
-            raise InputError(option, f"must be above 0 {unit}", size)
+        if size is not None:
+            require_number(option, size, lambda value: value > 0, f"must be above 0 {unit}")
         if (size is None) == (pair == STRETCHED):
             rule = "is missing" if size is None else "is not used by a test"
             raise InputError(option, f"{rule} with the columns {' and '.join(pair)}", size)

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from time import perf_counter
 from typing import Any
 
-from skincad.base.errors import InputError
+from skincad.base.arguments import require_number
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
@@ -52,8 +52,8 @@ def accuracy(
 
     Raises InputError for an unknown ladder and for repeats out of range.
     """
-    if not 1 <= repeats <= MOST_REPEATS:
-        raise InputError("repeats", f"must be from 1 to {MOST_REPEATS}", repeats)
+    rule = f"must be from 1 to {MOST_REPEATS}"
+    require_number("repeats", repeats, lambda value: 1 <= value <= MOST_REPEATS, rule)
     began = perf_counter()
     climbs = [ladder_of(name) for name in dict.fromkeys(ladders or LADDERS)]
     if progress:

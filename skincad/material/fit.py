@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from skincad.base.arguments import require_number
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.catalog import silicone
@@ -55,9 +56,9 @@ def fit_material(
 def _within(name: str, test: MaterialTest, up_to: float | None) -> MaterialTest:
     """The rows up to a strain or a force, if there are enough and their loads differ."""
     pad = test.kind == "pad"
-    if up_to is not None and not 0 < up_to <= (np.finfo(float).max if pad else LARGEST_UP_TO):
-        limits = "must be above 0" + ("" if pad else f" and at most {LARGEST_UP_TO:g} (strain)")
-        raise InputError("up_to", limits, up_to)
+    if up_to is not None:
+        most, rule = (np.inf, "") if pad else (LARGEST_UP_TO, f" and at most {LARGEST_UP_TO:g} (strain)")
+        require_number("up_to", up_to, lambda value: 0 < value <= most, f"must be above 0{rule}")
     limit = up_to or (np.inf if pad else UP_TO_STRAIN)
     kept = np.abs(test.load if pad else test.deformation) <= limit
     largest = float(np.abs(test.load[kept]).max(initial=0.0))

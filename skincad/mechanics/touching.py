@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
+from skincad.base.arguments import require_goals, require_number
 from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
@@ -50,6 +51,12 @@ MESH_SHARE, LAST_SHARE = 0.3, 0.5
 FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
 
 
+def require_force(force: float) -> None:
+    """Raise InputError unless a normal force, N, is one that can be asked for."""
+    rule = f"must be above 0 N and at most {LARGEST_FORCE:g} N"
+    require_number("force", force, lambda value: 0 < value <= LARGEST_FORCE, rule)
+
+
 def check(
     design: Design,
     *,
@@ -72,12 +79,8 @@ def check(
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
     asked = design.contact.force if force is None else force
-    if not 0 < asked <= LARGEST_FORCE:
-        raise InputError("force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", asked)
-    if tol is not None and not 0 < tol < 1:
-        raise InputError("tol", "must be between 0 and 1 (relative)", tol, "try 0.05")
-    if budget is not None and not (budget > 0 and math.isfinite(budget)):
-        raise InputError("budget", "must be above 0 s", budget)
+    require_force(asked)
+    require_goals(tol, budget, "0.05")
     if measured is not None and design.skin.curvature_radius_y is not None:
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.base.arguments import require_goals
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError, RefusedError, needing
 from skincad.base.result import Result
@@ -155,7 +156,7 @@ def simulate(
     With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
     another resource does not suffice for the coarsest mesh.
     """
-    _check_asked(tol, budget)
+    require_goals(tol, budget, "0.02")
     wanted, began = tol or DEFAULT_TOLERANCE, perf_counter()
     seconds: dict[str, float] = {}
     piece, films = _piece(scene, seconds), bool(scene.readout.ridges)
@@ -192,13 +193,6 @@ def simulate(
         short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
     told = _told(scene, piece, found, error, seconds, short)
     return replace(told, seconds={"total": perf_counter() - began, **seconds})
-
-
-def _check_asked(tol: float | None, budget: float | None) -> None:
-    if tol is not None and not 0 < tol < 1:
-        raise InputError("tol", "must be between 0 and 1 (relative)", tol, "try 0.02")
-    if budget is not None and not 0 < budget < np.inf:
-        raise InputError("budget", "must be above 0 s", budget)
 
 
 def _or_before(

@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from skincad.base.arguments import require_goals, require_number
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design, Slot
 from skincad.mechanics.film.answer import FilmStress, FilmStresses
 from skincad.mechanics.film.rungs import solve
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.touching import LARGEST_FORCE
+from skincad.mechanics.touching import LARGEST_FORCE, require_force
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 
 DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/facts.md)
@@ -103,13 +104,11 @@ def check_request(
 ) -> None:
     """Raise InputError for what `film_stresses` would refuse before any work."""
     _filled_slot(design)
-    if not 0 < force <= LARGEST_FORCE:
-        raise InputError("force", f"must be above 0 N and at most {LARGEST_FORCE:g} N", force)
+    require_force(force)
+    rule = f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N"
     for pull in tangential:
-        if not abs(pull) <= LARGEST_FORCE:
-            raise InputError("tangential", f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N", pull)
-    if not 0 < tol < 1:
-        raise InputError("tol", "must be between 0 and 1 (relative)", tol, "try 0.02")
+        require_number("tangential", pull, lambda value: abs(value) <= LARGEST_FORCE, rule)
+    require_goals(tol, None, "0.02")
     for ridge in show:
         if not 1 <= ridge <= design.ridge.count:
             raise InputError("show", f"must be a ridge from 1 to {design.ridge.count}", ridge)

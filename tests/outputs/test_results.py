@@ -1,0 +1,126 @@
+"""Every result has one shape: words, JSON, figures and files, and writes nothing before it is asked to."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import skincad
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.result import LONGEST_REPR, Result
+from skincad.outputs import accuracies, gains, makes, simulations
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.simulation import at_level
+from tests.base.test_portable import FILMED
+from tests.conftest import Made
+from tests.small_scene import small_scene
+
+PACKAGE = Path(skincad.__file__).parent
+ENTERED = {"make", "check", "simulate", "gain", "accuracy", "fit_material", "film_stress"}
+
+
+@pytest.fixture(scope="module")
+def results(made: Made, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
+    folder = tmp_path_factory.mktemp("results")
+    rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
+    (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
+    few = "history.steps=4", "history.time_s=[0.0, 0.1]", "history.normal_force_N=[0.0, 0.3]"
+    return {
+        "make": made.result,
+        "check": made.result.check,
+        "gain": skincad.gain(skincad.load_circuit("yamada-2002", ["sweep.points=50"])),
+        "simulate": at_level(small_scene(folder, "yamada-2002-press", *few), LEVELS[0]),
+        "accuracy": skincad.accuracy(skincad.load("plain-ridges"), ["circuit"], repeats=1),
+        "fit_material": skincad.fit_material(folder / "bar.csv"),
+        "film_stress": skincad.film_stress(skincad.load("yamada-2002", FILMED), 0.4, 0.1, tol=0.5),
+    }
+
+
+def test_each_public_computation_returns_a_result(results: dict[str, Result]) -> None:
+    assert set(results) == ENTERED
+    assert all(isinstance(result, Result) for result in results.values())
+
+
+@pytest.mark.parametrize("kind", sorted(ENTERED))
+def test_a_result_is_short_in_a_console_and_whole_in_words(results: dict[str, Result], kind: str) -> None:
+    result = results[kind]
+    assert len(repr(result)) <= LONGEST_REPR
+    assert "\n" not in repr(result)
+    assert repr(result).startswith(f"<{type(result).__name__} ")
+    assert len(str(result).splitlines()) > 1
+    json.dumps(result.as_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize("kind", sorted(ENTERED))
+def test_a_notebook_shows_words_and_figure(results: dict[str, Result], kind: str) -> None:
+    page = results[kind]._repr_html_()
+    assert page.startswith("<pre>")
+    assert 'src="data:image/png;base64,iVBOR' in page
+    assert set(results[kind].figures()) <= set(results[kind].files())
+    with pytest.raises(KeyError, match="no figure nothing; there are: "):
+        results[kind].figure("nothing")
+
+
+@pytest.mark.parametrize("kind", sorted(ENTERED - {"make"}))
+def test_write_writes_the_files_and_their_manifest(
+    results: dict[str, Result], kind: str, tmp_path: Path
+) -> None:
+    result = results[kind]
+    written = skincad.write(result, tmp_path / "out")
+    manifest = f"{result.shown().COMMAND}.json"
+    assert {p.name for p in (tmp_path / "out").iterdir()} == {*result.files(), manifest}
+    assert [name for name, _ in written.files] == sorted(result.files())
+    assert str(tmp_path / "out") in str(written)
+    assert json.loads((tmp_path / "out" / manifest).read_text())["files"] == sorted(result.files())
+
+
+def test_what_will_be_written_is_known_before(results: dict[str, Any], yamada: skincad.Design) -> None:
+    assert makes.names(yamada) == list(results["make"].files())
+    assert gains.names(measured=False) == list(results["gain"].files())
+    assert set(simulations.names(results["simulate"].scene)) == set(results["simulate"].files())
+    assert accuracies.names(["circuit"]) == list(results["accuracy"].files())
+
+
+def test_formats_choose_and_are_told(results: dict[str, Result], tmp_path: Path) -> None:
+    written = skincad.write(results["gain"], tmp_path / "out", formats="csv")
+    assert [name for name, _ in written.files] == ["gain.csv"]
+    with pytest.raises(InputError, match="formats: unknown format, got 'svc'; did you mean 'csv'"):
+        skincad.write(results["gain"], tmp_path / "other", formats=["svc"])
+    assert not (tmp_path / "other").exists()
+
+
+def test_a_copy_of_a_make_says_that_it_has_no_solids(results: dict[str, Result]) -> None:
+    with pytest.raises(RefusedError, match="a copy has no solids"):
+        copy.copy(results["make"]).files()
+
+
+def test_every_public_name_is_completed_and_no_module_takes_it() -> None:
+    assert set(skincad.__all__) <= set(dir(skincad))
+    assert ENTERED | {"section", "write", "load_scene", "load_circuit", "load_design"} <= set(skincad.__all__)
+    modules = {path.stem for path in PACKAGE.rglob("*") if path.suffix in ("", ".py")}
+        p.name for p in PACKAGE.rglob("*") if p.is_dir()
+    }
+    assert not modules & set(skincad.__all__)
+
+
+def test_errors_raised_to_python_name_arguments() -> None:
+    """Flags are the command line's: no file but commands.py, which declares them, has one as an error's key."""
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            named = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "InputError" and node.args
+            if named and isinstance(node.args[0], ast.Constant):
+                assert not re.match(r"-", str(node.args[0].value)), path
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("force", "2 N"), ("force", True), ("tol", "5 %"), ("budget", [1.0])]
+)
+def test_an_argument_of_another_type_is_told(yamada: skincad.Design, name: str, value: object) -> None:
+    with pytest.raises(InputError, match=f"^{name}: must be a number, got "):
+        skincad.check(yamada, **{name: value})
