@@ -14,6 +14,7 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhaus
 from skincad.commands import app
 
 TRACEBACK = "SKINCAD_TRACEBACK"  # the environment variable that lets a traceback of skincad's own faults pass
+SIGNALLED = 128  # a status above it tells a signal
 COMPLETE = "_SKINCAD_COMPLETE"  # set by a shell that asks how a word may go on
 
 # typer carries a parser of its own; its public BadParameter leads to the base of its errors
@@ -36,8 +37,10 @@ def main() -> None:
         status = 0
     except KeyboardInterrupt:
         _leave("interrupted", 130)
-    except SystemExit as end:  # SIGTERM's
-        _leave("terminated", int(end.code or 0))
+    except SystemExit as end:
+        if not isinstance(end.code, int) or end.code < SIGNALLED:  # a shell's completion is done
+            raise
+        _leave("terminated", end.code)
     except Exception as failure:  # whatever it is, no traceback reaches a user who has not asked for it
         if os.environ.get(TRACEBACK):
             print_exc()

@@ -179,9 +179,9 @@ def check(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say whether all ridges touch a plate, and what force that takes.
+    """Say whether all ridges touch a plate.
 
-    Also the approach and the force of each ridge, each with its error.
+    Also the force that takes, the approach and the force on each ridge, each with its error.
     """
     from skincad.base.freshfile import checked_fresh, fresh
 
@@ -227,7 +227,9 @@ def circuit(
     folder: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say gain against frequency, cut-off and slopes of film and amplifier.
+    """Say how film and amplifier respond to frequency.
+
+    The gain, its cut-off and its slopes.
 
     Writes gain.csv, gain.png and netlist.cir; with --measured also the calibrated circuit.
     """
@@ -259,7 +261,7 @@ def simulate(
     folder: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run a scene step by step: press, pull, and say which ridge slips when.
+    """Run a scene, and say which ridge slips when.
 
     Only the effects that the scene names are computed. Signals as CSV and a picture appear in the out folder;
     Ctrl-C keeps what is done by then.

@@ -104,13 +104,11 @@ def test_every_public_name_is_completed_and_no_module_takes_it() -> None:
     assert set(skincad.__all__) <= set(dir(skincad))
     assert ENTERED | {"section", "write", "load_scene", "load_circuit", "load_design"} <= set(skincad.__all__)
     modules = {path.stem for path in PACKAGE.rglob("*") if path.suffix in ("", ".py")}
-        p.name for p in PACKAGE.rglob("*") if p.is_dir()
-    }
     assert not modules & set(skincad.__all__)
 
 
 def test_errors_raised_to_python_name_arguments() -> None:
-    """Flags are the command line's: no file but commands.py, which declares them, has one as an error's key."""
+    """No error has a flag as its key: the command line alone names flags."""
     for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             named = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "InputError" and node.args
