@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from skincad.base.errors import InputError
-from skincad.base.tables import parse
 from skincad.inputs.catalog import silicones
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
@@ -32,7 +31,7 @@ def sections(count: int, seed: int = 0) -> Iterator[Design]:
     dice, found = Dice(np.random.default_rng(seed)), 0
     while found < count:
         try:
-            design = parse(Design, {"name": f"section-{found}", **tables(dice)})
+            design = Design(name=f"section-{found}", **tables(dice))
             section(design)
         except InputError:
             continue

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from skincad.base.errors import InputError
-from skincad.base.tables import parse
 from skincad.inputs.catalog import silicone, silicones
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
@@ -38,7 +37,7 @@ def drawn(seed: int) -> Drawn:
     refused: list[str] = []
     for _ in range(MOST_DRAWS):
         try:
-            design = parse(Design, {"name": f"random-{seed}", **tables(Dice(random))})
+            design = Design(name=f"random-{seed}", **tables(Dice(random)))
             mold(design)
         except InputError as refusal:
             refused.append(refusal.key)
@@ -165,7 +164,7 @@ def wide(seed: int) -> tuple[Design, float]:
     dice = Dice(np.random.default_rng([seed, 11]))
     for _ in range(MOST_DRAWS):
         try:
-            design = parse(Design, {"name": f"wide-{seed}", **_wide(dice)})
+            design = Design(name=f"wide-{seed}", **_wide(dice))
             pad_of(design)
         except InputError:
             continue

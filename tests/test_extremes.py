@@ -17,7 +17,7 @@ import tomlkit
 
 from bench.campaign.strategies import numbers
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.tables import Table, parse, table_of
+from skincad.base.tables import Table, table_of
 from skincad.circuit.bode import gain
 from skincad.circuit.model import Circuit, constants, noise_sources
 from skincad.effects import EFFECTS, effect
@@ -28,7 +28,8 @@ from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.touching import check
 from skincad.outputs.delivery import write
 from skincad.scenes.levels import LEVELS
-from skincad.scenes.scene import Readout, ScenePlate, load_scene
+from skincad.scenes.scene import load_scene
+from skincad.scenes.scene_tables import Readout, ScenePlate
 from skincad.scenes.simulation import at_level
 from tests.small_scene import small_skin
 
@@ -70,7 +71,7 @@ def finite(found: Callable[[], dict[str, Any]]) -> bool:
 
 def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
     """What a circuit tells, and what it makes of a film's charge in a scene."""
-    circuit = parse(Circuit, tables)
+    circuit = Circuit(**tables)
     told = gain(circuit).as_json()
     chain = Chain.of(constants(circuit), np.linspace(0.0, 0.1, 11), 50.0)
     noise = chain.noise_rms(constants(circuit), noise_sources(circuit))
@@ -79,7 +80,7 @@ def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
 
 def design_told(tables: dict[str, Any]) -> dict[str, Any]:
     """The closed form's verdict on a design, and the numbers that a mesh of it begins with."""
-    design = parse(Design, tables)
+    design = Design(**tables)
     told = check(design, tier="winkler").as_json()
     if design.slot and design.skin.curvature_radius_y is None:
         pad = filled_pad(design.with_(contact={"film": "ignored"}))[0]

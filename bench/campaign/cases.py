@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import tomlkit
 
-from skincad.base.tables import parse
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 
@@ -37,7 +36,7 @@ class Case:
     def design(self) -> Design:
         if self.skin is None and self.kind == "simulate":
             return load(self.tables["skin"])
-        return parse(Design, self.tables if self.skin is None else self.skin)
+        return Design(**(self.tables if self.skin is None else self.skin))
 
     def toml(self) -> str:
         found = {"kind": self.kind, "arguments": self.arguments, "tables": self.tables, "skin": self.skin}
@@ -178,7 +177,7 @@ def circuit_figures(case: Case) -> Figures:
     from skincad.circuit.model import Circuit
     from skincad.circuit.network import decibels
 
-    circuit = parse(Circuit, case.tables)
+    circuit = Circuit(**case.tables)
     found = gain(circuit)
     some = found.frequency[[0, found.frequency.size // 2, -1]]
     passed = decibels(indenter_response(circuit.indenter, some)) if circuit.indenter else np.zeros(3)

@@ -5,8 +5,9 @@ A model's broken rule leaves as InputError with the key's dotted name, never as 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from typing import Any, Self, TypeVar
+from typing import Any, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
@@ -20,9 +21,59 @@ def quantity(unit: str, meaning: str, **limits: Any) -> Any:
 
 
 class Table(BaseModel):
-    """A TOML table: frozen, no unknown keys, no silent conversion of types."""
+    """A TOML table: frozen, no unknown keys, no silent conversion of types.
+
+    Raises InputError for the rules that its keys break.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    def __init__(self, /, **keys: Any) -> None:
+        try:
+            super().__init__(**keys)
+        except ValidationError as failure:
+            raise told(type(self), failure) from None
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # as inner ones are
+
+    def __setattr__(self, key: str, value: object) -> None:
+        raise InputError(key, "is frozen", value, "take a changed copy, as by with_(...)")
+
+
+class Document(Table):
+    """The tables of a TOML file, with its name."""
+
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
+        description="letters, digits, - and _, up to 64; it names the out folder",
+    )
+
+    def with_(self, **changes: Any) -> Self:
+        """Return a copy with some keys changed, checked anew.
+
+        `design.with_(ridge={"height": 0.6}, slot=None)`: a dict changes the keys that it names in a table,
+        None drops a key or an optional table, with all that cannot be without it.
+        """
+        data = self.model_dump(exclude_none=True)
+        for key, change in changes.items():
+            before = data.pop(key, None)
+            if isinstance(change, dict):
+                merged = {**(before if isinstance(before, dict) else {}), **change}
+                data[key] = {inner: value for inner, value in merged.items() if value is not None}
+            elif change is not None:
+                data[key] = change
+            self._follow(data, key, change)
+        return type(self)(**data)
+
+    @staticmethod
+    def _follow(data: dict[str, Any], key: str, change: Any) -> None:
+        """Change, in place, what a changed key takes with it."""
+
+    def to_toml(self) -> str:
+        """Return the TOML text that this is loaded from; defaults are told, what is not given is not."""
+        import tomlkit
+
+        return tomlkit.dumps(self.model_dump(exclude_none=True))
 
 
 class Ranged(Table):
@@ -46,22 +97,16 @@ class Ranged(Table):
         return self
 
 
-Model = TypeVar("Model", bound=Table)
-
-
-def parse(model: type[Model], data: dict[str, Any]) -> Model:
-    """Return the model of these values; raises InputError for the keys that break their rules."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as failure:
-        told = _telling(failure.errors())[:MOST_TOLD]
-        raise together([_error(model, error) for error in told]) from None
+def told(model: type[BaseModel], failure: ValidationError, at: str = "") -> InputError:
+    """Return what broke the rules of a model: of the table `at`, or else of a file or a table by itself."""
+    errors = [_error(model, error) for error in _telling(failure.errors())[:MOST_TOLD]]
+    return together([e.under(at) if at or e.key else e.under(model.__name__.lower()) for e in errors])
 
 
 def table_of(model: type[BaseModel], key: str) -> type[Table] | None:
-    """Return the table model behind a key of `model`, or None where the key is a plain value."""
+    """Return the table model behind a key of `model`, or None where a file has a plain value there."""
     field = model.model_fields.get(key)
-    if field is None:
+    if field is None or str in get_args(field.annotation):
         return None
     return next((k for k in _kinds(field.annotation) if isinstance(k, type) and issubclass(k, Table)), None)
 
@@ -95,11 +140,10 @@ def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
 
 def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     path = tuple(str(p) for p in error["loc"])
-    key, given = ".".join(path) or "design", error.get("input")
+    key, given = ".".join(path), error.get("input")
     cause = error.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
-        found = cause.under(".".join(path))
-        return found if found.key else cause.under("design")
+        return cause.under(key)
     if error["type"] == "extra_forbidden":
         return _unknown_key(model, path)
     if error["type"] == "missing":
@@ -111,9 +155,9 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     if error["type"] in ("model_type", "model_attributes_type", "dict_type"):
         wanted = "a number or {value, low, high}" if path[-1] == "young_modulus" else f"a table, [{key}]"
         return InputError(key, f"must be {wanted}", given)
-    rule = error["msg"].replace("Input should be", "must be").replace("a valid integer", "an integer")
-    rule = rule.replace("valid ", "")
-    unit = unit_of(model, path)
+    rule = re.sub("^(Input|String|List) should", "must", error["msg"]).partition(" after validation")[0]
+    rule = rule.replace("a valid integer", "an integer").replace("valid ", "")
+    unit = "" if "too_" in error["type"] else unit_of(model, path)  # a length has none
     return InputError(key, rule + (f" ({unit})" if unit else ""), given)
 
 

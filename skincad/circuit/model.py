@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from skincad.base.errors import InputError
-from skincad.base.tables import Table, parse, quantity
+from skincad.base.tables import Document, Table, quantity
 from skincad.circuit.film import capacitance
 from skincad.circuit.network import Constants
 from skincad.circuit.noise import NoiseSources
@@ -124,13 +124,9 @@ class Sampling(Table):
     rate: float = quantity("Hz", "samples a second; the paper's 650", gt=0.0, le=1e9)
 
 
-class Circuit(Table):
+class Circuit(Document):
     """A film with its amplifier; everything after `amplifier` is optional."""
 
-    name: str = Field(
-        pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
-        description="letters, digits, - and _, up to 64; it names the out folder",
-    )
     film: Film
     cable: Cable = Field(default=Cable(capacitance=0.0), description="none: no lead")
     motional: Motional
@@ -152,12 +148,12 @@ class Circuit(Table):
         return self
 
 
-def load_circuit(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Circuit:
-    """Return the circuit of a template's name or of a TOML file, `--set` overrides on top.
+def load_circuit(source: str | Path, settings: list[str] | tuple[str, ...] = ()) -> Circuit:
+    """Return the circuit of a template's name or of a TOML file, settings as of `load_design` on top.
 
     Raises InputError with key, rule, value, remedy.
     """
-    return parse(Circuit, overridden(read_table(source, "circuits"), overrides))
+    return Circuit(**overridden(read_table(source, "circuits"), settings))
 
 
 def constants(circuit: Circuit) -> Constants:

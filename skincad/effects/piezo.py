@@ -30,7 +30,7 @@ from skincad.circuit.resample import PASS
 from skincad.circuit.state import Stepper, run, stepper
 from skincad.effects.kinds import Reader, Reading, Watched
 from skincad.inputs.design import Design
-from skincad.inputs.design import Film as Strip
+from skincad.inputs.skin_tables import Film as Strip
 
 Array = NDArray[np.float64]
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12

@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from skincad.inputs.design import Design, Film
+from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import Film
 from skincad.shape.cross_section import SlotPlace, section
 from skincad.shape.curves import Loop, Point, Segment, rectangle
 from skincad.solids.inserts import stands_out

@@ -16,9 +16,10 @@ from typing import Any, Literal
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
-from skincad.base.tables import Ranged, parse
-from skincad.inputs.design import Design, Material, drop_dependents, renamed_material
+from skincad.base.tables import Ranged
+from skincad.inputs.design import Design, drop_dependents, renamed_material
 from skincad.inputs.process import Process, merged
+from skincad.inputs.skin_tables import Material
 
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
 Kind = Literal["designs", "scenes", "circuits"]
@@ -88,20 +89,20 @@ def template_text(name: str, kind: Kind = "designs") -> str:
 
 def load_design(
     source: str | Path,
-    overrides: list[str] | tuple[str, ...] = (),
+    settings: list[str] | tuple[str, ...] = (),
     *,
     printer: str | Path | None = None,
 ) -> Design:
     """Return the design of a template's name or of a TOML file.
 
     `printer` is a TOML file of a workshop's own processes; they go into the design's `[printer]`, so that a
-    copy of the design means the same without the file. `overrides` are `table.key=value` with a TOML value,
+    copy of the design means the same without the file. `settings` are `table.key=value` with a TOML value,
     or `table=none` to drop an optional table, and come last. Raises InputError with key, rule, value, remedy.
     """
     data = read_table(source, "designs")
     if printer is not None:
         data = with_printer(data, printer)
-    return parse(Design, overridden(data, overrides))
+    return Design(**overridden(data, settings))
 
 
 load = load_design  # as it was called first
@@ -141,10 +142,10 @@ def _read_file(path: Path, name: str) -> dict[str, Any]:
     return tables_of(text_of(path, name, LARGEST_FILE, "TOML"), name)
 
 
-def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> dict[str, Any]:
+def overridden(data: dict[str, Any], settings: list[str] | tuple[str, ...]) -> dict[str, Any]:
     """Return the tables with `key=value` texts applied in order; the input stays as it is."""
     result = _copied(data)
-    for text in overrides:
+    for text in settings:
         path, equals, value = text.partition("=")
         keys = [k.strip() for k in path.split(".")]
         if not equals or not all(keys) or len(keys) > MOST_PARTS:
@@ -159,7 +160,7 @@ def overridden(data: dict[str, Any], overrides: list[str] | tuple[str, ...]) -> 
             drop_dependents(result, path.strip())
         else:
             table[keys[-1]] = _toml_value(value.strip())
-    named = {text.partition("=")[0].strip() for text in overrides}
+    named = {text.partition("=")[0].strip() for text in settings}
     renamed_material(result, {key.removeprefix("material.") for key in named if key.startswith("material.")})
     return result
 
@@ -186,7 +187,7 @@ def processes(own: Mapping[str, Process] | None = None) -> dict[str, Process]:
 @cache
 def _shipped() -> dict[str, Process]:
     rows = tomllib.loads(processes_text())
-    return {name: parse(Process, {**row, "based_on": name}) for name, row in rows.items()}
+    return {name: Process(**{**row, "based_on": name}) for name, row in rows.items()}
 
 
 def processes_text() -> str:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
-from skincad.base.errors import InputError, refusals, together
-from skincad.inputs.process import check_named, check_own
-
-if TYPE_CHECKING:
-    from skincad.inputs.design import Design, Ridge, Skin
+from skincad.base.errors import InputError, refusals
+from skincad.inputs.mold_table import Mold
+from skincad.inputs.process import Process, check_named, check_own
+from skincad.inputs.skin_tables import Contact, Film, Ridge, Skin, Slot, lean
 
 MOST = 999  # ridges that are told of, as ridge.count
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -21,22 +19,15 @@ SMALLEST_FILLET = (
 CORE = 0.2  # assumption: least radius of a revolved skin's back, of curvature_radius_y
 
 
-def check_design(design: Design) -> None:
-    """Raise InputError for the rules between keys that a design breaks."""
-    checks = (_mold(design), _skin(design), _revolved(design.skin), _ridge(design.ridge), _film(design))
-    if broken := [error for check in checks for error in check]:
-        raise together(broken)
-
-
-def _mold(design: Design) -> Iterator[InputError]:
-    own, choice = design.printer or {}, design.mold
+def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
+    """Yield what a workshop's own processes lack, and names of the mold's that nobody knows."""
     yield from refusals(lambda: check_own(own))
     for key in ("process", "end_plate_process", "lid_process"):
-        yield from refusals(partial(check_named, f"mold.{key}", getattr(choice, key), own))
+        yield from refusals(partial(check_named, f"mold.{key}", getattr(mold, key), own))
 
 
-def _skin(design: Design) -> Iterator[InputError]:
-    skin, ridge = design.skin, design.ridge
+def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:
+    """Yield what keeps the skin from being a fan of less than `FAN_LIMIT_DEG` that bears all its ridges."""
     if skin.width >= 2 * skin.curvature_radius:
         yield InputError(
             "skin.width",
@@ -62,7 +53,7 @@ def _skin(design: Design) -> Iterator[InputError]:
             skin.thickness,
         )
     half_root = ridge.root_width / 2 + ridge.root_fillet
-    reach = abs(design.lean(1)) + half_root / skin.curvature_radius
+    reach = abs(lean(skin, ridge, 1)) + half_root / skin.curvature_radius
     if reach >= side:
         more = (
             2 * (side * skin.curvature_radius - half_root) / ridge.pitch
@@ -76,8 +67,8 @@ def _skin(design: Design) -> Iterator[InputError]:
         )
 
 
-def _revolved(skin: Skin) -> Iterator[InputError]:
-    """The section must keep clear of the axis that it turns about, and turn by less than the fan's limit."""
+def revolved(skin: Skin) -> Iterator[InputError]:
+    """Yield a section too near the axis that it turns about, and a turn of the fan's limit or more."""
     radius = skin.curvature_radius_y
     if radius is None:
         return
@@ -99,7 +90,8 @@ def _revolved(skin: Skin) -> Iterator[InputError]:
         )
 
 
-def _ridge(ridge: Ridge) -> Iterator[InputError]:
+def profile(ridge: Ridge) -> Iterator[InputError]:
+    """Yield widths, fillets and a crown that make no ridge."""
     if ridge.root_width >= ridge.pitch:
         yield InputError(
             "ridge.root_width", f"must be less than {ridge.pitch:g} mm (ridge.pitch)", ridge.root_width
@@ -122,8 +114,8 @@ def _ridge(ridge: Ridge) -> Iterator[InputError]:
         )
 
 
-def _film(design: Design) -> Iterator[InputError]:
-    slot, film = design.slot, design.film
+def strips(skin: Skin, slot: Slot | None, film: Film | None, mold: Mold) -> Iterator[InputError]:
+    """Yield a film that finds no room in its slot, and strips that cannot be cast in, which lie straight."""
     if film is not None and slot is None:
         yield InputError("film", "needs a slot to lie in", remedy="add [slot] or drop [film]")
     if film is not None and slot is not None and film.thickness > slot.thickness:
@@ -133,17 +125,15 @@ def _film(design: Design) -> Iterator[InputError]:
     if film is not None and slot is not None and 2 * film.electrode_margin >= slot.depth:
         rule = f"must be less than {slot.depth / 2:g} mm (half of slot.depth), or no electrode is left"
         yield InputError("film.electrode_margin", rule, film.electrode_margin)
-    if design.mold.method == "cast-in":
-        yield from _cast_in(design)
-    if design.contact.film == "bonded" and film is None:
-        yield InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")
-
-
-def _cast_in(design: Design) -> Iterator[InputError]:
-    """Strips lie straight in the mold, and what is round them is silicone."""
-    key, given = "mold.method", design.mold.method
-    if design.slot is not None and design.film is None:
+    key, given = "mold.method", mold.method
+    if given == "cast-in" and slot is not None and film is None:
         yield InputError(key, "needs a [film] to cast in", given, "add [film], or take 'shim'")
-    if design.skin.curvature_radius_y is not None:
+    if given == "cast-in" and skin.curvature_radius_y is not None:
         rule = "needs straight strips, and skin.curvature_radius_y bends them"
         yield InputError(key, rule, given, "drop curvature_radius_y")
+
+
+def bond(contact: Contact, film: Film | None) -> Iterator[InputError]:
+    """Yield a bond of films that are not there."""
+    if contact.film == "bonded" and film is None:
+        yield InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
-import tomlkit
 from numpy.typing import NDArray
 
 from skincad.base.errors import RefusedError
@@ -37,10 +34,7 @@ def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
         f"readout.ridges={[min(TOLD, design.ridge.count)] if design.slot else []}",
         *([] if design.film else ["effects.film=none"]),
     ]
-    with TemporaryDirectory() as folder:  # a scene names its skin by a file
-        skin = Path(folder) / "skin.toml"
-        skin.write_text(tomlkit.dumps(design.model_dump(exclude_none=True)), encoding="utf-8")
-        return load_scene(SCENE, [f"skin={skin.as_posix()!r}", *changes, *more])
+    return load_scene(SCENE, [*changes, *more], skin=design)
 
 
 def marched(scene: Scene, level: Level, most: float) -> Simulation:

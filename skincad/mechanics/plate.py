@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.inputs.design import Plate
+from skincad.inputs.skin_tables import Plate
 
 Array = NDArray[np.float64]
 

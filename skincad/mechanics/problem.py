@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import silicone
-from skincad.inputs.design import Design, Plate
+from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import Plate
 from skincad.shape.cross_section import CONTACT_KINDS, Section, section
 from skincad.shape.curves import Loop, Point, Segment
 

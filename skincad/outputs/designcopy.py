@@ -11,7 +11,7 @@ import tomlkit
 from skincad.base.errors import RefusedError, shown
 from skincad.base.freshfile import fresh
 from skincad.base.reading import text_of
-from skincad.base.tables import Ranged, parse
+from skincad.base.tables import Ranged
 from skincad.inputs.catalog import LARGEST_FILE, overridden, read_table, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.outputs.fits import ranged_toml
@@ -34,7 +34,7 @@ def write_with_modulus(
     table: Any = document["material"]
     table["young_modulus"] = value
     text = tomlkit.dumps(document)
-    if parse(Design, tomllib.loads(text)) != parse(Design, data):
+    if Design(**tomllib.loads(text)) != Design(**data):
         raise RefusedError(f"the copy of {source} does not say what the design says")
     with fresh(path, "copy") as staging:
         staging.write_text(text, encoding="utf-8")

@@ -1,161 +1,92 @@
-"""What a scene file says: a skin, what the plate does, and the effects that count.
+"""What a scene says: a skin, what the plate does, and the effects that count.
 
 An effect that is not named is not imported. Its table is parsed by the effect itself.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
-import numpy as np
-from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from skincad.base.errors import InputError
-from skincad.base.tables import Table, parse, quantity
+from skincad.base.tables import Document, told
 from skincad.effects import effect
 from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
-from skincad.inputs.catalog import load, overridden, read_table
+from skincad.inputs.catalog import load_design, overridden, read_table
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.grip import Drive
+from skincad.scenes.scene_tables import History, Readout, ScenePlate
 
-Array = NDArray[np.float64]
 LAW = "small_strain"  # of a scene that names none
-MOST_FRAMES = 60  # of an animation of less than 2 MB
-STEEPEST = 5.0  # deg; of a plate that turns, as of a tilted one (design.py)
-# of a history; forces as contact.force, travel as the widest skin (design.py)
-LARGEST = {"time_s": 1e6, "normal_force_N": 1e6, "tangential_force_N": 1e6, "displacement_mm": 1e3}
-NARROWEST = 1e-4  # Hz; less shows nothing of the longest history
-SHORTEST = 1e-9  # s; assumption: sound passes a micrometre of silicone, far less than any mesh shows
+LONGEST = 4096  # letters of a path
 
 
-class History(Table):
-    """What the plate does: points in time, straight lines between them."""
+def _placed(value: Any, folder: Path) -> Any:
+    """A TOML file's path from the root, so that it means the same everywhere; any other value as it is."""
+    if isinstance(value, str) and value.endswith(".toml"):
+        with suppress(OSError):  # where the working directory is gone
+            return str((folder / value).absolute())
+    return value
 
-    time_s: list[float] = Field(
-        description="of each point, from 0", min_length=2, max_length=10_000, json_schema_extra={"unit": "s"}
+
+def _skin(given: Any) -> Any:
+    """A design, or the text that names one."""
+    if isinstance(given, dict):
+        return Design(**given)
+    if not isinstance(given, str | Design):
+        raise InputError("", "must be a design, or the name of a template or TOML file", given)
+    if isinstance(given, str) and len(given) > LONGEST:
+        raise InputError("", f"must have at most {LONGEST} characters", given)
+    return _placed(given, Path())
+
+
+def _effects(given: Any, folder: Path = Path()) -> Any:
+    """Effects' tables, the TOML files that they name taken from `folder`, and nothing that is not given."""
+    if not isinstance(given, dict):
+        return given
+    return {
+        name: {key: _placed(value, folder) for key, value in table.items() if value is not None}
+        if isinstance(table, dict)
+        else table
+        for name, table in given.items()
+    }
+
+
+class Scene(Document):
+    """What is done to a skin: forces N, lengths mm, times s. `skin` is a Design, or the name of one.
+
+    Raises InputError for broken rules, of the effects and between scene and skin too.
+    """
+
+    skin: Annotated[str | Design, BeforeValidator(_skin)] = Field(
+        description="a design's template, or a TOML file beside the scene"
     )
-    normal_force_N: list[float] = Field(  # noqa: N815
-        description="presses, at each point", json_schema_extra={"unit": "N"}
-    )
-    tangential_force_N: list[float] | None = Field(  # noqa: N815
-        default=None, description="of the plate on the skin, to +x", json_schema_extra={"unit": "N"}
-    )
-    displacement_mm: list[float] | None = Field(
-        default=None, description="of a driven plate, to +x, instead", json_schema_extra={"unit": "mm"}
-    )
-    rotation_deg: list[float] | None = Field(
-        default=None,
-        description="of the plate about y, positive where it rises towards +x; forces and displacement "
-        "are normal to the plate and along it then",
-        json_schema_extra={"unit": "deg"},
-    )
-    steps: int = Field(description="equal steps of the march", ge=1, le=1_000_000)
-
-    @model_validator(mode="after")
-    def _rules(self) -> Self:
-        self._check_lists()
-        if self.time_s[0] != 0.0:
-            raise InputError("time_s", "must begin at 0", self.time_s[0])
-        for a, b in zip(self.time_s, self.time_s[1:], strict=False):
-            if not b > a:
-                raise InputError("time_s", f"must not go back or stand still after {a:g} s", b)
-            if b - a < SHORTEST:
-                raise InputError("time_s", f"needs points at least {SHORTEST:g} s apart", b - a)
-        if min(self.normal_force_N) < 0:
-            rule = "must not pull: the plate presses or is clear"
-            raise InputError("normal_force_N", rule, min(self.normal_force_N), "take 0 or more")
-        if self.normal_force_N[0] != 0.0:
-            raise InputError("normal_force_N", "must begin unloaded, at 0", self.normal_force_N[0])
-        given = [self.tangential_force_N, self.displacement_mm]
-        if given.count(None) != 1:
-            rule = "needs either tangential_force_N or displacement_mm"
-            raise InputError("", rule, remedy="give the one that the plate is driven by")
-        across = self.tangential_force_N or self.displacement_mm or [0.0]
-        if across[0] != 0.0:
-            key = "tangential_force_N" if self.tangential_force_N else "displacement_mm"
-            raise InputError(key, "must begin at 0", across[0])
-        turn = self.rotation_deg or [0.0]
-        if turn[0] != 0.0:
-            raise InputError("rotation_deg", "must begin at 0", turn[0])
-        if max(map(abs, turn)) > STEEPEST:
-            rule = f"must be from -{STEEPEST:g} to {STEEPEST:g} deg: beyond, the plate meets more than ridges"
-            raise InputError("rotation_deg", rule, max(turn, key=abs))
-        return self
-
-    def _check_lists(self) -> None:
-        """Raise InputError for lists that are not of one length, or hold what no scene can mean."""
-        for key in (*LARGEST, "rotation_deg"):
-            values = getattr(self, key)
-            if values is not None and len(values) != len(self.time_s):
-                raise InputError(key, f"needs {len(self.time_s)} values, as time_s has", len(values))
-        for key, most in LARGEST.items():
-            largest = max(getattr(self, key) or [0.0], key=abs)
-            if abs(largest) > most:
-                raise InputError(key, f"must be at most {most:g} {key.rpartition('_')[2]} in size", largest)
-
-    @cached_property
-    def times(self) -> Array:
-        """Times `(steps + 1,)`, s."""
-        return np.linspace(0.0, self.time_s[-1], self.steps + 1)
-
-    def drives(self) -> list[Drive]:
-        """Return what the plate does at each of `times`."""
-        at, points = self.times, self.time_s
-        normal = np.interp(at, points, self.normal_force_N).tolist()
-        angles = np.radians(np.interp(at, points, self.rotation_deg or [0.0] * len(points))).tolist()
-        if self.tangential_force_N is not None:
-            pulls = np.interp(at, points, self.tangential_force_N).tolist()
-            return [Drive(n, tangential=t, angle=a) for n, t, a in zip(normal, pulls, angles, strict=True)]
-        moves = np.interp(at, points, self.displacement_mm or []).tolist()
-        return [Drive(n, travel=s, angle=a) for n, s, a in zip(normal, moves, angles, strict=True)]
-
-
-class ScenePlate(Table):
-    """The rigid plate."""
-
-    shape: Literal["flat"] = Field(default="flat", description="flat; it keeps its angle")
-    mass: float | None = quantity("g", "of the plate; needs effects.inertia", gt=0.0, le=1e6, default=None)
-
-
-class Readout(Table):
-    """What is told."""
-
-    ridges: list[int] = Field(default=[], description="whose films' stresses are told", max_length=999)
-    bandwidth_Hz: float = quantity(  # noqa: N815
-        "Hz", "of the signals, where they are down by 3 dB", gt=0.0, le=1e9, default=5000.0
-    )
-    steps: list[Annotated[int, Field(ge=0)]] = Field(
-        default=[], description="at which the deformed section is drawn with its stress", max_length=100
-    )
-    frames: int = Field(
-        default=0, description="of an animated picture of the section; 0: none", ge=0, le=MOST_FRAMES
-    )
-
-    @model_validator(mode="after")
-    def _rules(self) -> Self:
-        if self.bandwidth_Hz < NARROWEST:
-            raise InputError("bandwidth_Hz", f"must be at least {NARROWEST:g} Hz", self.bandwidth_Hz)
-        return self
-
-
-class Scene(Table):
-    """A scene: forces N, lengths mm, times s. `load_scene` checks effects and skin together."""
-
-    name: Annotated[
-        str,
-        Field(
-            pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
-            description="letters, digits, - and _, up to 64; it names the out folder",
-        ),
-    ]
-    skin: str = Field(description="a design's template, or a TOML file beside the scene", max_length=4096)
     history: History
     plate: ScenePlate = ScenePlate()
-    effects: dict[str, dict[str, Any]] = Field(default={}, description="tables of effects by name")
+    effects: Annotated[dict[str, dict[str, Any]], BeforeValidator(_effects)] = Field(
+        default={}, description="tables of effects by name"
+    )
     readout: Readout = Readout()
+
+    @model_validator(mode="after")
+    def _rules(self) -> Self:
+        _check(self)
+        return self
+
+    def with_(self, **changes: Any) -> Self:
+        """Return a copy with some keys changed, checked anew, as a design's `with_`.
+
+        `scene.with_(history={"steps": 100}, effects={"piezo": None})`; a dict for `skin` changes the design.
+        """
+        if isinstance(skin := changes.get("skin"), dict):
+            try:
+                changes["skin"] = self.design.with_(**skin)
+            except InputError as failure:
+                raise failure.under("skin") from None
+        return super().with_(**changes)
 
     @cached_property
     def parts(self) -> dict[str, Effect]:
@@ -185,59 +116,37 @@ class Scene(Table):
     @cached_property
     def design(self) -> Design:
         """The skin's design."""
+        if isinstance(self.skin, Design):
+            return self.skin
         try:
-            return load(self.skin)
+            return load_design(self.skin)
         except InputError as failure:
             if failure.key == self.skin[:80]:
                 raise InputError("skin", failure.rule, self.skin, failure.remedy) from None
             raise failure.under("skin") from None
 
 
-def load_scene(source: str | Path, overrides: list[str] | tuple[str, ...] = ()) -> Scene:
-    """Return the scene of a template's name or of a TOML file, `--set` texts applied, checked as a whole.
+def load_scene(
+    source: str | Path, settings: list[str] | tuple[str, ...] = (), *, skin: Design | str | None = None
+) -> Scene:
+    """Return the scene of a template's name or of a TOML file, on its own skin or another.
 
-    Paths of a skin and in an effect's table count from the scene's file. Raises InputError with key, rule,
-    value and remedy.
+    `settings` are as those of `load_design`. Paths of a skin and in an effect's table count from the scene's
+    file; that of `skin` from the working directory. Raises InputError with key, rule, value and remedy.
     """
-    data = overridden(read_table(source, "scenes"), overrides)
-    skin = data.get("skin")
-    beside = Path(source).parent / skin if isinstance(skin, str) and skin.endswith(".toml") else None
-    if beside is not None and Path(source).suffix == ".toml":
-        data["skin"] = str(beside)
+    data = overridden(read_table(source, "scenes"), settings)
     if Path(source).suffix == ".toml":
-        data["effects"] = _beside(Path(source).parent, data.get("effects", {}))
-    scene = parse(Scene, data)
-    _check(scene)
-    return scene
-
-
-def _beside(folder: Path, effects: Any) -> Any:
-    """Effects' tables, a TOML file that one names taken from `folder`."""
-    if not isinstance(effects, dict):
-        return effects
-
-    def placed(value: Any) -> Any:
-        return str(folder / value) if isinstance(value, str) and value.endswith(".toml") else value
-
-    return {
-        name: {key: placed(value) for key, value in table.items()} if isinstance(table, dict) else table
-        for name, table in effects.items()
-    }
+        data["skin"] = _placed(data.get("skin"), Path(source).parent)
+        data["effects"] = _effects(data.get("effects", {}), Path(source).parent)
+    return Scene(**data if skin is None else {**data, "skin": skin})
 
 
 def _parsed(name: str, table: dict[str, Any]) -> Effect:
     kind = effect(name)
     try:
-        return parse(kind, table)
-    except InputError as failure:
-        key = failure.key.removeprefix("design")
-        raise InputError(
-            f"effects.{name}" + (f".{key}" if key else ""),
-            failure.rule,
-            failure.value,
-            failure.remedy,
-            tuple(other.under(f"effects.{name}") for other in failure.others),
-        ) from None
+        return kind.model_validate(table)
+    except ValidationError as failure:
+        raise told(kind, failure, f"effects.{name}") from None
 
 
 def _check(scene: Scene) -> None:

@@ -16,10 +16,11 @@ import shapely
 from numpy.typing import NDArray
 
 from skincad.base.errors import InputError
-from skincad.inputs.design import MOLDABLE_WALL, Design
+from skincad.inputs.design import Design
 from skincad.shape.curves import Kind, Loop, Point, Segment, area, loop, moments, polygon
 
 CONTACT_KINDS: tuple[Kind, ...] = ("tip_fillet", "crown")
+MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
 
 

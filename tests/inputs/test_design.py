@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import skincad
 from skincad.base.errors import LONGEST_LINE, MOST_TOLD, InputError
-from skincad.base.tables import parse, table_of
+from skincad.base.tables import table_of
 from skincad.inputs.catalog import load, overridden, silicone, silicones
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
@@ -130,7 +130,7 @@ def test_a_key_is_not_missing_where_one_is_misspelt(yamada: Design) -> None:
     data["ridge"]["heigth"] = data["ridge"].pop("height")
     del data["skin"]["length"]
     with pytest.raises(InputError) as refused:
-        parse(Design, data)
+        Design(**data)
     assert [e.key for e in (refused.value, *refused.value.others)] == ["ridge.heigth", "skin.length"]
 
 
@@ -212,7 +212,7 @@ def test_any_single_value_gives_a_valid_section_or_an_input_error(
         table = table.setdefault(key, {})
     table[path[-1]] = value
     try:
-        area = section(parse(Design, data)).area
+        area = section(Design(**data)).area
     except InputError as refused:
         message = str(refused)
     else:

@@ -7,7 +7,7 @@ import pytest
 
 from skincad import check, load
 from skincad.base.errors import InputError
-from skincad.inputs.design import Plate
+from skincad.inputs.skin_tables import Plate
 from skincad.mechanics.plate import rise
 from tests.mechanics.designs import linear_check
 

@@ -17,7 +17,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.sparse.linalg import splu
 
-from skincad.inputs.design import Plate
+from skincad.inputs.skin_tables import Plate
 from skincad.mechanics import reference
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of

@@ -12,7 +12,8 @@ from dataclasses import replace
 from skincad.base.arguments import require_goals, require_number
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
-from skincad.inputs.design import Design, Slot
+from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import Slot
 from skincad.mechanics.film.answer import FilmStress, FilmStresses
 from skincad.mechanics.film.rungs import solve
 from skincad.mechanics.problem import Pad, pad_of

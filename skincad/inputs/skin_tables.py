@@ -1,0 +1,155 @@
+"""The tables of a design that say what is cast and pressed: skin, ridges, slots, films, silicone and plate.
+
+The frame and each length are defined in docs/geometry.md: x across the ridges, y along them,
+z out of the skin, flat back at z = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from skincad.base.errors import InputError
+from skincad.base.tables import Ranged, Table, quantity
+
+
+class Skin(Table):
+    """The body of the pad."""
+
+    curvature_radius: float = quantity(
+        "mm", "radius of the base circle, on which the ridges stand", ge=1.0, le=1e8
+    )
+    thickness: float = quantity(
+        "mm", "flat back to base circle in the middle, without the ridge", ge=0.2, le=100.0
+    )
+    width: float = quantity("mm", "across the back, what callipers read along x", ge=0.5, le=1000.0)
+    length: float = quantity("mm", "along the ridges (y)", ge=0.5, le=1000.0)
+    curvature_radius_y: float | None = quantity(
+        "mm",
+        "second curvature: the whole section, its back too, turns about an axis along x, this far below the "
+        "base circle's summit, and length is the summit's arc; straight along y if not given",
+        ge=1.0,
+        le=1e8,
+        default=None,
+    )
+
+
+class Ridge(Table):
+    """The ridges, all alike, each on its own normal of the base circle."""
+
+    count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
+    pitch: float = quantity("mm", "axis to axis along the base circle", gt=0.0, le=100.0)
+    height: float = quantity("mm", "base circle to the crown's summit", gt=0.0, le=50.0)
+    root_width: float = quantity("mm", "flank to flank on the base circle, before fillets", gt=0.0, le=100.0)
+    tip_width: float = quantity("mm", "chord of the crown, before fillets", gt=0.0, le=100.0)
+    crown: float = quantity("mm", "rise of the tip's arc in its middle above its edges", ge=0.0, le=10.0)
+    tip_fillet: float = quantity("mm", "radius between flank and crown", ge=0.0, le=20.0, default=0.0)
+    root_fillet: float = quantity("mm", "radius between flank and base circle", ge=0.0, le=20.0, default=0.0)
+
+
+def lean(skin: Skin, ridge: Ridge, number: int) -> float:
+    """Return the angle in rad between a ridge's axis and z; ridges count from 1 at the smallest x."""
+    return (number - (ridge.count + 1) / 2) * ridge.pitch / skin.curvature_radius
+
+
+class Slot(Table):
+    """A mirrored pair of straight slots for the film strips in every ridge."""
+
+    thickness: float = quantity("mm", "across the slot", ge=0.005, le=5.0)
+    depth: float = quantity("mm", "along the slot, in the section", ge=0.01, le=50.0)
+    offset: float = quantity("mm", "ridge axis to slot centre", gt=0.0, le=50.0)
+    elevation: float = quantity("mm", "slot centre above the base circle", ge=-50.0, le=50.0)
+    tilt: float = quantity("deg", "from the ridge axis, positive when tops lean inward", ge=-80.0, le=80.0)
+
+
+class Film(Table):
+    """The PVDF strip in the middle of each slot."""
+
+    thickness: float = quantity("mm", "of the strip", ge=0.004, le=5.0)
+    young_modulus: float = quantity("MPa", "of the film; PVDF 2000 to 4000", ge=1.0, le=1e6, default=3000.0)
+    poisson_ratio: float = quantity("1", "of the film", ge=0.0, le=0.49, default=0.35)
+    d31: float = quantity("pC/N", "charge by stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
+    d32: float = quantity(
+        "pC/N", "charge by stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
+    )
+    d33: float = quantity("pC/N", "charge by stress through the film", ge=-1e4, le=1e4, default=-33.0)
+    electrode_margin: float = quantity(
+        "mm",
+        "bare film between electrode and cut edge, so that no cut shorts it",
+        ge=0.0,
+        le=5.0,
+        default=0.02,
+    )
+    lead: float = quantity(
+        "mm", "what a strip stands out on the wiring side, to be contacted", ge=1.0, le=200.0, default=8.0
+    )
+    wiring_side: Literal["a", "b"] = Field(
+        default="b", description="the mold's end at which the leads come out; the gate is at end a"
+    )
+    tension: float | None = quantity(
+        "N",
+        "pull on each strip while it is cast in; a twentieth of the film's yield stress if not given",
+        gt=0.0,
+        le=1000.0,
+        default=None,
+    )
+
+
+class Material(Table):
+    """The silicone: a name of the catalog, own values, or a name with some values of one's own."""
+
+    name: str | None = Field(default=None, description="a silicone of the catalog", max_length=64)
+    young_modulus: Ranged | None = Field(
+        default=None,
+        description="small strain; a number, or {value, low, high}",
+        json_schema_extra={"unit": "MPa"},
+    )
+    poisson_ratio: float | None = quantity(
+        "1", "nearly incompressible; the catalog's if not given", ge=0.0, le=0.4999999, default=None
+    )
+    density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
+
+    @model_validator(mode="after")
+    def _has_stiffness(self) -> Self:
+        if self.name is None and self.young_modulus is None:
+            raise InputError("", "needs a name or a young_modulus", remedy='try name = "dragon-skin-30"')
+        return self
+
+
+class Plate(Table):
+    """The rigid plate that the skin is pressed on; it keeps its angle."""
+
+    shape: Literal["flat", "tilted", "cylinder", "step"] = Field(
+        default="flat", description="flat, tilted (by tilt), cylinder (of radius) or step (of height)"
+    )
+    tilt: float | None = quantity(
+        "deg", "of a tilted plate, positive when it rises towards +x", ge=-5.0, le=5.0, default=None
+    )
+    radius: float | None = quantity("mm", "of a cylinder along y", ge=1.0, le=1e8, default=None)
+    height: float | None = quantity("mm", "by which a step is higher at +x", ge=0.0, le=50.0, default=None)
+    position: float = quantity(
+        "mm", "x of a cylinder's lowest line or of a step", ge=-1e4, le=1e4, default=0.0
+    )
+
+    @model_validator(mode="after")
+    def _own_key(self) -> Self:
+        keys = {"tilted": "tilt", "cylinder": "radius", "step": "height"}
+        for shape, key in keys.items():
+            if shape == self.shape and getattr(self, key) is None:
+                raise InputError(key, f"is missing for a plate of shape '{shape}'", remedy=f"give {key}")
+            if shape != self.shape and getattr(self, key) is not None:
+                raise InputError("shape", f"must be '{shape}' where {key} is given", self.shape)
+        return self
+
+
+class Contact(Table):
+    """What the verdict is asked for."""
+
+    force: float = quantity("N", "normal force at which all ridges shall touch", gt=0.0, le=1e6, default=4.0)
+    film: Literal["bonded", "loose", "ignored"] | None = Field(
+        default=None,
+        description="bonded (strip and adhesive fill the slot), loose (slot is a void), "
+        "ignored (slot is filled with silicone); bonded if there is a film, loose if there is none",
+    )
+    plate: Plate = Plate()
