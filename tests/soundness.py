@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import tomlkit
 from manifold3d import Manifold
 
 from skincad.fabrication.filling import filling_findings
@@ -55,7 +54,7 @@ def outcome(seed: int, *, kernel: bool = True) -> Outcome:
         wrong += faults(found.design, kernel=kernel)
     except Exception as failure:  # whatever it is, it is what this looks for
         wrong.append(f"{type(failure).__name__}: {failure}")
-    text = tomlkit.dumps(found.design.model_dump(exclude_none=True))
+    text = found.design.to_toml()
     return Outcome(seed, text, found.refused, tuple(wrong), time.perf_counter() - started)
 
 

@@ -7,8 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import tomlkit
-
 from skincad.base.result import Writer
 from skincad.inputs.design import Design
 from skincad.outputs import checks
@@ -82,7 +80,7 @@ def writers(design: Design, closed: Mold) -> dict[str, OfJob]:
             if design.film
             else {}
         ),
-        "design.toml": lambda job, path: _text(tomlkit.dumps(job.design.model_dump(exclude_none=True)), path),
+        "design.toml": lambda job, path: _text(job.design.to_toml(), path),
         "casting-sheet.md": lambda job, path: _text(job.sheet, path),
         "casting-sheet.html": _page,
         "picture.png": _picture,

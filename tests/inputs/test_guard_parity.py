@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-import tomlkit
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Stopwatch
@@ -35,7 +34,7 @@ def by_check(design: Design, force: float, folder: Path) -> str:
 
 def by_scene(design: Design, force: float, folder: Path) -> str:
     """Pressed within eight steps."""
-    (folder / "skin.toml").write_text(tomlkit.dumps(design.model_dump(exclude_none=True)))
+    (folder / "skin.toml").write_text(design.to_toml())
     settings = [
         f"skin={(folder / 'skin.toml').as_posix()!r}",
         f"history.normal_force_N=[0.0, {force}]",
