@@ -25,7 +25,7 @@ Fit = Callable[[MaterialTest], Regression]
 
 
 @dataclass(frozen=True)
-class Part:
+class Stretch:
     """Young's modulus, MPa, fitted to the rows of a part of the test, its error the 95 % scatter.
 
     The part is that of deformations from `start` to `end`: strain, or mm of approach as in the file.
@@ -54,7 +54,7 @@ class MaterialFit(Result):
     scatter: float
     model: float
     misfit: float
-    parts: tuple[Part, ...]
+    parts: tuple[Stretch, ...]
     offset: Estimate | None
     rms: float
     largest_load: float
@@ -150,7 +150,7 @@ def finished(
     )
 
 
-def _misfit(test: MaterialTest, parts: tuple[Part, ...], modulus: float) -> float:
+def _misfit(test: MaterialTest, parts: tuple[Stretch, ...], modulus: float) -> float:
     """How far the halves say that the modulus may be off, MPa.
 
     A bar's modulus changes with strain where rubber leaves the neo-Hookean law: the difference to the line
@@ -167,7 +167,7 @@ def _misfit(test: MaterialTest, parts: tuple[Part, ...], modulus: float) -> floa
     )
 
 
-def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -> list[Part]:
+def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -> list[Stretch]:
     """The modulus over the first and the second half of the deformation under load."""
     touch = float(whole.values[1]) if whole.values.size > 1 else 0.0
     end = float(test.deformation[np.argmax(np.abs(test.deformation))])
@@ -183,5 +183,5 @@ def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -
         except RefusedError:
             return []
         value, error = float(found.values[0]) * per_value, float(found.half_width[0]) * per_value
-        parts.append(Part(start, stop, Estimate(value, error, "MPa")))
+        parts.append(Stretch(start, stop, Estimate(value, error, "MPa")))
     return parts

@@ -22,7 +22,7 @@ CHORD = 1e-3  # mm of the part; finer than a printed line
 
 
 @dataclass(frozen=True)
-class View:
+class OnPage:
     """Part coordinates to the page: `origin` is where the part's (0, 0) lies, `scale` page mm a part mm."""
 
     origin: tuple[float, float]
@@ -59,7 +59,7 @@ def drawing(design: Design, closed: Mold) -> str:
 def _section_view(design: Design) -> list[str]:
     shape, skin = section(design), design.skin
     scale = min(120.0 / skin.width, 45.0 / shape.top)
-    view = View((80.0, 62.0), scale)
+    view = OnPage((80.0, 62.0), scale)
     half = skin.width / 2
     rows = [view.path(shape.outline, "skin"), *(view.path(s.loop(), "slot") for s in shape.slots)]
     left, base = view.at(-half, 0.0)
@@ -88,7 +88,7 @@ def _ridge_view(design: Design) -> list[str]:
     shape = section(design)
     reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
     scale = min(38.0 / (2 * reach), 24.0 / (1.5 * ridge.height))
-    view = View((48.0, 110.0), scale)
+    view = OnPage((48.0, 110.0), scale)
 
     low = -0.8 * ridge.height
     window = shapely.box(-reach, low, reach, 2 * ridge.height)
@@ -129,7 +129,7 @@ def _mold_view(closed: Mold) -> list[str]:
     high = [max(b[1][i] for b in boxes) for i in range(3)]
     size = [b - a for a, b in zip(low, high, strict=True)]
     scale = min(50.0 / size[0], 36.0 / size[1])
-    view = View((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    view = OnPage((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
     rows = []
     for name, kind in (("cavity", "mold"), ("carrier", "hole")):
         for part in closed.parts:
@@ -161,7 +161,7 @@ def _bent_view(closed: Mold) -> list[str]:
     points = np.vstack([ring for _, ring in rings])
     low, high = points.min(axis=0), points.max(axis=0)
     scale = float(min(50.0 / (high - low)[0], 36.0 / (high - low)[1]))
-    view = View((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    view = OnPage((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
     rows = []
     for kind, ring in rings:
         steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(y, z) for y, z in ring))

@@ -16,7 +16,7 @@ _OVERSAMPLE = 2
 
 
 @dataclass(frozen=True)
-class View:
+class Camera:
     """An orthographic view: unit vectors of the picture's right, up and towards the viewer; scale."""
 
     right: NDArray[np.float64]
@@ -33,7 +33,7 @@ class View:
         return across, down
 
 
-def view(meshes: list[trimesh.Trimesh], azimuth: float, height: float, size: tuple[int, int]) -> View:
+def view(meshes: list[trimesh.Trimesh], azimuth: float, height: float, size: tuple[int, int]) -> Camera:
     """Return the view from these angles (degrees: from -y towards +x, and above the horizon) that just
     holds the meshes in `size` pixels."""
     a, h = np.radians(azimuth), np.radians(height)
@@ -44,10 +44,10 @@ def view(meshes: list[trimesh.Trimesh], azimuth: float, height: float, size: tup
     flat = np.column_stack([corners @ right, corners @ up])
     low, high = flat.min(axis=0), flat.max(axis=0)
     per_mm = 0.96 * float(np.min(np.array(size) / (high - low)))
-    return View(right, up, towards, (low + high) / 2, per_mm, size)
+    return Camera(right, up, towards, (low + high) / 2, per_mm, size)
 
 
-def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: View) -> Image:
+def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -> Image:
     """Return the picture, `(height, width, 3)` from 0 to 1: matt surfaces on white, edges drawn dark."""
     whole = trimesh.util.concatenate(meshes)
     owner = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])

@@ -54,11 +54,11 @@ class NeoHookeBody:
         """Return `energy`."""
         return energy(self, state)
 
-    def linearised(self, state: Array, residual: Array) -> Linearised:
+    def linearised(self, state: Array, residual: Array) -> PlaneLinearised:
         """Return the tangent factorised; ContactError where it is singular."""
         at = tangent(self, state, residual)
         small = factorise(at.matrix, self.order, self.rest.contact.size)
-        return Linearised(at, small, small.flexibility)
+        return PlaneLinearised(at, small, small.flexibility)
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
@@ -164,7 +164,7 @@ class Tangent:
 
 
 @dataclass(frozen=True)
-class Linearised:
+class PlaneLinearised:
     """The body's tangent, condensed onto the contact unknowns."""
 
     tangent: Tangent

@@ -71,7 +71,7 @@ class SolidBody:
         """Return the energy; infinite where a point of the elements is turned inside out."""
         return solid_law.energy(self.elements, *self.split(state))
 
-    def linearised(self, state: Array, residual: Array) -> Linearised:
+    def linearised(self, state: Array, residual: Array) -> SolidLinearised:
         """Return the tangent factorised; ContactError where it is not positive definite."""
         at = solid_law.points(self.elements, *self.split(state))
         coupling = solid_law.coupling(at)
@@ -86,7 +86,7 @@ class SolidBody:
                 block[rows[:, None], rows] += stiffness[element][kept[:, None], kept]
 
         small = factored(self.fronts, self.unknowns, fill, self.displacements)
-        return Linearised(self, coupling, small, residual, small.flexibility)
+        return SolidLinearised(self, coupling, small, residual, small.flexibility)
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None.
@@ -113,7 +113,7 @@ class SolidBody:
 
 
 @dataclass(frozen=True)
-class Linearised:
+class SolidLinearised:
     """The tangent of `body` with its pressures condensed: `coupling` `(e, q, 3 b)` is that of pressures and
     displacements, `small` the factors; `residual` `(n,)` is that at the state."""
 
