@@ -1,14 +1,19 @@
-"""What is loaded when: `--help` no kernel and no FE library, a check never the CAD kernel."""
+"""What is loaded when: `--help` no kernel and no FE library, a check never the CAD kernel; no circles."""
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
+from collections import Counter
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
 
 import pytest
 
 CAD = ("OCP", "cadquery", "vtkmodules")
 FE = ("ngsolve", "netgen")
+PACKAGE = Path(__file__).parents[1] / "skincad"
 MESHES = ("manifold3d", "pymeshlab", "trimesh", "matplotlib")
 
 
@@ -63,3 +68,43 @@ def test_every_public_name_is_there_and_stays_callable() -> None:
     assert callable(skincad.check)
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         _ = skincad.nonsense
+
+
+def modules() -> dict[str, ast.Module]:
+    """Every module of the package, parsed, by name."""
+    files = {path.relative_to(PACKAGE.parent).with_suffix(""): path for path in PACKAGE.rglob("*.py")}
+    return {
+        ".".join(name.parts).removesuffix(".__init__"): ast.parse(path.read_text(encoding="utf-8"))
+        for name, path in files.items()
+    }
+
+
+def imported(tree: ast.Module, known: set[str]) -> set[str]:
+    """The known modules that a module imports anywhere: in functions and for type checking too."""
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in known else node.module for name in names}
+    return found & known
+
+
+def test_no_modules_import_each_other() -> None:
+    trees = modules()
+    arrows = {name: imported(tree, set(trees)) - {name} for name, tree in trees.items()}
+    try:
+        TopologicalSorter(arrows).prepare()
+    except CycleError as circle:
+        pytest.fail(" <- ".join(circle.args[1]))
+
+
+def test_a_class_name_means_one_thing() -> None:
+    defined = Counter(
+        node.name
+        for tree in modules().values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    assert {name for name, times in defined.items() if times > 1} == set()

@@ -40,7 +40,6 @@ from skincad.mechanics.problem import (
     one_ridge,
     pad_of,
 )
-from skincad.mechanics.tiers.prices import AFTER_MESH, AFTER_ORDER
 
 Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
@@ -51,6 +50,10 @@ MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so m
 ALONE = 0.9
 TAIL = 1.25  # of differences
 BY_APPROACH, BY_FORCE = 0.75, 0.4  # of the approach's relative error for F9, of F9's for the approach
+# After the first mesh is made, and after its lower order is solved: what is still to come, as a multiple of
+# their own time: both orders and the yield, the higher order and the yield; 5 to 8 and 2.5 to 4.5 on the
+# templates
+AFTER_MESH, AFTER_ORDER = 6.0, 3.4
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
 
 

@@ -13,11 +13,6 @@ from dataclasses import dataclass
 from skincad.inputs.design import Design
 from skincad.mechanics.tiers.table import below
 
-# After the first mesh is made, and after its lower order is solved: what is still to come, as a multiple of
-# their own time: both orders and the yield, the higher order and the yield; 5 to 8 and 2.5 to 4.5 on the
-# templates
-AFTER_MESH, AFTER_ORDER = 6.0, 3.4
-
 
 @dataclass(frozen=True)
 class TimeLaw:
