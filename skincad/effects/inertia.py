@@ -14,11 +14,17 @@ frequency, an oscillator with friction, a plate that strikes a bar (tests/mechan
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import ClassVar
 
 from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, Share, Step, Term
+from skincad.effects.omitted import Omitted, SceneOutline
+from skincad.inputs.catalog import silicone
+
+PER_RAMP = 0.4  # measured 0.16 to 0.82 on ramps of 0.5 to 5 ms, plates of 0.1 and 0.4 of the skin's mass
 
 
 class Inertia(Term):
@@ -38,3 +44,30 @@ class Inertia(Term):
         """Warn of masses that nothing damps."""
         if RATE not in asked:
             yield "nothing damps the masses: points that slide may flutter; name [effects.viscosity]"
+
+    @staticmethod
+    def left_out(outline: SceneOutline) -> Omitted | None:
+        """Return by each ramp's share of its load, and its length against the slowest mode of the pad.
+
+        That is the shear wave's quarter length, f = sqrt(G / rho) / (4 h): a bonded layer, free above. A
+        ramp of t leaves a vibration of at most 1 / (pi f t) of its height. Clough and Penzien, Dynamics of
+        Structures, sec. 5.3. PER_RAMP is for plates up to half the skin's mass; heavier ones lower the mode:
+        it is a floor.
+        """
+        from skincad.mechanics.dynamics.reference import shear_frequency
+
+        design, stuff = outline.design, silicone(outline.design.material)
+        shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
+        mode = shear_frequency(shear, stuff.density, design.skin.thickness + design.ridge.height)
+        changes = []
+        for loads in filter(None, outline.loads):
+            largest = max(map(abs, loads))
+            for (start, before), (end, after) in pairwise(zip(outline.time_s, loads, strict=True)):
+                if after != before and start < outline.end:
+                    slow = math.pi * mode * (end - start)
+                    changes.append((abs(after - before) / largest * min(1.0, 1 / slow), end - start))
+        if not changes:
+            return None
+        change, ramp = max(changes)
+        text = f"a ramp of {ramp:.3g} s, slowest mode about {mode:.3g} Hz"
+        return Omitted("inertia", text, PER_RAMP * change, calibrated=True)

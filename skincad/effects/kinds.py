@@ -21,6 +21,7 @@ from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
+    from skincad.effects.omitted import Omitted, SceneOutline
     from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import Shown
 
@@ -125,6 +126,14 @@ class Effect(Table):
 
     def check(self, design: Design) -> None:
         """Raise InputError, its key within the effect's own table, where the skin lacks what it needs."""
+
+    @staticmethod
+    def left_out(outline: SceneOutline) -> Omitted | None:  # noqa: ARG004
+        """Return what leaving the effect out may change, or None where it cannot matter.
+
+        Only effects whose row of EFFECTS says `indicates` are asked.
+        """
+        return None
 
 
 class Law(Effect):

@@ -6,8 +6,13 @@ that hang on the mesh; nobody may read those as signal. Everything goes through 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
+
+from skincad.effects.kinds import Reading
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -47,3 +52,24 @@ def lasting_slip_step(runs: list[list[int]], gross: int | None, last: int) -> in
     """Return the start of the run that lasts to gross slip, or to the end."""
     end = last if gross is None else gross
     return next((a for a, b in runs if a <= end <= b), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Slips:
+    """When ridges slip: `slipping` `(steps + 1, ridges)`; the `runs` of it, [from, to], and the step at which
+    the one that lasts begins, by ridge from 1; and the first step of gross slip."""
+
+    slipping: Mask
+    runs: list[list[list[int]]]
+    steps: list[int | None]
+    gross: int | None
+
+
+def slips_of(readings: Sequence[Reading], ridge: NDArray[np.int64], ridges: int) -> Slips:
+    """Return when the ridges slip, by a march's readings and the `ridge` `(m,)` of its contact points."""
+    touches = np.array([reading.touches for reading in readings])
+    slips = np.array([reading.slips for reading in readings])
+    slipping = slip_by_ridge(touches, slips, ridge, ridges)
+    runs = [intervals(column) for column in slipping.T]
+    gross, last = gross_slip_step(touches, slips), len(readings) - 1
+    return Slips(slipping, runs, [lasting_slip_step(each, gross, last) for each in runs], gross)

@@ -16,6 +16,7 @@ from skincad.effects import EFFECTS, effect
 from skincad.effects.friction import Friction
 from skincad.effects.kinds import MASS, Reading, Step, Term
 from skincad.effects.moving import MovingModel, matter_of
+from skincad.effects.omitted import SceneOutline
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.grip import OPEN, RIGHT, STICK, Drive
@@ -182,3 +183,35 @@ def test_energy(name: str, table: dict[str, Any]) -> None:
     assert found.column("viscous").min() >= 0
     assert found.column("dissipated").sum() > 0.05 * work
     assert found.column("residual").max() <= 1e-10
+
+
+def test_an_effect_that_says_what_leaving_it_out_changes_says_so_in_its_row() -> None:
+    for name, row in EFFECTS.items():
+        assert row.indicates == ("left_out" in vars(effect(name))), name
+
+
+@pytest.mark.parametrize("name", [name for name, row in EFFECTS.items() if row.indicates])
+def test_what_an_effect_says_of_leaving_it_out_bears_its_name(name: str) -> None:
+    """Of yamada-2002, whose loads rise in 1 ms, at a squeeze of 0.1 mm."""
+    said = effect(name).left_out(
+        SceneOutline(yamada(), (0.0, 1e-3), ((0.0, 4.0), (0.0, 0.0)), 1e-3, 0.0, 0.1)
+    )
+    assert said is not None
+    assert said.effect == name
+    assert said.change > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "outline"),
+    [
+        (
+            "film",
+            SceneOutline(yamada().with_(film=None), (0.0, 1.0), ((0.0, 4.0), (0.0, 0.0)), 1.0, 0.0, 0.1),
+        ),
+        ("inertia", SceneOutline(yamada(), (0.0, 1.0), ((0.0, 0.0), (0.0, 0.0)), 1.0, 0.0, 0.0)),
+        # the march stopped before the ramp
+        ("inertia", SceneOutline(yamada(), (0.0, 1.0, 2.0), ((0.0, 0.0, 4.0), (0.0,) * 3), 1.0, 0.0, 0.0)),
+    ],
+)
+def test_what_cannot_matter_is_not_told(name: str, outline: SceneOutline) -> None:
+    assert effect(name).left_out(outline) is None

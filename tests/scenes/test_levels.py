@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from skincad.scenes import simulation
+from skincad.scenes import climb
 from skincad.scenes.levels import EXPONENT, LEVELS, Level, expected
 from skincad.scenes.march import March
 from skincad.scenes.scene import load_scene
@@ -67,7 +67,7 @@ def test_a_budget_is_told_to_be_too_small() -> None:
 def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
     asked: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:3])
+    monkeypatch.setattr(climb, "LEVELS", LEVELS[:3])
     stages: set[str] = set()
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -82,15 +82,15 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
 def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(simulation, "LEVELS", LEVELS[:3])
+    monkeypatch.setattr(climb, "LEVELS", LEVELS[:3])
     marched: list[March] = []
-    march = simulation._march
+    march = climb.march_on
 
     def fail_third(*asked: Any) -> March:
         marched.append(march(*asked))
         return replace(marched[-1], failed=True, stopped="step 2") if len(marched) == 3 else marched[-1]
 
-    monkeypatch.setattr(simulation, "_march", fail_third)
+    monkeypatch.setattr(climb, "march_on", fail_third)
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
     found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
     assert len(marched) == 3

@@ -148,7 +148,7 @@ def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
     module = ModuleType("made_up")
     for kind in (Softer, Thicker, Telling, Sticky):
         setattr(module, kind.__name__, kind)
-        monkeypatch.setitem(effects.EFFECTS, kind.__name__.lower(), f"made_up:{kind.__name__}")
+        monkeypatch.setitem(effects.EFFECTS, kind.__name__.lower(), effects.Row(f"made_up:{kind.__name__}"))
     monkeypatch.setitem(sys.modules, "made_up", module)
 
     def run(*more: str) -> Any:

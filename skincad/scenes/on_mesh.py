@@ -1,0 +1,103 @@
+"""A scene's march on one mesh: what is meshed, how finely, and what each stage took."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import needing
+from skincad.base.stopwatch import Tick
+from skincad.effects.kinds import PadChange
+from skincad.scenes.levels import Level, expected
+from skincad.scenes.march import March, march
+from skincad.scenes.moments import kept_steps
+from skincad.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from skincad.mechanics.film.stick import PadPiece
+
+
+@dataclass(frozen=True, eq=False)
+class Marching:
+    """What a scene's marches share: the piece that is meshed, who is told, whether a march that Ctrl-C ends
+    is wanted (`partial`), and the meshes made so far by fineness."""
+
+    scene: Scene
+    piece: PadPiece
+    tick: Tick | None = None
+    partial: bool = False
+    meshes: dict[float, object] = field(default_factory=dict)
+
+
+@contextmanager
+def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
+    """Count the block's seconds for an effect's own work."""
+    began, key = perf_counter(), f"effect {name}"
+    yield
+    seconds[key] = seconds.get(key, 0.0) + perf_counter() - began
+
+
+def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
+    """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that."""
+    from skincad.mechanics.film.stick import piece_of
+    from skincad.mechanics.film.stress import filled_pad
+    from skincad.mechanics.problem import check_pad, pad_of
+
+    design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
+    plain = design.with_(contact={"film": "ignored"}) if design.slot else design.with_(contact={"film": None})
+    pad, thickness = filled_pad(plain) if design.slot else (pad_of(plain), 0.0)
+    for name, effect in scene.parts.items():
+        if isinstance(effect, PadChange):
+            with spent(seconds, name):
+                pad = effect.changed(pad, design)
+    check_pad(pad)
+    return piece_of(pad, thickness, halved=scene.law.halves)
+
+
+def march_on(level: Level, on: Marching, seconds: dict[str, float], following: Level | None = None) -> March:
+    """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level
+    `following`."""
+    stage, scene, tick = f"fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
+    if tick:
+        tick(stage, 0)
+    marks = [perf_counter()]
+    with needing(f"the mesh of {stage}"):
+        mesh = _meshed(on.piece, level, on.meshes)
+        marks.append(perf_counter())
+        films = bool(scene.readout.ridges)
+        model = scene.law.model(on.piece, mesh, level.order, films, scene.terms)
+        marks.append(perf_counter())
+    history, mass = scene.history, scene.plate.mass or 0.0
+    stages = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
+
+    def told(step: int) -> None:
+        if tick:
+            whole = (perf_counter() - marks[-1]) * history.steps / step
+            after = expected(following, level, {**stages, "march": whole}) if following else 0.0
+            tick(stage, step, whole * (1 - step / history.steps) + after)
+
+    # to ask for one thread at each step takes longer than the step
+    with needing(f"the march on the mesh of {stage}"), one_blas_thread():
+        times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
+        keep = kept_steps(scene)
+        found = march(model, times, drives, scene.terms, told, keep, mass, ends, on.partial)
+    seconds |= {**stages, "march": found.seconds}
+    return found
+
+
+def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
+    """Return the level's mesh, of those made already where it is among them."""
+    from skincad.mechanics.bodies.mesh import default_sizes, triangles
+    from skincad.mechanics.film.rungs import RUNGS
+
+    if level.fineness not in meshes:
+        fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
+        sizes = fine.sizes(piece) if piece.pad.strips else default_sizes(piece.pad, level.fineness)
+        meshes[level.fineness] = triangles(piece.pad, sizes)
+    return meshes[level.fineness]

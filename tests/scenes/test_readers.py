@@ -1,0 +1,87 @@
+"""What effects read of a march: keys of their own, and what follows from them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from skincad import effects
+from skincad.effects.kinds import Reader
+from skincad.scenes import readers
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.readers import joined
+from skincad.scenes.simulation import at_level
+from tests.small_scene import small_scene
+
+PRESS = ("history.steps=1", "readout.ridges=[]", "effects.film=none", "effects.friction=none")
+
+
+class One(Reader):
+    """A reader."""
+
+    tells: str = "one"
+
+    def read(self, watched: Any, time: Any, readings: Any) -> dict[str, Any]:  # noqa: ARG002
+        return {self.tells: len(readings), "warnings": [f"{self.tells} is made up"]}
+
+
+class Other(One):
+    """Another."""
+
+    tells: str = "other"
+
+
+@pytest.fixture(autouse=True)
+def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = ModuleType("made_up")
+    for kind in (One, Other):
+        setattr(module, kind.__name__, kind)
+        name = kind.__name__.lower()
+        monkeypatch.setitem(effects.EFFECTS, name, effects.Row(f"made_up:{kind.__name__}"))
+    monkeypatch.setitem(sys.modules, "made_up", module)
+
+
+def test_two_readers_tell_side_by_side(tmp_path: Path) -> None:
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other={}")
+    found = at_level(scene, LEVELS[0])
+    assert found.read == {"one": 2, "other": 2}
+    assert found.as_json()["other"] == 2
+    assert {"one is made up", "other is made up"} <= set(found.warnings)
+    assert {"effect one", "effect other"} <= found.seconds.keys()
+
+
+def test_a_reader_may_not_overwrite_what_another_tells(tmp_path: Path) -> None:
+    tables = ("effects.one={}", "effects.other.tells=one")
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, *tables)
+    with pytest.raises(ValueError, match=r"effects\.other tells 'one', which effects\.one tells already"):
+        at_level(scene, LEVELS[0])
+
+
+@pytest.mark.parametrize("key", ["time_s", "energy"])
+def test_a_reader_may_not_overwrite_what_the_march_tells(key: str, tmp_path: Path) -> None:
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, f"effects.one.tells={key}")
+    found = at_level(scene, LEVELS[0])
+    with pytest.raises(ValueError, match=f"tells '{key}', which .* tells already: rename one of them"):
+        found.as_json()
+
+
+def test_what_follows_has_keys_of_its_own_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def half(told: Any, *_: Any) -> dict[str, Any]:
+        return {"half": told["one"] / 2}
+
+    monkeypatch.setitem(readers.FOLLOWING, "one", half)
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}")
+    assert at_level(scene, LEVELS[0]).read == {"one": 2, "half": 1.0}
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other.tells=half")
+    with pytest.raises(
+        ValueError, match=r"what follows one tells 'half', which effects\.other tells already"
+    ):
+        at_level(scene, LEVELS[0])
+
+
+def test_keys_are_joined_in_the_order_in_which_they_are_told() -> None:
+    assert list(joined({"a": {"z": 1}, "b": {"y": 2, "x": 3}})) == ["z", "y", "x"]
