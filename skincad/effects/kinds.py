@@ -1,7 +1,7 @@
 """What an effect is: its own table of a scene, of one of four kinds.
 
-A law makes the model that a march advances (exactly one); a body changes the pad before it is meshed; a term
-adds its share to every step; a readout looks at accepted states. Effects are frozen and keep no state: what a
+A law makes the model that a march advances (exactly one); a pad change alters it before it is meshed; a term
+adds its share to every step; a reader looks at accepted states. Effects are frozen and keep no state: what a
 step leaves behind is the model's own state, which the march replaces only when a step has converged.
 """
 
@@ -158,7 +158,8 @@ class Law(Effect):
 
 
 class PadChange(Effect):
-    """A region of the section with its own stiffness; `condenses` says whether it needs a law that does."""
+    """Alters the pad, as by a region with its own stiffness; `condenses`: whether it needs a law that
+    does."""
 
     condenses: ClassVar[bool] = False
 
@@ -168,7 +169,7 @@ class PadChange(Effect):
         return True
 
     def changed(self, pad: Pad, design: Design) -> Pad:
-        """Return the pad with this body in it."""
+        """Return the altered pad."""
         raise NotImplementedError
 
 
@@ -189,7 +190,7 @@ class Term(Effect):
 
 @dataclass(frozen=True)
 class Watched:
-    """What a readout reads of: the skin, the told ridges, and the signals' bandwidth, Hz."""
+    """What a reader reads of: the skin, the told ridges, and the signals' bandwidth, Hz."""
 
     design: Design
     ridges: tuple[int, ...]
