@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
+from skincad.ladders.contact_errors import Found, Truth, apart, measures_of, stated, trial_of
+from skincad.ladders.ladder import Ladder, repeated, timed
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, linear, solid
@@ -33,10 +32,6 @@ from skincad.mechanics.validity import refuse_crushed
 
 MESH = 5e-3  # relative; what `check` asks of a tier's mesh
 BEST = ("solid-finite-strain", "corrected-finite-strain", "solid", "corrected", "linear")
-AIM = {  # the tier whose finest setting another's mesh and method aim at
-    **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
-    "corrected": "solid",
-}
 OWN = "as check takes it"
 ALONE = ("winkler", "corrected")  # short enough to be solved again from nothing
 # fineness and order of each level, the last the reference
@@ -57,36 +52,16 @@ SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that o
 OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
 
 
-@dataclass(frozen=True)
-class Found:
-    """What a trial found: F9 in N (None where there is none), approach in mm."""
-
-    model: str
-    setting: str
-    unknowns: int
-    runs: tuple[float, ...]
-    force: float | None
-    approach: float
-
-
-@dataclass(frozen=True)
-class Truth:
-    """A model's finest setting; `own` its relative errors of F9 and approach, `words` how they are known."""
-
-    found: Found
-    own: tuple[float, float]
-    words: str
-
-
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
     tried = _Tried(design, repeats, progress)
     for name in ORDER:
         tried.attempt(name)
     best = next((name for name in BEST if name in tried.truth), "")
-    trials = tuple(_trial(found, tried, best) for found in tried.found)
-    title = f"contact of {design.name} at {tried.request.force:g} N"
-    return Ladder("contact", title, trials, _measures(tried, best), skipped=tried.skipped)
+    force, height = tried.request.force, design.skin.thickness
+    trials = tuple(trial_of(found, tried.truth, best, force, height) for found in tried.found)
+    title = f"contact of {design.name} at {force:g} N"
+    return Ladder("contact", title, trials, measures_of(tried.truth, best), skipped=tried.skipped)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
@@ -180,7 +155,7 @@ class _Tried:
         found = Found(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
         self.found.append(found)
         if name != "winkler":
-            own = (_stated(force, FLOOR * self.request.force), _stated(approach, 0.0))
+            own = (stated(force, FLOOR * self.request.force), stated(approach, 0.0))
             words = f"tier {name}; its stated error, {own[0]:.1e} of F9 and {own[1]:.1e} of the approach, is "
             self.truth[name] = Truth(found, own, words + "held against finer rungs in tests/mechanics")
 
@@ -215,60 +190,3 @@ def _level(name: str, fineness: float, order: int) -> str:
 
 def _layers(told: str) -> str:
     return f"contact: solid, {told} layers"
-
-
-def apart(found: Found, truth: Found, force: float, height: float) -> tuple[float, float]:
-    """Return the relative differences of F9 and approach; nan where there is no F9."""
-    by_force, by_approach = math.nan, abs(found.approach - truth.approach)
-    if found.force is not None and truth.force is not None:
-        by_force = abs(found.force - truth.force) / max(truth.force, FLOOR * force)
-    return by_force, by_approach / max(truth.approach, 1e-9 * height)
-
-
-def _stated(estimate: Estimate, least: float) -> float:
-    value = estimate.value
-    return math.nan if value is None else (estimate.error or 0.0) / max(value, least)
-
-
-def _trial(found: Found, tried: _Tried, best: str) -> Trial:
-    """A trial with its errors; the best model has its own stated error as whole one."""
-    force, height = tried.request.force, tried.design.skin.thickness
-    errors: dict[str, float] = {}
-    for kind, name in (("mesh", AIM.get(found.model, "")), ("whole", best)):
-        truth = tried.truth.get(name)
-        itself = truth is not None and found is truth.found
-        if truth is None or (itself and kind == "mesh"):
-            continue
-        values = truth.own if itself else apart(found, truth.found, force, height)
-        named = zip(("F9", "approach"), values, strict=True)
-        errors |= {f"{kind} {q}": error for q, error in named if not math.isnan(error)}
-    return Trial(found.model, found.setting, found.unknowns, found.runs, errors)
-
-
-def _measures(tried: _Tried, best: str) -> tuple[ErrorMeasure, ...]:
-    own = "; ".join(f"{name}: {truth.words}" for name, truth in tried.truth.items() if name in AIM.values())
-    found = []
-    for quantity, what in enumerate(("F9", "approach")):
-        floor = tried.truth[best].own[quantity] if best else 0.0
-        named = {"F9": "all-touch force", "approach": "approach"}[what]
-        found.append(
-            ErrorMeasure(
-                f"mesh {what}",
-                f"error of mesh and method in {named}, relative",
-                "1",
-                "each model's own finest setting",
-                own,
-                compares=False,
-            )
-        )
-        found.append(
-            ErrorMeasure(
-                f"whole {what}",
-                f"error of model and mesh in {named}, relative",
-                "1",
-                f"{best or 'none'}: the best model that can judge this design",
-                tried.truth[best].words if best else "nothing",
-                floor=0.0 if math.isnan(floor) else floor,
-            )
-        )
-    return tuple(found)

@@ -1,0 +1,96 @@
+"""How contact's trials are judged: the mesh's error against a model's finest setting, the whole against the
+best model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from skincad.base.estimate import Estimate
+from skincad.ladders.ladder import ErrorMeasure, Trial
+from skincad.mechanics.problem import FLOOR
+
+AIM = {  # the tier whose finest setting another's mesh and method aim at
+    **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
+    "corrected": "solid",
+}
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a trial found: F9 in N (None where there is none), approach in mm."""
+
+    model: str
+    setting: str
+    unknowns: int
+    runs: tuple[float, ...]
+    force: float | None
+    approach: float
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A model's finest setting; `own` its relative errors of F9 and approach, `words` how they are known."""
+
+    found: Found
+    own: tuple[float, float]
+    words: str
+
+
+def apart(found: Found, truth: Found, force: float, height: float) -> tuple[float, float]:
+    """Return the relative differences of F9 and approach; nan where there is no F9."""
+    by_force, by_approach = math.nan, abs(found.approach - truth.approach)
+    if found.force is not None and truth.force is not None:
+        by_force = abs(found.force - truth.force) / max(truth.force, FLOOR * force)
+    return by_force, by_approach / max(truth.approach, 1e-9 * height)
+
+
+def stated(estimate: Estimate, least: float) -> float:
+    """Return the relative error that an estimate states, of `least` at least; nan without a value."""
+    value = estimate.value
+    return math.nan if value is None else (estimate.error or 0.0) / max(value, least)
+
+
+def trial_of(found: Found, truths: Mapping[str, Truth], best: str, force: float, height: float) -> Trial:
+    """Return a trial with its errors; the best model has its own stated error as whole one."""
+    errors: dict[str, float] = {}
+    for kind, name in (("mesh", AIM.get(found.model, "")), ("whole", best)):
+        truth = truths.get(name)
+        itself = truth is not None and found is truth.found
+        if truth is None or (itself and kind == "mesh"):
+            continue
+        values = truth.own if itself else apart(found, truth.found, force, height)
+        named = zip(("F9", "approach"), values, strict=True)
+        errors |= {f"{kind} {q}": error for q, error in named if not math.isnan(error)}
+    return Trial(found.model, found.setting, found.unknowns, found.runs, errors)
+
+
+def measures_of(truths: Mapping[str, Truth], best: str) -> tuple[ErrorMeasure, ...]:
+    """Return what contact's trials are judged by; `best` is the best model that judged the design, or ""."""
+    own = "; ".join(f"{name}: {truth.words}" for name, truth in truths.items() if name in AIM.values())
+    found = []
+    for quantity, what in enumerate(("F9", "approach")):
+        floor = truths[best].own[quantity] if best else 0.0
+        named = {"F9": "all-touch force", "approach": "approach"}[what]
+        found.append(
+            ErrorMeasure(
+                f"mesh {what}",
+                f"error of mesh and method in {named}, relative",
+                "1",
+                "each model's own finest setting",
+                own,
+                compares=False,
+            )
+        )
+        found.append(
+            ErrorMeasure(
+                f"whole {what}",
+                f"error of model and mesh in {named}, relative",
+                "1",
+                f"{best or 'none'}: the best model that can judge this design",
+                truths[best].words if best else "nothing",
+                floor=0.0 if math.isnan(floor) else floor,
+            )
+        )
+    return tuple(found)
