@@ -13,7 +13,7 @@ from time import perf_counter
 
 from threadpoolctl import threadpool_limits
 
-from skincad.effects.kinds import Model
+from skincad.effects.kinds import MarchedPad
 from skincad.mechanics.bodies.mesh import triangles
 from skincad.mechanics.film.rungs import RUNGS
 from skincad.mechanics.film.sliding import sliding
@@ -32,13 +32,13 @@ CASES: dict[str, list[str]] = {
 }
 
 
-def step_seconds(scene: Scene, model: Model) -> float:
+def step_seconds(scene: Scene, pad: MarchedPad) -> float:
     """Return the median time of a step."""
     marks = [perf_counter()]
     drives = scene.history.drives()
     pulled = [drives[0], *drives[150 : 150 + STEPS]]  # pressed, and pulled to near slip
     times, mass = scene.history.times[: STEPS + 1], scene.plate.mass or 0.0
-    march(model, times, pulled, scene.terms, lambda _: marks.append(perf_counter()), mass=mass)
+    march(pad, times, pulled, scene.terms, lambda _: marks.append(perf_counter()), mass=mass)
     return statistics.median(b - a for a, b in list(pairwise(marks))[2:])
 
 
@@ -52,7 +52,7 @@ def main() -> None:
         print(f"{'back-solve':26}{1e3 * back_solve:10.1f} ms")
         for name, overrides in CASES.items():
             scene = load_scene("yamada-2002-slip", overrides)
-            step = step_seconds(scene, scene.law.model(piece, mesh, ORDER, True, scene.terms))
+            step = step_seconds(scene, scene.law.marched(piece, mesh, ORDER, True, scene.terms))
             print(f"{name:26}{1e3 * step:10.1f} ms{step / back_solve:8.2f} back-solves", flush=True)
 
 

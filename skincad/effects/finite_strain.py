@@ -46,15 +46,15 @@ class FiniteStrain(Law):
     )
     halves: ClassVar[bool] = False
 
-    def model(
+    def marched(
         self,
         piece: PadPiece,
         mesh: object,
         order: int,
         films: bool,
         terms: Sequence[Term] = (),
-    ) -> Large:
-        """Return the model of a meshed whole pad; RefusedError for terms that ask for more than friction."""
+    ) -> LargePad:
+        """Return a meshed whole pad to be marched; RefusedError for terms that ask for more than friction."""
         from skincad.mechanics.bodies import elements
         from skincad.mechanics.bodies.large_field import strip_stress
         from skincad.mechanics.contact import dragged
@@ -74,7 +74,7 @@ class FiniteStrain(Law):
         strips = (
             strip_stress(whole.body, order, materials, piece.slots, piece.thickness, unit) if films else None
         )
-        return Large(whole, strips, pad.young_modulus, self.creases == "stop")
+        return LargePad(whole, strips, pad.young_modulus, self.creases == "stop")
 
     @staticmethod
     def left_out(outline: SceneOutline) -> Omitted | None:
@@ -91,7 +91,7 @@ class FiniteStrain(Law):
 
 
 @dataclass(frozen=True, eq=False)
-class Large:
+class LargePad:
     """A pad that is linearised anew as it deforms; its states are `DraggedState`."""
 
     pad: Dragged

@@ -1,8 +1,8 @@
 """What an effect is: its own table of a scene, of one of four kinds.
 
-A law makes the model that a march advances (exactly one); a pad change alters it before it is meshed; a term
+A law makes the pad that a march advances (exactly one); a pad change alters it before it is meshed; a term
 adds its share to every step; a reader looks at accepted states. Effects are frozen and keep no state: what a
-step leaves behind is the model's own state, which the march replaces only when a step has converged.
+step leaves behind is that pad's own state, which the march replaces only when a step has converged.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Reading:
     work: float | None = None
 
 
-class Model(Protocol):
+class MarchedPad(Protocol):
     """A meshed pad that is advanced through a scene; its states are its own and never changed."""
 
     @property
@@ -113,7 +113,7 @@ class Model(Protocol):
 
 @runtime_checkable
 class Showing(Protocol):
-    """A model that also tells the whole section's state."""
+    """A marched pad that also tells the whole section's state."""
 
     def shown(self, state: Any) -> Shown:
         """Return the whole section in a state, to draw."""
@@ -137,9 +137,9 @@ class Effect(Table):
 
 
 class Law(Effect):
-    """Stress from strain; `gives` names what its models know of what terms ask, `halves` says whether the
-    half of a mirror-symmetric pad is enough of a mesh, `condenses` whether its quasi-static models know the
-    pad by the compliance of its contact points: then the plate may turn, and a pad may have `ends`."""
+    """Stress from strain; `gives` names what its pads know of what terms ask, `halves` says whether the
+    half of a mirror-symmetric pad is enough of a mesh, `condenses` whether its quasi-static pads are known
+    by the compliance of its contact points: then the plate may turn, and a pad may have `ends`."""
 
     halves: ClassVar[bool] = True
     condenses: ClassVar[bool] = False
@@ -149,8 +149,10 @@ class Law(Effect):
         """Return where the law's range ends; any law's does where the skin is pressed flat."""
         return Limits(height(design))
 
-    def model(self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
-        """Return the model of a meshed pad; `films` asks for the stresses in its strips.
+    def marched(
+        self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]
+    ) -> MarchedPad:
+        """Return a meshed pad to be marched; `films` asks for the stresses in its strips.
 
         Only what the terms ask is built.
         """

@@ -1,4 +1,4 @@
-"""The model of small strain with what terms ask beyond it: masses, and stress that hangs on the past."""
+"""A pad in small strain with what terms ask beyond it: masses, and stress that hangs on the past."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 FRICTIONLESS = Cone(0.0, 0.0)
 
 
-def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingModel:
-    """Return the model of a meshed pad."""
+def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingPad:
+    """Return a meshed pad to be marched."""
     from skincad.mechanics.dynamics.pad import linear
 
-    return MovingModel(Dynamics(linear(piece, mesh, order, films)), piece)
+    return MovingPad(Dynamics(linear(piece, mesh, order, films)), piece)
 
 
 def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
@@ -38,7 +38,7 @@ def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
 
 
 @dataclass(frozen=True, eq=False)
-class MovingModel:
+class MovingPad:
     """A pad with masses or a past."""
 
     dynamics: Dynamics

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import MASS, RATE, Law, Model, Reading, Share, Step, Term
+from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Reading, Share, Step, Term
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
 from skincad.mechanics.contact.halving import halved
@@ -41,7 +41,9 @@ class SmallStrain(Law):
         """Return where small strain ends."""
         return limits(design)
 
-    def model(self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]) -> Model:
+    def marched(
+        self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]
+    ) -> MarchedPad:
         """Return the condensed pad, or where a term asks for masses or a past the pad that has them."""
         if any(term.asks for term in terms):
             from skincad.effects.moving import moving
@@ -52,13 +54,13 @@ class SmallStrain(Law):
         return condensed(sliding(piece, mesh, order, films))
 
 
-def condensed(pad: Sliding) -> CondensedModel:
-    """Return the model of a condensed pad."""
-    return CondensedModel(pad, Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size)))
+def condensed(pad: Sliding) -> CondensedPad:
+    """Return a condensed pad to be marched."""
+    return CondensedPad(pad, Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size)))
 
 
 @dataclass(frozen=True, eq=False)
-class CondensedModel:
+class CondensedPad:
     """A pad of constant compliance; its states are grips."""
 
     pad: Sliding

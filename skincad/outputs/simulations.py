@@ -120,11 +120,11 @@ def _moment(found: Simulation, step: int) -> Moment:
     from skincad.pictures.section_figures import Moment
 
     march = found.march
-    assert isinstance(march.model, Showing)  # the scene was checked for it
+    assert isinstance(march.pad, Showing)  # the scene was checked for it
     reading = march.readings[step]
     forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
     title = f"{found.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
-    return Moment(title, march.model.shown(march.states[step]))
+    return Moment(title, march.pad.shown(march.states[step]))
 
 
 def _section_name(step: int) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.effects.kinds import Model, Reading, Step, Term
+from skincad.effects.kinds import MarchedPad, Reading, Step, Term
 from skincad.mechanics.contact.grip import Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
@@ -32,8 +32,8 @@ class March:
 
     `stopped` says why the march ended early, None at its end; `failed` whether that was a step that did not
     converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` of the march. `states`
-    are the model's own of the steps that were to be kept, and the last; `model` is what it advanced. Neither
-    states nor model are in a pickle or a copy: they hold the FE library's own objects.
+    are the pad's own of the steps that were to be kept, and the last; `pad` is what it advanced. Neither
+    states nor pad are in a pickle or a copy: they hold the FE library's own objects.
     """
 
     time: Array
@@ -44,10 +44,10 @@ class March:
     failed: bool
     seconds: float
     states: Mapping[int, Any] = field(default_factory=dict)
-    model: Model | None = None
+    pad: MarchedPad | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "states": {}, "model": None}
+        return {**self.__dict__, "states": {}, "pad": None}
 
     @property
     def interrupted(self) -> bool:
@@ -60,7 +60,7 @@ class March:
 
 
 def march(
-    model: Model,
+    pad: MarchedPad,
     times: Array,
     drives: Sequence[Drive],
     terms: Sequence[Term],
@@ -70,7 +70,7 @@ def march(
     limits: Limits = ENDLESS,
     partial: bool = False,
 ) -> March:
-    """Return the march of a model through `drives` at `times` `(steps + 1,)` s; `tick` is told each step.
+    """Return the march of a pad through `drives` at `times` `(steps + 1,)` s; `tick` is told each step.
 
     The plate's `mass`, g, counts where a term asks for masses. States of the steps in `keep` are kept. Gross
     slip ends it, for a plate driven by force has no equilibrium then; its entry is the state that just slips.
@@ -79,14 +79,14 @@ def march(
     looked, and on from there looking at each step. Ctrl-C ends it where what is done by then is wanted
     (`partial`), and raises KeyboardInterrupt otherwise.
     """
-    began, path = perf_counter(), _Path(model, limits, keep)
+    began, path = perf_counter(), _Path(pad, limits, keep)
     stopped, failed = None, False
     try:
         while (i := len(path.readings)) < len(drives) and stopped is None:
             step = Step(float(times[i - 1]), float(times[i]), drives[i - 1], drives[i], mass)
             wrong = ""
             try:
-                after = model.advanced(path.state, step, [term.share(step) for term in terms])
+                after = pad.advanced(path.state, step, [term.share(step) for term in terms])
                 wrong = path.refused(after)
             except GrossSlip as end:
                 stopped, wrong = GROSS_SLIP, path.refused(end.last)
@@ -111,9 +111,7 @@ def march(
             path.back()
     done, states = np.asarray(times[: len(path.readings)]), path.states
     spent = perf_counter() - began
-    return March(
-        done, tuple(path.readings), model.ridge, model.unknowns, stopped, failed, spent, states, model
-    )
+    return March(done, tuple(path.readings), pad.ridge, pad.unknowns, stopped, failed, spent, states, pad)
 
 
 class _Path:
@@ -123,10 +121,10 @@ class _Path:
     in any before: what is loaded less in all three ways is taken to be as sound as those.
     """
 
-    def __init__(self, model: Model, limits: Limits, keep: Collection[int]) -> None:
-        self.model, self.limits, self.keep = model, limits, keep
-        self.state = model.start()
-        self.readings = [model.reading(self.state, self.state)]
+    def __init__(self, pad: MarchedPad, limits: Limits, keep: Collection[int]) -> None:
+        self.pad, self.limits, self.keep = pad, limits, keep
+        self.state = pad.start()
+        self.readings = [pad.reading(self.state, self.state)]
         self.kept = {0: self.state} if 0 in keep else {}
         self.careful = False
         self.hardest, self.unseen = [0.0] * 3, dict[int, Any]()
@@ -139,13 +137,13 @@ class _Path:
 
     def refused(self, state: Any) -> str:
         """Accept a state, or return why it is beyond the limits."""
-        grip, ridge = self.model.grip(state), self.model.ridge
+        grip, ridge = self.pad.grip(state), self.pad.ridge
         across = np.bincount(ridge, grip.tangential)
         loads = tuple(map(float, (np.bincount(ridge, grip.normal).max(), across.max(), -across.min())))
         wrong = self.limits.crushed(grip.approach) or self.limits.overloaded(loads[0], max(loads[1:]))
         if wrong:
             return wrong
-        self.readings.append(self.model.reading(self.state, state))
+        self.readings.append(self.pad.reading(self.state, state))
         self.state = state
         if len(self.readings) - 1 in self.keep:
             self.kept[len(self.readings) - 1] = state
@@ -161,7 +159,7 @@ class _Path:
     def collision(self) -> str | None:
         """Return what collides in a state that nobody has looked at; without any, all is sound so far."""
         for state in {id(state): state for state in self.unseen.values()}.values():
-            if wrong := self.model.fault(state):
+            if wrong := self.pad.fault(state):
                 return wrong
         self.unseen = {}
         self.sound = len(self.readings) - 1, self.state, self.hardest.copy()

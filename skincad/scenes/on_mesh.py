@@ -71,7 +71,7 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
         mesh = _meshed(on.piece, level, on.meshes)
         marks.append(perf_counter())
         films = bool(scene.readout.ridges)
-        model = scene.law.model(on.piece, mesh, level.order, films, scene.terms)
+        pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
     stages = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
@@ -86,7 +86,7 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
     with needing(f"the march on the mesh of {stage}"), one_blas_thread():
         times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
         keep = kept_steps(scene)
-        found = march(model, times, drives, scene.terms, told, keep, mass, ends, on.partial)
+        found = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
     seconds |= {**stages, "march": found.seconds}
     return found
 

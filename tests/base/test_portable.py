@@ -130,6 +130,6 @@ def test_a_march_leaves_the_fe_library_behind(tmp_path: Path) -> None:
     found = at_level(small_scene(tmp_path, "yamada-2002-press", *FEW), LEVELS[0]).march
     other = pickle.loads(pickle.dumps(found))
     assert isinstance(other, March)
-    assert found.model is not None
-    assert other.model is None
+    assert found.pad is not None
+    assert other.pad is None
     assert not other.states

@@ -15,7 +15,7 @@ import pytest
 from skincad.effects import EFFECTS, effect
 from skincad.effects.friction import Friction
 from skincad.effects.kinds import MASS, Reading, Step, Term
-from skincad.effects.moving import MovingModel, matter_of
+from skincad.effects.moving import MovingPad, matter_of
 from skincad.effects.omitted import SceneOutline
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
@@ -53,7 +53,7 @@ def piece() -> tuple[PadPiece, object]:
 def model(asked: frozenset[str]) -> Any:
     """One model for all terms that ask the same: it hangs on nothing else."""
     asking = type("Asking", (Term,), {"asks": asked})
-    return SmallStrain().model(*piece(), 2, True, [asking()])
+    return SmallStrain().marched(*piece(), 2, True, [asking()])
 
 
 def built(name: str, table: dict[str, Any]) -> tuple[Any, list[Term]]:
@@ -91,7 +91,7 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
     """dT/ds where every closed point's set stays: from the compliance alone, apart from the solver."""
     now = step(Drive(0.0), Drive(0.0), 1)
     inertia = 0.0
-    if isinstance(skin, MovingModel):
+    if isinstance(skin, MovingPad):
         matter = matter_of(now, [term.share(now) for term in terms])
         ops = skin.dynamics.factorised(DT, matter)
         compliance = ops.skin.compliance

@@ -27,7 +27,7 @@ def model(films: bool = True, creases: str = "stop") -> Any:
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})
     piece = piece_of(*filled_pad(design), halved=FiniteStrain.halves)
     mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
-    return FiniteStrain(creases=creases).model(piece, mesh, 2, films, [])
+    return FiniteStrain(creases=creases).marched(piece, mesh, 2, films, [])
 
 
 def friction(mu: float) -> Any:
@@ -113,7 +113,7 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
     mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
     laws = SmallStrain(), FiniteStrain()
     found = [
-        march(law.model(piece, mesh, 2, True, []), np.arange(7.0), drives, [friction(mu)]) for law in laws
+        march(law.marched(piece, mesh, 2, True, []), np.arange(7.0), drives, [friction(mu)]) for law in laws
     ]
     small, large = (each.column("films")[:, ::2, 0] - each.column("films")[:, 1::2, 0] for each in found)
     changed = np.abs(large - small).max() / np.abs(small).max()

@@ -14,7 +14,7 @@ from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.friction import Friction
 from skincad.effects.kinds import Law, PadChange, Reader, Share, Step, Term
-from skincad.effects.small_strain import CondensedModel, condensed
+from skincad.effects.small_strain import CondensedPad, condensed
 from skincad.mechanics.contact.grip import Drive, Grip
 from skincad.mechanics.film.sliding import Sliding
 from skincad.mechanics.problem import ContactError
@@ -25,7 +25,7 @@ from skincad.scenes.simulation import simulate
 TIMES = np.linspace(0.0, 1.0, 5)
 
 
-def block() -> CondensedModel:
+def block() -> CondensedPad:
     """One point on springs of 0.25 and 0.1 mm/N."""
     one, none = np.ones(1), np.zeros(1)
     pad = Sliding(
@@ -52,7 +52,7 @@ def test_a_driven_plate_goes_on_through_gross_slip_and_its_work_is_accounted_for
     assert found.column("dissipated").sum() == pytest.approx(0.15 * 0.9 + 0.4, rel=1e-12)
 
 
-class _Failing(CondensedModel):
+class _Failing(CondensedPad):
     def advanced(self, state: Grip, step: Step, shares: Any) -> Grip:
         if step.end > 0.6:
             raise self.failure
@@ -84,7 +84,7 @@ class Softer(Law):
 
     factor: float = quantity("1", "of the compliance", gt=0.0)
 
-    def model(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> CondensedModel:  # noqa: ARG002
+    def marched(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> CondensedPad:  # noqa: ARG002
         from dataclasses import replace
 
         from skincad.mechanics.film.sliding import sliding

@@ -45,7 +45,7 @@ def test_states_of_kept_steps_are_those_marched(found: Simulation) -> None:
 
 
 def moments(found: Simulation) -> list[Moment]:
-    return [Moment(f"step {i}", found.march.model.shown(s)) for i, s in sorted(found.march.states.items())]
+    return [Moment(f"step {i}", found.march.pad.shown(s)) for i, s in sorted(found.march.states.items())]
 
 
 def test_what_touches_the_plate_is_at_its_height(found: Simulation) -> None:

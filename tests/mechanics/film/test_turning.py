@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from skincad.effects.kinds import Share, Step
-from skincad.effects.small_strain import CondensedModel, condensed
+from skincad.effects.small_strain import CondensedPad, condensed
 from skincad.mechanics.contact.grip import Cone, Drive, Grip
 from skincad.mechanics.film.sliding import Sliding
 from skincad.mechanics.film.turning import in_skin_axes, turned
@@ -19,7 +19,7 @@ from tests.mechanics.film.test_sliding import meshed
 RADIUS, SPACING = 60.0, 0.05
 
 
-def stiff_circle() -> CondensedModel:
+def stiff_circle() -> CondensedPad:
     """Points on a circle, each on stiff springs of its own."""
     angle = np.arange(-80, 81) * SPACING / RADIUS
     x, gap = RADIUS * np.sin(angle), 2 * RADIUS * np.sin(angle / 2) ** 2
@@ -28,7 +28,7 @@ def stiff_circle() -> CondensedModel:
     return condensed(Sliding(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1, 0.0))
 
 
-def marched(model: CondensedModel, drives: list[Drive], cone: Cone) -> list[Grip]:
+def marched(model: CondensedPad, drives: list[Drive], cone: Cone) -> list[Grip]:
     found = [model.start()]
     for before, after in pairwise(drives):
         found.append(model.advanced(found[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
