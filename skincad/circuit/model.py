@@ -18,7 +18,7 @@ PICO = 1e-12
 SHORT = 1e-12  # ohm; less is no resistor, and what it conducts is more than a number holds
 
 
-class Film(Table):
+class FilmCapacitor(Table):
     """A piece of PVDF film with its electrodes; defaults: data sheets of uniaxially drawn film."""
 
     area: float = quantity("mm2", "of the electrodes", gt=0.0, le=1e5)
@@ -127,7 +127,7 @@ class Sampling(Table):
 class Circuit(Document):
     """A film with its amplifier; everything after `amplifier` is optional."""
 
-    film: Film
+    film: FilmCapacitor
     cable: Cable = Field(default=Cable(capacitance=0.0), description="none: no lead")
     motional: Motional
     amplifier: Amplifier
