@@ -20,6 +20,7 @@ from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Point, Segment, loop
 from skincad.solids.occ import solid, unchecked_solid
 from skincad.solids.plan import Part, Prism
+from skincad.solids.roles import PartRole
 from skincad.solids.skin import skin_part
 
 
@@ -28,7 +29,7 @@ def pieces(design: skincad.Design) -> list[Part]:
     outline, half = section(design).outline, design.skin.length / 2
 
     def part(shape: Loop) -> Part:
-        return Part("piece", (0, 0, 0), "cast", Prism(shape, "y", -half, half))
+        return Part("piece", PartRole.SKIN, Prism(shape, "y", -half, half))
 
     corners = [s for s in outline if s.kind in ("back", "side")]
     left, right = corners[2].start, corners[1].end

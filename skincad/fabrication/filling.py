@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -24,6 +25,7 @@ from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Prism, Vector
+from skincad.solids.roles import PartRole
 
 CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
 LEAST = 0.01  # mm3, assumption: a bubble of 0.27 mm across, two walls between film and flank; less is let go
@@ -41,6 +43,7 @@ class Pocket:
     mm3 and its height in mm along the vertical."""
 
     where: str
+    alike: str  # pockets of which this is the same are told together
     place: Vector
     volume: float
     height: float
@@ -49,6 +52,7 @@ class Pocket:
 
 class _Surface(NamedTuple):
     name: str
+    alike: str  # as a pocket's
     relief: bool  # belongs to a ridge or slot
     edge: shapely.LineString  # (x, z) mm
 
@@ -97,10 +101,7 @@ def filling_findings(design: Design, closed: Mold) -> list[Finding]:
     if not found:
         return _level(design)
     remedy = _remedy(design, closed, math.fsum(pocket.volume for pocket in found))
-    kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
-    for pocket in found:
-        kinds[pocket.harm, pocket.where.rstrip("0123456789")].append(pocket)
-    return [*_level(design), *(_finding(design, own, remedy) for own in kinds.values())]
+    return [*_level(design), *_told(design, found, remedy)]
 
 
 def _bent_findings(design: Design) -> list[Finding]:
@@ -116,11 +117,7 @@ def _bent_findings(design: Design) -> list[Finding]:
     for end, slope in (("b", rise + tilt), ("a", rise - tilt)):
         if slope <= 0:
             continue
-        kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
-        for pocket in pockets(straight, closed, slope):
-            kinds[pocket.harm, pocket.where.rstrip("0123456789")].append(pocket)
-        for own in kinds.values():
-            told = _finding(design, own, remedy)
+        for told in _told(design, pockets(straight, closed, slope), remedy):
             place = told.where.replace("end b", f"end {end}")
             found.append(replace(told, where=f"{place}, in a straight mold at the slope of end {end}"))
     return found
@@ -133,6 +130,13 @@ def _level(design: Design) -> list[Finding]:
         return []
     where, remedy = "carrier, too level to lead a bubble along", f"mold.pour_tilt of {least:g} or more"
     return [Finding("trapped air", where, tilt, least, "deg", "note", remedy)]
+
+
+def _told(design: Design, found: Iterable[Pocket], remedy: str) -> list[Finding]:
+    kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
+    for pocket in found:
+        kinds[pocket.harm, pocket.alike].append(pocket)
+    return [_finding(design, own, remedy) for own in kinds.values()]
 
 
 def _finding(design: Design, own: list[Pocket], remedy: str) -> Finding:
@@ -168,27 +172,29 @@ def _fillings(design: Design, closed: Mold) -> list[_Filling]:
 def _surfaces(closed: Mold) -> list[_Surface]:
     """What bounds the skin in its section, by name; a prism, so x and z tell what a point is on. Where some
     meet, the first one's name is told: shim or strip, ridge, carrier, the rest."""
-    body = closed.part("skin").body
+    body = closed.of(PartRole.SKIN)[0].body
     if not isinstance(body, Prism):
         return []
     found = []
-    for part in closed.parts:
-        if part.name.startswith(("shim", "strip")) and isinstance(part.body, Prism):
+    for part in closed.of(PartRole.SHIM, PartRole.STRIP):
+        if isinstance(part.body, Prism):
             edge = shapely.LinearRing(polygon(part.body.outline, CHORD))
-            found.append(_Surface(part.name, True, edge))
+            found.append(
+                _Surface(part.name, f"{part.label} of ridge {part.body.outline[0].ridge}", True, edge)
+            )
     segments = [*body.outline, *(s for hole in body.holes for s in hole)]
     for segment in sorted(segments, key=lambda s: (s.ridge is None, s.kind != "back")):
         along = segment.points(np.linspace(0, 1, segment.pieces(CHORD) + 1))
         name = {"back": "carrier", "side": "side of the cavity", "base": "valley"}.get(segment.kind)
         name = name or f"{segment.kind.replace('_', ' ')} of ridge {segment.ridge}"
-        found.append(_Surface(name, segment.ridge is not None, shapely.LineString(along)))
+        found.append(_Surface(name, segment.kind, segment.ridge is not None, shapely.LineString(along)))
     return found
 
 
 def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
     found = []
     for filling in fillings:
-        ignored = frozenset(i for i, part in enumerate(filling.space.spaces) if not part.counts)
+        ignored = frozenset(i for i, part in enumerate(filling.space.spaces) if part.beside is PartRole.COVER)
         up = vertical(tilt if filling.tilted else 0.0)
         found += [_pocket(filling, up, air) for air in trapped(filling.made, up, ignored)]
     return sorted((p for p in found if p.volume >= LEAST), key=lambda p: (-p.volume, p.place))
@@ -197,10 +203,11 @@ def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
 def _pocket(filling: _Filling, up: Points, air: Trapped) -> Pocket:
     """Name what the air lies under: all that it touches has a corner of a cell above the air's level."""
     made, spaces = filling.made, filling.space.spaces
-    skin = [c for c in air.cells if spaces[made.space[c]].name == "skin"]
+    skin = [c for c in air.cells if spaces[made.space[c]].beside is PartRole.SKIN]
     if not skin:
         first = min(air.cells, key=lambda c: -float((made.corners[c] @ up).max()))
-        return Pocket(spaces[made.space[first]].name, air.highest, air.volume, air.height, "riser")
+        space = spaces[made.space[first]]
+        return Pocket(space.where, space.name, air.highest, air.volume, air.height, "riser")
     corners = np.unique(np.vstack([made.corners[c] for c in skin]), axis=0)
     heights = corners @ up
     touched = [(p, h) for p, h in zip(corners, heights, strict=True) if h > air.level]
@@ -208,9 +215,10 @@ def _pocket(filling: _Filling, up: Points, air: Trapped) -> Pocket:
     names = [[s for s in filling.surfaces if s.edge.distance(point) < NEAR] for point in points]
     top = int(np.argmax([h for _, h in touched]))
     place = touched[top][0]
-    where = names[top][0].name if names[top] else "skin"
+    where, alike = (names[top][0].name, names[top][0].alike) if names[top] else ("skin", "skin")
     ends = {-1: ", at end a's edge", 1: ", at end b's edge"}
     edge = ends.get(int(np.sign(place[1])), "") if abs(up[1]) > 0 else ""
     relief = any(s.relief for found in names for s in found)
     x, y, z = (float(v) for v in place)
-    return Pocket(where + edge, (x, y, z), air.volume, air.height, "relief" if relief else "body")
+    harm: Literal["relief", "body"] = "relief" if relief else "body"
+    return Pocket(where + edge, where + edge if edge else alike, (x, y, z), air.volume, air.height, harm)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from skincad.fabrication.demolding import undercut_findings, undercuts
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
-from skincad.fabrication.rules import RULES, Case, label, maker, shim_findings
+from skincad.fabrication.rules import RULES, Case, maker, shim_findings
 from skincad.fabrication.rules_of_layers import LAYER_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
 from skincad.inputs.catalog import processes
@@ -43,7 +43,7 @@ def process_findings(design: Design, closed: Mold) -> list[Finding]:
         name = maker(design, part)
         if part.made != "made" or name is None:
             continue
-        case = Case(design, part, label(part), name, known[name])
+        case = Case(design, part, name, known[name])
         fresh = [f for f in judged(case) if (f.rule, f.where) not in told]
         if fresh:
             others = {n: judged(replace(case, name=n, process=p)) for n, p in known.items() if n != name}

@@ -18,6 +18,7 @@ from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.shape.curves import polygon
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Body, Part, Prism, Reaching, Revolved, Turned
+from skincad.solids.roles import PartRole
 from skincad.solids.swept import Way, swept
 
 FINER = 10.0  # the reference mesh's chords are this many times finer
@@ -113,9 +114,9 @@ def interference(assembled: Mold, tolerance: float) -> list[Finding]:
         for one in moving:
             name, way = one.part.name, swept(one.part, step.axis, step.travel, tolerance)
             # the skin bends, and the strips in it: the undercut rule judges it
-            free = "cavity" if name.startswith(("skin", "strip")) else ""
+            free = PartRole.CAVITY if one.part.role in (PartRole.SKIN, PartRole.STRIP) else None
             path = _Shape(way, manifold(way, tolerance), tolerance)
-            others = [other for other in shapes.values() if other.part.name != free]
+            others = [other for other in shapes.values() if other.part.role is not free]
             for other, volume in _shared(path, others):
                 where = f"{name} against {other}, opening along {_way(step.axis)}"
                 found.append(_finding("interference", where, volume))

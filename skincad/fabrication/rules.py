@@ -22,6 +22,7 @@ from skincad.inputs.process import Process
 from skincad.shape.cross_section import GUARD_TOLERANCE, section
 from skincad.shape.curves import polygon
 from skincad.solids.plan import Part, bores, own
+from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 from skincad.solids.split import notch_rise
 
 STEEL_MODULUS = 200e3  # MPa, source: handbooks, spring steel 190 to 210 GPa
@@ -37,7 +38,6 @@ class Case:
 
     design: Design
     part: Part
-    label: str  # as findings call the part
     name: str  # of the process
     process: Process
 
@@ -45,6 +45,21 @@ class Case:
     def along(self) -> Part:
         """The part as its section along y is judged: straight where it is bent, upright where it leans."""
         return self.part.straight or own(self.part)
+
+    @property
+    def label(self) -> str:
+        """How findings call the part."""
+        return self.part.label
+
+    @property
+    def cavity(self) -> bool:
+        """Whether the part is a cavity or a piece of one."""
+        return self.part.role in CAVITIES
+
+    @property
+    def comb(self) -> bool:
+        """Whether the part is a comb."""
+        return self.part.role is PartRole.COMB
 
 
 Rule = Callable[[Case], Iterator[Finding]]
@@ -61,26 +76,19 @@ class Feature(NamedTuple):
 def maker(design: Design, part: Part) -> str | None:
     """Return the process that makes a part, None for any: carrier and cover are plain plates."""
     choice = design.mold
-    if part.name.startswith("cavity"):
+    if part.role in CAVITIES:
         return choice.process
-    if part.name.startswith("end-"):
+    if part.role in END_PLATES:
         return choice.end_plate_process or choice.process
     return choice.lid_process
-
-
-def label(part: Part) -> str:
-    """Return how findings call a part: parts of both ends alike, and pieces of a cavity."""
-    if part.name.startswith("end-"):
-        return " ".join(["end plates", *part.name.split("-")[2:]])
-    return "cavity" if part.name.startswith("cavity") else part.name
 
 
 def grooves(case: Case) -> list[Feature]:
     """Return the narrowest groove of each kind: a ridge's in the cavity, a shim's in a comb."""
     design, ridge = case.design, case.design.ridge
-    if case.part.name.startswith("cavity"):
+    if case.cavity:
         return [Feature("groove of a ridge's tip", ridge.tip_width, ridge.height)]
-    if case.part.name.endswith("-comb") and design.slot:
+    if case.comb and design.slot:
         gap = 2 * design.mold.slit_clearance
         held = "strip" if design.mold.method == "cast-in" else "shim"
         return [Feature(f"notch of a {held}", design.core_thickness + gap, design.slot.depth + gap)]
@@ -93,9 +101,9 @@ def teeth(case: Case) -> list[Feature]:
     In the cavity the width is that of its free end, before fillets; in a comb the least distance.
     """
     ridge = case.design.ridge
-    if case.part.name.startswith("cavity") and ridge.count > 1:
+    if case.cavity and ridge.count > 1:
         return [Feature("tooth between two ridges' roots", ridge.pitch - ridge.root_width, ridge.height)]
-    return [_comb_tooth(case.design)] if case.part.name.endswith("-comb") else []
+    return [_comb_tooth(case.design)] if case.comb else []
 
 
 @lru_cache(maxsize=8)
@@ -140,7 +148,7 @@ def _slender(case: Case) -> Iterator[Finding]:
     most = case.process.tooth_ratio
     for tooth in teeth(case):
         width = tooth.width
-        if case.part.name.startswith("cavity"):
+        if case.cavity:
             width += (case.design.ridge.root_width - case.design.ridge.tip_width) / 2
         if most and tooth.height > most * width:
             place = f"{case.label}, {tooth.where}, by {case.name}"
@@ -169,7 +177,7 @@ def _clearance(case: Case) -> Iterator[Finding]:
 
 def _slit_fit(case: Case) -> Iterator[Finding]:
     given, limit = case.design.mold.slit_clearance, case.process.tolerance
-    if case.part.name.endswith("-comb") and given < limit - _ROUNDING:
+    if case.comb and given < limit - _ROUNDING:
         place = f"{case.label}, fit of shims and notches, by {case.name}"
         remedy = "try each shim in its notch and lap the notch where it binds"
         yield Finding("slit fit", place, given, limit, "mm", "note", remedy)
@@ -177,7 +185,7 @@ def _slit_fit(case: Case) -> Iterator[Finding]:
 
 def _notch_room(case: Case) -> Iterator[Finding]:
     """A note where straight notches let silicone in beside shims that are arcs."""
-    if not case.part.name.endswith("-comb"):
+    if not case.comb:
         return
     room, gap = notch_rise(case.design, section(case.design).slots), case.design.mold.slit_clearance
     if room > gap:

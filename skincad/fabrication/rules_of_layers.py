@@ -15,7 +15,8 @@ from skincad.fabrication.rules import Case, Rule, maker
 from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
-from skincad.solids.plan import Part, bores, own
+from skincad.solids.plan import Bore, Part, Prism, Revolved, own, plain
+from skincad.solids.roles import CAVITIES, END_PLATES
 
 if TYPE_CHECKING:
     import trimesh
@@ -27,20 +28,20 @@ _ROUNDING_DEG = 1e-6
 
 def on_end(part: Part, process: Process) -> bool:
     """Whether a part is printed with its y face on the bed."""
-    return part.lies_on_end or (part.name.startswith("cavity") and process.orientation == "end")
+    return part.role in END_PLATES or (part.role in CAVITIES and process.orientation == "end")
 
 
 def laid_on_end(design: Design, part: Part) -> bool:
     """Whether a part of a design is printed with its y face on the bed."""
     name = maker(design, part)
-    return part.lies_on_end if name is None else on_end(part, processes(design.printer)[name])
+    return name is not None and on_end(part, processes(design.printer)[name])
 
 
 def _details(case: Case) -> Iterator[Finding]:
     """The cavity's shapes that a pixel or a layer swallows. Flat on the bed the crown's rise is cut into
     layers; on end, the section lies in the layers' plane, whose detail is the pixel."""
     process, ridge = case.process, case.design.ridge
-    if not process.layer or not case.part.name.startswith("cavity"):
+    if not process.layer or not case.cavity:
         return
     end = on_end(case.part, process)
     rise = process.pixel if end else process.layer
@@ -68,11 +69,11 @@ def _overhang(case: Case) -> Iterator[Finding]:
         return
     end = on_end(part, process)
     upright = "y" if end else "z"
-    cuts = tuple(
-        cut
-        for cut in part.cuts
-        if not any(b.axis != upright and 2 * b.radius <= process.bridge for b in bores(part, cut))
-    )
+
+    def closes(cut: Prism | Revolved | Bore) -> bool:
+        return isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge
+
+    cuts = tuple(cut for cut in part.cuts if not closes(plain(cut)))
     angle, area = overhang(replace(part, cuts=cuts), process, end)
     if area > 0:
         place = f"{case.label}, {area:.3g} mm2 as printed {'on end' if end else 'flat'}, by {case.name}"

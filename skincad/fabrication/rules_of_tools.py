@@ -25,7 +25,7 @@ def _reach(case: Case) -> Iterator[Finding]:
     reach, body = case.process.reach, case.along.body
     if not reach or not isinstance(body, Prism) or body.axis != "y":
         return
-    milled_down = case.part.name.startswith("cavity") and case.process.based_on == "cnc"
+    milled_down = case.cavity and case.process.based_on == "cnc"
     left = _left(body.outline, reach, from_above=milled_down)
     found = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
     yield from _in_grooves(case, [(depth, s) for depth, _, s in found if s.ridge is not None])
@@ -54,7 +54,7 @@ def _elsewhere(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Findi
         return
     depth, worst = found[0]
     reach, choice = case.process.reach, case.design.mold
-    comb = case.part.name.endswith("-comb")
+    comb = case.comb
     play = math.sqrt(2) * choice.slit_clearance if comb else choice.clearance
     limit = play + case.process.tolerance
     if depth > _SHARP * corner(reach, math.pi / 2) + ERROR:
@@ -72,7 +72,7 @@ def _elsewhere(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Findi
 def _place(case: Case, segment: Segment) -> str:
     """Name a segment: the slot that it is next to in a comb, else its place in the mold's frame."""
     x, z = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
-    if case.part.name.endswith("-comb"):
+    if case.comb:
         slot = min(section(case.design).slots, key=lambda s: math.hypot(s.centre.x - x, s.centre.z + z))
         return f"notch {slot.side} of ridge {slot.ridge}"
     return f"corner near x {x:.3g}, z {z:.3g} mm"
@@ -81,7 +81,7 @@ def _place(case: Case, segment: Segment) -> str:
 def _depth(case: Case) -> Iterator[Finding]:
     """A groove deeper than the thickest tool that fits it can cut; a comb is cut through along y."""
     least, most = 2 * case.process.tool_radius, case.process.groove_ratio
-    cavity = case.part.name.startswith("cavity")
+    cavity = case.cavity
     for groove in grooves(case):
         depth = groove.height if cavity else case.design.mold.end_plate
         fits = min(groove.width, 2 * case.design.ridge.tip_fillet) if cavity else groove.width

@@ -13,9 +13,10 @@ from skincad.inputs.catalog import Silicone, silicone
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import BOLT_RADIUS, TAP_RADIUS, fits, is_clamped
+from skincad.solids.layout import TAP_RADIUS, fits, is_clamped
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Bore, Prism, own
+from skincad.solids.plan import Bore, bores, own
+from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part
 from skincad.solids.undercut import split_ridges
@@ -67,8 +68,7 @@ def _parts(design: Design, closed: Mold) -> list[str]:
     rows = [f"| {p.name} | {p.volume / 1000:.5g} |" for p in closed.parts if p.made == "made"]
     through = skin.length + 2 * choice.end_plate
     pins: dict[str, int] = {}
-    for part in closed.parts:
-        dowel = own(part).body
+    for dowel in (own(part).body for part in closed.of(*PINS)):
         if isinstance(dowel, Bore):
             size = f"{math.floor(10 * dowel.length) / 10:g} mm"
             pins[size] = pins.get(size, 0) + 1
@@ -101,28 +101,18 @@ def _parts(design: Design, closed: Mold) -> list[str]:
 
 def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
     """What holds the mold together, as the parts have it."""
-    plates = [part for part in closed.parts if part.name.startswith("end-b")]
-    cuts = [cut for part in plates for cut in part.cuts]
-    sunk = sum(isinstance(cut, Prism) and cut.axis == "y" for cut in cuts)
-    tapped = sum(isinstance(cut, Bore) and cut.radius == TAP_RADIUS for cut in cuts)
-    bolts = {BOLT_RADIUS, TAP_RADIUS}
-    count = sum(isinstance(cut, Bore) and cut.radius in bolts for cut in cuts)
+    cuts = [cut.role for part in closed.of(*END_PLATES) if part.end == "b" for cut in part.cuts]
+    sunk, tapped = cuts.count(CutRole.NUT), cuts.count(CutRole.END_THREAD)
+    count = cuts.count(CutRole.END_BOLT) + tapped
     nuts = f"with nuts, {sunk} of them sunk in end plate b"
     ends = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled" if tapped else nuts
     thread = fits(design, design.mold.process)
-    upright = [
-        (cut.radius, cut.length)
-        for part in closed.parts
-        for cut in part.cuts
-        if part.name in ("cavity", "cavity-base", "cavity-right")
-        and isinstance(cut, Bore)
-        and cut.axis == "z"
-    ]
     upper = "two clamps that hold the cover down on the cavity"
     hold = f"inserts in holes of {2 * thread.thread:g} mm" if thread.printed else "tapped holes"
     if not is_clamped(poured(design)):
-        passed = max((length for radius, length in upright if radius == BOLT_RADIUS), default=0.0)
-        held = max(length for radius, length in upright if radius == thread.thread)
+        blocks = closed.of(*CAVITIES)
+        passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
+        held = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
         upper = f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}"
     if design.skin.curvature_radius_y is not None:
         return [screws(design, closed, hold), upper]
@@ -134,7 +124,7 @@ def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
 
 
 def _shrinkage(design: Design, closed: Mold) -> str:
-    part, cavity = skin_part(design).volume, closed.part("skin").volume
+    part, cavity = skin_part(design).volume, closed.of(PartRole.SKIN)[0].volume
     share = 100 * shrinkage(design)
     return (
         f"Shrinkage: {share:.3g} % in length, so the skin of {part / 1000:.4f} cm3 cures from a cavity of "
@@ -226,7 +216,7 @@ def _taken_off(design: Design) -> list[str]:
 
 def _out(design: Design, closed: Mold) -> list[str]:
     """How the skin and its cavity part."""
-    pulls = any(cut.radius == TAP_RADIUS for cut in closed.part("carrier").cuts if isinstance(cut, Bore))
+    pulls = bores(closed.of(PartRole.CARRIER)[0], CutRole.PULL)
     grip = "by two M3 screws in its blind holes" if pulls else "from its two ends"
     if not split_ridges(design):
         return [f"Pull the carrier up {grip}; the skin leaves the cavity with it. Cut the flash there."]

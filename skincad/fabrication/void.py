@@ -17,21 +17,26 @@ from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.solids.bowl import gap_beside
 from skincad.solids.mold import Mold, mold
-from skincad.solids.plan import Body, Bore, Part, Prism, bores
+from skincad.solids.plan import Body, Bore, Prism, bores
+from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.shrinkage import poured
-
-ABOVE = "cover"  # name of the spaces in the cover: what is left in them is cut off
 
 
 @dataclass(frozen=True)
 class Space:
-    """A part of the void. Air leaves it through its faces on the plane z = `open_at` mm; `counts` is false
-    where air that stays does no harm."""
+    """A part of the void, in or beside a part of the mold. Air leaves it through its faces on the plane
+    z = `open_at` mm."""
 
     name: str
     body: Body
+    beside: PartRole
     open_at: float | None = None
-    counts: bool = True
+    number: int | None = None  # among spaces of its name
+
+    @property
+    def where(self) -> str:
+        """How a pocket in it is told."""
+        return self.name if self.number is None else f"{self.name} {self.number}"
 
 
 @dataclass(frozen=True)
@@ -56,33 +61,31 @@ def void(design: Design, closed: Mold) -> Void:
     """Return what the silicone fills in a mold of one skin: skin, gate, the carrier's holes and vent, the gap
     round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
     taped when full."""
-    design, carrier, skin = poured(design), closed.part("carrier"), closed.part("skin")
-    cover = closed.part("cover").body
-    top = cover.high if isinstance(cover, Prism) else math.inf
-    spaces = [Space("skin", skin.body)]
-    holes = _through(carrier)
-    names = ["vent", *(f"carrier hole {i}" for i in range(1, len(holes)))]
-    spaces += [Space(name, cut) for name, cut in zip(names, holes, strict=True)]
-    spaces += [Space("gap round the carrier", ring) for ring in _gap(design, carrier.body)]
-    spaces += [Space(ABOVE, bore, top, counts=False) for bore in _over(closed)]
-    spaces += [Space("gate", bore) for bore in _gates(closed)]
-    return Void(tuple(spaces), _rim(next(s.body for s in spaces if s.name == ABOVE)))
+    design, carrier = poured(design), closed.of(PartRole.CARRIER)[0]
+    cover = closed.of(PartRole.COVER)[0]
+    top = cover.body.high if isinstance(cover.body, Prism) else math.inf
+    over = bores(cover, CutRole.RESERVOIR, CutRole.BLEED)
+    rivets = enumerate(bores(carrier, CutRole.RIVET), 1)
+    plates = [cut for part in closed.of(*END_PLATES) for cut in part.cuts]
+    spaces = [
+        Space("skin", closed.of(PartRole.SKIN)[0].body, PartRole.SKIN),
+        *(Space("vent", bore, PartRole.CARRIER) for bore in bores(carrier, CutRole.VENT)),
+        *(Space("carrier hole", bore, PartRole.CARRIER, number=i) for i, bore in rivets),
+        *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(design, carrier.body)),
+        *(Space("cover", bore, PartRole.COVER, top) for bore in over),
+        *(Space("gate", cut, PartRole.END_PLATE) for cut in plates if cut.role is CutRole.GATE),
+    ]
+    return Void(tuple(spaces), _rim(over[0]))
 
 
 def open_trough(closed: Mold) -> Void:
     """Return the skin's space with its back open, as the silicone is poured into it before the carrier."""
-    return Void((Space("skin", closed.part("skin").body, open_at=0.0),))
+    return Void((Space("skin", closed.of(PartRole.SKIN)[0].body, PartRole.SKIN, open_at=0.0),))
 
 
 def perforated(closed: Mold) -> bool:
     """Whether the carrier has holes besides its vent, which silicone fills."""
-    return len(_through(closed.part("carrier"))) > 1
-
-
-def _through(carrier: Part) -> list[Bore]:
-    """A carrier's bores from its lower face, the vent first."""
-    bored = [cut for cut in carrier.cuts if isinstance(cut, Bore)]
-    return [bore for bore in bored if bore.start[2] == 0.0 or bore.within is not None]
+    return bool(bores(closed.of(PartRole.CARRIER)[0], CutRole.RIVET))
 
 
 def _gap(design: Design, carrier: Body) -> list[Prism]:
@@ -98,24 +101,7 @@ def _gap(design: Design, carrier: Body) -> list[Prism]:
     return [replace(carrier, outline=outer, holes=(inner,))]
 
 
-def _over(closed: Mold) -> list[Bore]:
-    """Bores of the cover over the carrier, the reservoir first; bolts and pins stand outside the trough."""
-    carrier = closed.part("carrier").body
-    if not isinstance(carrier, Prism):
-        return []
-    side = carrier.high if carrier.axis == "x" else max(s.start.x for s in carrier.outline)
-    return [c for c in closed.part("cover").cuts if isinstance(c, Bore) and abs(c.start[0]) < side]
-
-
-def _gates(closed: Mold) -> list[Body]:
-    """Bores in the middle of end a: bolts and pins stand beside the skin."""
-    plates = [part for part in closed.parts if part.name.startswith("end-a")]
-    return [c for p in plates for c in p.cuts if any(bore.start[0] == 0.0 for bore in bores(p, c))]
-
-
-def _rim(cup: Body) -> NDArray[np.float64] | None:
-    if not isinstance(cup, Bore):
-        return None
+def _rim(cup: Bore) -> NDArray[np.float64]:
     (x, y, z), radius = cup.start, cup.end_radius or cup.radius
     turn = np.linspace(0, 2 * math.pi, 64, endpoint=False)
     around = (x + radius * np.cos(turn), y + radius * np.sin(turn), np.full(64, z + cup.length))

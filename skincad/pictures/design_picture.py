@@ -14,8 +14,8 @@ from skincad.pictures.render import shaded, view
 from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
 from skincad.solids.mold import Mold
-from skincad.solids.plan import Prism, Turned
-from skincad.solids.skin import COLOUR
+from skincad.solids.plan import Part, Prism, Turned
+from skincad.solids.roles import CAVITIES, END_PLATES, IMPLIED, PartRole
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
@@ -40,7 +40,7 @@ def _show(axes: Axes, title: str) -> None:
 def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     shown = upright(skin)
     seen = view([shown], 32.0, 28.0, (720, 350))
-    axes.imshow(shaded([shown], [COLOUR], seen))
+    axes.imshow(shaded([shown], [IMPLIED[PartRole.SKIN].colour], seen))
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
     _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
 
@@ -70,7 +70,7 @@ def _draw_mold(axes: Axes, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> 
         if part.name not in meshes:
             continue
         moved = meshes[part.name].copy()
-        moved.vertices = moved.vertices + _apart(part.name, closed)
+        moved.vertices = moved.vertices + _apart(part, closed)
         placed.append(moved)
         colours.append(part.colour)
         if part.made != "bought":
@@ -93,29 +93,30 @@ def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
     return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
 
 
-def _apart(name: str, closed: Mold) -> np.ndarray:
+def _apart(part: Part, closed: Mold) -> np.ndarray:
     """Where a part is drawn, relative to the closed mold, mm."""
-    high = _height(closed)
-    side = 1.1 * closed.length
-    if name.startswith(("end-", "pin-a", "pin-b")) and not name.startswith("pin-base"):
-        out = side * (1.0 if name.startswith("end") else 0.5) * (-1 if name[4] == "a" else 1)
-        body, lift = closed.part(name).body, 0.25 * high if name.endswith("keeper") else 0.0
+    high, side, body = _height(closed), 1.1 * closed.length, part.body
+    if part.end is not None:
+        out = side * (1.0 if part.role in END_PLATES else 0.5) * (-1 if part.end == "a" else 1)
+        lift = 0.25 * high if part.role is PartRole.KEEPER else 0.0
         lean = body.angle if isinstance(body, Turned) else 0.0
         return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
     places = {
-        ("cover", "pin-cover"): (0.0, 0.0, 2.3 * high),
-        ("carrier",): (0.0, 0.0, 1.7 * high),
-        ("skin", "strip"): (0.0, 0.0, 1.0 * high),
-        ("shim",): (0.0, 2.4 * side, 0.0),
-        ("cavity-base", "pin-base"): (0.0, 0.0, -0.7 * high),
-        ("cavity-left",): (-0.3 * high, 0.0, 0.0),
-        ("cavity-right",): (0.3 * high, 0.0, 0.0),
+        PartRole.COVER: (0.0, 0.0, 2.3 * high),
+        PartRole.COVER_PIN: (0.0, 0.0, 2.3 * high),
+        PartRole.CARRIER: (0.0, 0.0, 1.7 * high),
+        PartRole.SKIN: (0.0, 0.0, 1.0 * high),
+        PartRole.STRIP: (0.0, 0.0, 1.0 * high),
+        PartRole.SHIM: (0.0, 2.4 * side, 0.0),
+        PartRole.BASE: (0.0, 0.0, -0.7 * high),
+        PartRole.BASE_PIN: (0.0, 0.0, -0.7 * high),
+        PartRole.LEFT: (-0.3 * high, 0.0, 0.0),
+        PartRole.RIGHT: (0.3 * high, 0.0, 0.0),
     }
-    found = [place for names, place in places.items() if name.startswith(names)]
-    return np.array(found[0] if found else (0.0, 0.0, 0.0))
+    return np.array(places.get(part.role, (0.0, 0.0, 0.0)))
 
 
 def _height(closed: Mold) -> float:
-    blocks = [p.body for p in closed.parts if p.name.startswith("cavity")]
+    blocks = [part.body for part in closed.of(*CAVITIES)]
     levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
     return max(levels) - min(levels)

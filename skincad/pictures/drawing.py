@@ -15,6 +15,7 @@ from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
 from skincad.solids.mold import Mold
 from skincad.solids.plan import Part, Prism, Revolved, Turned, corners
+from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
 PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
 TEXT = 2.8  # mm
@@ -131,9 +132,9 @@ def _mold_view(closed: Mold) -> list[str]:
     scale = min(50.0 / size[0], 36.0 / size[1])
     view = OnPage((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
     rows = []
-    for name, kind in (("cavity", "mold"), ("carrier", "hole")):
-        for part in closed.parts:
-            if part.name.startswith(name) and isinstance(part.body, Prism):
+    for roles, kind in ((CAVITIES, "mold"), ({PartRole.CARRIER}, "hole")):
+        for part in closed.of(*roles):
+            if isinstance(part.body, Prism):
                 (x0, y0, _), (x1, y1, _) = _extent(part.body)
                 corner = view.at(x0, y1)
                 rows.append(
@@ -154,10 +155,9 @@ def _mold_view(closed: Mold) -> list[str]:
 
 def _bent_view(closed: Mold) -> list[str]:
     """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
-    kinds = {"cavity": "mold", "end-": "mold", "cover": "mold", "carrier": "hole", "skin": "skin"}
-    rings = [
-        (k, _side(part)) for name, k in kinds.items() for part in closed.parts if part.name.startswith(name)
-    ]
+    mold = [CAVITIES, END_PLATES, {PartRole.COVER}]
+    kinds = [*((roles, "mold") for roles in mold), ({PartRole.CARRIER}, "hole"), ({PartRole.SKIN}, "skin")]
+    rings = [(kind, _side(part)) for roles, kind in kinds for part in closed.of(*roles)]
     points = np.vstack([ring for _, ring in rings])
     low, high = points.min(axis=0), points.max(axis=0)
     scale = float(min(50.0 / (high - low)[0], 36.0 / (high - low)[1]))
@@ -169,7 +169,7 @@ def _bent_view(closed: Mold) -> list[str]:
     (left, bottom), (right, top) = view.at(*low), view.at(*high)
     rows += _across(left, right, bottom + 5.0, f"{high[0] - low[0]:.4g}", bottom)
     rows += _upright(right + 5.0, bottom, top, f"{high[1] - low[1]:.4g}", right)
-    cavity = closed.part("cavity").body
+    cavity = closed.of(PartRole.CAVITY)[0].body
     lean = math.degrees(cavity.grid.half) if isinstance(cavity, Prism) and cavity.grid else 0.0
     words = f"closed mold from the side, scale {scale:.3g} : 1; ends lean by {lean:.3g} degrees"
     return [*rows, _text(142.0, 134.5, words)]

@@ -32,7 +32,7 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, flipped
 from skincad.solids.bowl import across, height, rise, seat
-from skincad.solids.cavity import GREY, cavity
+from skincad.solids.cavity import cavity
 from skincad.solids.ends import end_plates
 from skincad.solids.grid import Grid
 from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
@@ -46,6 +46,7 @@ from skincad.solids.layout import (
 )
 from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels
 from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, turned
+from skincad.solids.roles import ENDS, CutRole, End, PartRole
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
 from skincad.solids.split import path
@@ -58,6 +59,7 @@ LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest i
 TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
 OVERHANG = 3.0  # mm, assumption: of the cover beyond the end plates, to be lifted by
 UNDER = 0.2  # mm, by which a bore from the curved back begins below its rim
+_FROM_ABOVE = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
 
 
 def bent_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
@@ -68,10 +70,10 @@ def bent_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
     skin = replace(cast_skin(design, shape), body=_skin(shape, grid))
     ends = [
         turned(part, grid.centre, *_stand(place, grid, end))
-        for end in ("a", "b")
+        for end in ENDS
         for part in end_plates(design, shape, place, end)
     ]
-    pins = [_end_pin(design, place, grid, end, i) for i in (0, 1) for end in ("a", "b")]
+    pins = [_end_pin(design, place, grid, end, i) for i in (0, 1) for end in ENDS]
     rest = [_carrier(design, lids, grid), cover(design, lids), *pins, *cover_dowels(design, lids)]
     return [skin, _cavity(design, shape, place, lids, grid), *ends, *rest, *_shims(design, grid)]
 
@@ -110,7 +112,7 @@ def _grid(design: Design, shape: Section) -> Grid:
     return Grid(centre, end_angle(design), centre + shape.top)
 
 
-def _stand(place: Layout, grid: Grid, end: str) -> tuple[float, float]:
+def _stand(place: Layout, grid: Grid, end: End) -> tuple[float, float]:
     """Angle and base by which what belongs to an end is turned."""
     return (-grid.half, -place.end) if end == "a" else (grid.half, place.end)
 
@@ -141,14 +143,13 @@ def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: G
     straight = cavity(design, shape, place)
     return Part(
         "cavity",
-        GREY,
-        "made",
+        PartRole.CAVITY,
         Prism(tuple(path(corners)), "x", -place.half, place.half, grid=grid),
         (
             _trough(shape, grid),
             _opening(place, lids, grid),
             *_end_bores(design, place, grid),
-            *(cut for cut in cavity(design, shape, lids).cuts if cut.axis == "z"),
+            *(cut for cut in cavity(design, shape, lids).cuts if cut.role in _FROM_ABOVE),
         ),
         straight=straight,
     )
@@ -163,7 +164,7 @@ def _trough(shape: Section, grid: Grid) -> Reaching:
     """The negative of the skin; built into the carrier's seat, and out of the block at its ends."""
     outline = flipped(shape.outline)
     more = BEYOND / grid.centre
-    taken = Revolved(outline, grid.centre, -grid.half, grid.half, grid=grid)
+    taken = Revolved(outline, grid.centre, -grid.half, grid.half, grid=grid, role=CutRole.TROUGH)
     back = next(s for s in outline if s.kind == "back")
     ends = [Point(p.x, p.z + BEYOND) for p in (back.start, back.end)]
     i = outline.index(back)
@@ -173,7 +174,8 @@ def _trough(shape: Section, grid: Grid) -> Reaching:
 
 def _opening(place: Layout, lids: Layout, grid: Grid) -> Reaching:
     """The carrier's seat, from the back up; built out of the block at its ends and its top."""
-    taken = Prism(seat(grid, grid.half, lids.top), "x", -place.trough, place.trough, grid=grid)
+    side, shape = place.trough, seat(grid, grid.half, lids.top)
+    taken = Prism(shape, "x", -side, side, grid=grid, role=CutRole.SEAT)
     wider = seat(grid, grid.half + BEYOND / grid.centre, lids.top + BEYOND, -2 * BEYOND)
     return Reaching(taken, replace(taken, outline=wider))
 
@@ -187,9 +189,10 @@ def _end_bores(design: Design, place: Layout, grid: Grid) -> list[Reaching]:
         if depth < LEAST_THREAD:
             rule = f"leaves {depth:.3g} mm of thread for an end plate's screw, which need {LEAST_THREAD:g} mm"
             raise InputError("skin.length", rule, design.skin.length, "make the skin longer")
-        found += _both_ends(place, grid, (x, z), depth, own.thread)
+        found += _both_ends(CutRole.END_THREAD, place, grid, (x, z), depth, own.thread)
+    pinned = _pin_depth(place, grid)
     for x in place.pins:
-        found += _both_ends(place, grid, (x, place.comb_pin), _pin_depth(place, grid), own.press)
+        found += _both_ends(CutRole.END_PIN, place, grid, (x, place.comb_pin), pinned, own.press)
     return found
 
 
@@ -204,15 +207,15 @@ def _pin_depth(place: Layout, grid: Grid) -> float:
 
 
 def _both_ends(
-    place: Layout, grid: Grid, at: tuple[float, float], depth: float, radius: float
+    role: CutRole, place: Layout, grid: Grid, at: tuple[float, float], depth: float, radius: float
 ) -> list[Reaching]:
     x, z = at
     bores = []
-    for end in ("a", "b"):
+    for end in ENDS:
         angle, base = _stand(place, grid, end)
         low, out = (base, base - BEYOND) if end == "a" else (base - depth, base - depth)
         taken, built = (
-            Turned(Bore((x, start, z), "y", length, radius), grid.centre, angle, base)
+            Turned(Bore((x, start, z), "y", length, radius, role=role), grid.centre, angle, base)
             for start, length in ((low, depth), (out, depth + BEYOND))
         )
         bores.append(Reaching(taken, built))
@@ -227,13 +230,14 @@ def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
     wide = lids.trough - gap
     body = Prism(seat(grid, half, lids.top, gap), "x", -wide, wide, grid=grid)
     cuts = [_from_back(cut, grid) for cut in flat.cuts if isinstance(cut, Bore)]
-    return replace(flat, body=body, cuts=tuple(cut for cut in cuts if cut.within or cut.length >= LEAST_PULL))
+    kept = (cut for cut in cuts if cut.role is not CutRole.PULL or cut.length >= LEAST_PULL)
+    return replace(flat, body=body, cuts=tuple(kept))
 
 
 def _from_back(bore: Bore, grid: Grid) -> Bore:
-    """A bore of the straight carrier from where the arc is: through ones from below it, blind ones above."""
+    """A bore of the straight carrier from where the arc is: through ones from below it, pulls above."""
     x, y, z = bore.start
-    if z > 0.0:
+    if bore.role is CutRole.PULL:
         z += on_grid(rise(grid, abs(y) + bore.radius))
         return replace(bore, start=(x, y, z), length=bore.start[2] + bore.length - z)
     widest = max(bore.radius, bore.end_radius or 0.0)
@@ -253,9 +257,9 @@ def _shims(design: Design, grid: Grid) -> list[Part]:
     return found
 
 
-def _end_pin(design: Design, place: Layout, grid: Grid, end: str, i: int) -> Part:
+def _end_pin(design: Design, place: Layout, grid: Grid, end: End, i: int) -> Part:
     angle, base = _stand(place, grid, end)
     depth, thick = _pin_depth(place, grid), design.mold.end_plate
     start = (place.pins[i], base - (thick if end == "a" else depth), place.comb_pin)
-    dowel = pin(f"pin-{end}-{('left', 'right')[i]}", start, "y", depth + thick)
+    dowel = pin(PartRole.END_PIN, f"pin-{end}-{('left', 'right')[i]}", start, depth + thick, end)
     return turned(dowel, grid.centre, angle, base)

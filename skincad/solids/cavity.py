@@ -29,10 +29,9 @@ from skincad.solids.layout import (
     fits,
 )
 from skincad.solids.plan import Body, Bore, Heading, Part, Prism, box, shifted
+from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
-
-GREY, STONE = (0.75, 0.77, 0.80), (0.66, 0.69, 0.74)
 
 
 def cavity(design: Design, shape: Section, place: Layout) -> Part:
@@ -47,9 +46,12 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
     outline += path([outline[-1].end, *left, outline[0].start])
     bores = [*_along(place, (place.comb_bolt, place.keeper_bolt)), *_pin_holes(design, place)]
     thread = fits(design, design.mold.process).thread
-    upright = [Bore((x, y, place.top - THREAD), "z", THREAD, thread) for x, y in cover_bolts(place)]
+    upright = [
+        Bore((x, y, place.top - THREAD), "z", THREAD, thread, role=CutRole.COVER_THREAD)
+        for x, y in cover_bolts(place)
+    ]
     cuts = (*bores, *upright, *_sockets(design, place, (-1, 1)))
-    return Part("cavity", GREY, "made", Prism(tuple(outline), "y", -place.end, place.end), cuts)
+    return Part("cavity", PartRole.CAVITY, Prism(tuple(outline), "y", -place.end, place.end), cuts)
 
 
 def parted(outline: Loop, ridges: list[int]) -> Loop:
@@ -86,15 +88,14 @@ def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[in
     for i in range(1, len(summits)):
         sides = path([feet[i - 1], summits[i - 1]]), path([summits[i], feet[i], feet[i - 1]])
         outlines.append((*sides[0], *chunks[i], *sides[1]))
-    last = path([feet[-1], summits[-1]])
-    outlines.append((*last, *chunks[-1], *rims[1], *path([rims[1][-1].end, *left])))
-    names = ["cavity-left", *(f"cavity-{i}" for i in range(1, len(summits))), "cavity-right"]
-    cuts = {"cavity-left": _wall_cuts(design, place, -1), "cavity-right": _wall_cuts(design, place, 1)}
-    pieces = [
-        Part(name, STONE, "made", Prism(outline, "y", -half, half), cuts.get(name, ()))
-        for name, outline in zip(names, reversed(outlines), strict=True)
+    outlines.append((*path([feet[-1], summits[-1]]), *chunks[-1], *rims[1], *path([rims[1][-1].end, *left])))
+    first, *between, last = (Prism(outline, "y", -half, half) for outline in reversed(outlines))
+    return [
+        _base(design, place, level),
+        Part("cavity-left", PartRole.LEFT, first, _wall_cuts(design, place, -1)),
+        *(Part(f"cavity-{i}", PartRole.BETWEEN, body) for i, body in enumerate(between, 1)),
+        Part("cavity-right", PartRole.RIGHT, last, _wall_cuts(design, place, 1)),
     ]
-    return [_base(design, place, level), *pieces]
 
 
 def headings(design: Design, ridges: list[int]) -> list[Heading]:
@@ -116,10 +117,13 @@ def _base(design: Design, place: Layout, level: float) -> Part:
     depth = on_grid(min(THREAD, level - place.bottom - EDGE))
     own = fits(design, design.mold.process)
     cuts: list[Body] = [*_along(place, (place.comb_bolt,)), *_pin_holes(design, place)]
-    cuts += [Bore((x, y, level - depth), "z", depth, own.thread) for x, y in cover_bolts(place)]
-    cuts += [Bore(start, "z", BASE_PIN, own.press) for start in base_pins(place)]
+    cuts += [
+        Bore((x, y, level - depth), "z", depth, own.thread, role=CutRole.COVER_THREAD)
+        for x, y in cover_bolts(place)
+    ]
+    cuts += [Bore(start, "z", BASE_PIN, own.press, role=CutRole.BASE_PIN) for start in base_pins(place)]
     body = box(place.half, (-place.end, place.end), (place.bottom, level), "y")
-    return Part("cavity-base", GREY, "made", body, tuple(cuts))
+    return Part("cavity-base", PartRole.BASE, body, tuple(cuts))
 
 
 def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
@@ -128,8 +132,11 @@ def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
     pins = [(x, y) for x, y in cover_pins(place) if x * side > 0]
     return (
         *(cut for cut in _along(place, (place.keeper_bolt,)) if cut.start[0] * side > 0),
-        *(Bore((x, y, level), "z", place.top - level, BOLT_RADIUS) for x, y in bolts),
-        *(Bore((x, y, level), "z", BASE_PIN, slide) for x, y in pins),
+        *(
+            Bore((x, y, level), "z", place.top - level, BOLT_RADIUS, role=CutRole.COVER_BOLT)
+            for x, y in bolts
+        ),
+        *(Bore((x, y, level), "z", BASE_PIN, slide, role=CutRole.BASE_PIN) for x, y in pins),
         *_sockets(design, place, (side,)),
     )
 
@@ -179,19 +186,27 @@ def _across(*points: Point) -> Loop:
 
 
 def _along(place: Layout, heights: tuple[float, ...]) -> list[Bore]:
-    return [Bore((x, -place.end, z), "y", 2 * place.end, BOLT_RADIUS) for x in place.lanes for z in heights]
+    return [
+        Bore((x, -place.end, z), "y", 2 * place.end, BOLT_RADIUS, role=CutRole.END_BOLT)
+        for x in place.lanes
+        for z in heights
+    ]
 
 
 def _pin_holes(design: Design, place: Layout) -> list[Bore]:
     press, depth = fits(design, design.mold.process).press, place.pin_depth
     ends = (-place.end, place.end - depth)
-    return [Bore((x, y, place.comb_pin), "y", depth, press) for x in place.pins for y in ends]
+    return [
+        Bore((x, y, place.comb_pin), "y", depth, press, role=CutRole.END_PIN)
+        for x in place.pins
+        for y in ends
+    ]
 
 
 def _sockets(design: Design, place: Layout, sides: tuple[int, ...]) -> list[Bore]:
     slide = fits(design, design.mold.process).slide
     return [
-        Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, slide)
+        Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, slide, role=CutRole.COVER_PIN)
         for x, y in cover_pins(place)
         if math.copysign(1, x) in sides
     ]

@@ -21,6 +21,7 @@ from skincad.solids.layout import (
     nut_pocket,
 )
 from skincad.solids.plan import Body, Bore, Part, Prism, box, moved, shifted
+from skincad.solids.roles import CutRole, End, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.split import closed, split_edges, split_height
 
@@ -31,15 +32,15 @@ PRY = (1.5, 6.0)  # mm, assumption: leg of a pry notch, at 45 degrees so that it
 MARK = (1.0, 2.0)  # mm, assumption: leg of a nick that a finger finds, at 45 degrees too, and its height
 LEAST_UNDER_NUT = 1.0  # mm, assumption: of an end plate
 BEVELLED = 1.0  # mm; a leaning end plate is drawn higher by this before its top is cut level
-DARK, GREEN = (0.45, 0.50, 0.58), (0.55, 0.75, 0.60)
 
 
-def end_plates(design: Design, shape: Section, place: Layout, end: str) -> list[Part]:
+def end_plates(design: Design, shape: Section, place: Layout, end: End) -> list[Part]:
     """Return comb and keeper of one end, or a plain plate where there are no slots."""
     thick, bent = design.mold.end_plate, design.skin.curvature_radius_y is not None
     low, high = (-place.end - thick, -place.end) if end == "a" else (place.end, place.end + thick)
     lower = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.comb_bolt)]
-    lower += [Bore((x, low, place.comb_pin), "y", thick, end_fits(design).slide) for x in place.pins]
+    slide = end_fits(design).slide
+    lower += [Bore((x, low, place.comb_pin), "y", thick, slide, role=CutRole.END_PIN) for x in place.pins]
     lower += _pry(design, place, end, (place.bottom, place.split))
     lower += _marks(design, place, end)
     upper = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.keeper_bolt)]
@@ -50,35 +51,35 @@ def end_plates(design: Design, shape: Section, place: Layout, end: str) -> list[
     top = place.top + BEVELLED if bent else place.top
     if not shape.slots:
         body = box(place.half, (low, high), (place.bottom, top), "y")
-        return [Part(f"end-{end}", DARK, "made", body, (*lower, *upper), lies_on_end=True)]
+        return [Part(f"end-{end}", PartRole.END_PLATE, body, (*lower, *upper), end)]
     toothed, smooth = _edges(design, shape, place)
-    comb = closed(toothed, -place.bottom)
-    keeper = closed([s.reversed() for s in reversed(smooth)], -top)
+    comb = Prism(flipped(closed(toothed, -place.bottom)), "y", low, high)
+    keeper = Prism(flipped(closed([s.reversed() for s in reversed(smooth)], -top)), "y", low, high)
     return [
-        Part(f"end-{end}-comb", DARK, "made", Prism(flipped(comb), "y", low, high), tuple(lower), True),
-        Part(f"end-{end}-keeper", GREEN, "made", Prism(flipped(keeper), "y", low, high), tuple(upper), True),
+        Part(f"end-{end}-comb", PartRole.COMB, comb, tuple(lower), end),
+        Part(f"end-{end}-keeper", PartRole.KEEPER, keeper, tuple(upper), end),
     ]
 
 
-def _bolt(design: Design, place: Layout, end: str, low: float, x: float, z: float) -> list[Body]:
+def _bolt(design: Design, place: Layout, end: End, low: float, x: float, z: float) -> list[Body]:
     """A bolt's way through an end plate: a clearance hole, or at end b a nut's pocket or a thread. The plates
     of a doubly curved mold are not parallel: each has its own screws into the cavity."""
     thick = design.mold.end_plate
     if design.skin.curvature_radius_y is not None:
-        return [Bore((x, low, z), "y", thick, BOLT_RADIUS)]
+        return [Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)]
     depth = min(NUT_DEPTH, thick - LEAST_UNDER_NUT)
     if end == "b" and not end_fits(design).printed:
-        return [Bore((x, low, z), "y", thick, TAP_RADIUS)]
+        return [Bore((x, low, z), "y", thick, TAP_RADIUS, role=CutRole.END_THREAD)]
     fits_in = min(z - place.bottom, place.top - z, abs(z - place.split)) >= place.nut + BESIDE
     if end == "a" or depth < NUT_DEPTH / 2 or not fits_in:
-        return [Bore((x, low, z), "y", thick, BOLT_RADIUS)]
+        return [Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)]
     return [
-        Bore((x, low, z), "y", thick - depth, BOLT_RADIUS),
+        Bore((x, low, z), "y", thick - depth, BOLT_RADIUS, role=CutRole.END_BOLT),
         nut_pocket(place, x, z, low + thick - depth, low + thick),
     ]
 
 
-def _pry(design: Design, place: Layout, end: str, levels: tuple[float, float]) -> list[Body]:
+def _pry(design: Design, place: Layout, end: End, levels: tuple[float, float]) -> list[Body]:
     """Notches for a screwdriver at both sides of an end plate's inner face; none in a thin or low plate."""
     leg, wide = PRY
     size = min(leg, design.mold.end_plate / 2)
@@ -87,36 +88,36 @@ def _pry(design: Design, place: Layout, end: str, levels: tuple[float, float]) -
     if height < wide / 2:
         return []
     low, high = middle - height / 2, middle + height / 2
-    return [_nick(side, face, out, (low, high)) for side in (-place.half, place.half)]
+    return [_nick(CutRole.PRY, side, face, out, (low, high)) for side in (-place.half, place.half)]
 
 
-def _marks(design: Design, place: Layout, end: str) -> list[Body]:
+def _marks(design: Design, place: Layout, end: End) -> list[Body]:
     """Nicks in an end plate's outer edge, on the side where the strips' numbers begin: one at end a, two at
     end b. Engraved numbers would be 0.6 mm high."""
     size, height = min(MARK[0], design.mold.end_plate / 4), MARK[1]
     out = place.end + design.mold.end_plate
     face, into = (-out, size) if end == "a" else (out, -size)
     levels = [place.comb_bolt] if end == "a" else [place.comb_bolt - height, place.comb_bolt + height]
-    return [_nick(-place.half, face, into, (z - height / 2, z + height / 2)) for z in levels]
+    return [_nick(CutRole.MARK, -place.half, face, into, (z - height / 2, z + height / 2)) for z in levels]
 
 
-def _nick(side: float, face: float, into: float, levels: tuple[float, float]) -> Prism:
+def _nick(role: CutRole, side: float, face: float, into: float, levels: tuple[float, float]) -> Prism:
     """A plate's upright edge at (`side`, `face`), cut off at 45 degrees between two levels."""
     towards = math.copysign(into, -side)
     corners = [Point(side, face), Point(side + towards, face), Point(side, face + into)]
     if towards * into < 0:
         corners.reverse()
-    return Prism(loop(corners), "z", *levels)
+    return Prism(loop(corners), "z", *levels, role=role)
 
 
-def _bevelled(design: Design, place: Layout, end: str) -> Prism:
+def _bevelled(design: Design, place: Layout, end: End) -> Prism:
     """What is cut off a plate that leans inward, so that its top is level with the cavity's: from the
     cavity's edge on its inner face down to its outer face. In its own frame."""
     top, out = place.top + BEVELLED, place.end + design.mold.end_plate
     points = [Point(place.end, place.top), Point(out, place.top - bevel(design)), Point(out, top)]
     points.append(Point(place.end, top))
     side = points if end == "b" else [Point(-p.x, p.z) for p in reversed(points)]
-    return Prism(loop(side), "x", -place.half, place.half)
+    return Prism(loop(side), "x", -place.half, place.half, role=CutRole.BEVEL)
 
 
 def _edges(design: Design, shape: Section, place: Layout) -> tuple[list[Segment], list[Segment]]:
@@ -176,7 +177,7 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
         remedy = "make it smaller" + (', or take mold.pour = "open"' if straight else "")
         raise InputError("mold.gate", rule, wide, remedy)
     start = (0.0, -skin.length / 2 - choice.end_plate, GATE_SILL + wide / 2 - body)
-    return Bore(start, "y", choice.end_plate, wide / 2)
+    return Bore(start, "y", choice.end_plate, wide / 2, role=CutRole.GATE)
 
 
 def _gate_room(design: Design, shape: Section, radius: float) -> tuple[float, float]:

@@ -6,8 +6,8 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.shape.curves import flipped
 from skincad.solids.plan import Bore, Part, Prism, Vector
+from skincad.solids.roles import End, PartRole
 
-STEEL, SILVER = (0.62, 0.65, 0.70), (0.80, 0.80, 0.74)
 PIN_RADIUS = 1.0  # mm, source: ISO 2338 dowel pin, 2 mm
 GRIP = 6.0  # mm, assumption: what pliers hold of a shim beyond the end plates
 STUB = 2.0  # mm, assumption: room for a knife between an end plate and a strip's tab
@@ -19,8 +19,7 @@ def shims(design: Design) -> list[Part]:
     return [
         Part(
             f"shim-{slot.ridge}-{slot.side}",
-            STEEL,
-            "bought",
+            PartRole.SHIM,
             Prism(flipped(slot.loop()), "y", -half, half + GRIP),
         )
         for slot in section(design).slots
@@ -40,8 +39,7 @@ def strips(design: Design) -> list[Part]:
     return [
         Part(
             f"strip-{slot.ridge}-{slot.side}",
-            SILVER,
-            "bought",
+            PartRole.STRIP,
             Prism(flipped(slot.loop(film.thickness)), "y", -half - a, half + b),
         )
         for slot in section(design).slots
@@ -58,6 +56,6 @@ def stands_out(design: Design) -> tuple[float, float]:
     return (wired, other) if design.film.wiring_side == "a" else (other, wired)
 
 
-def pin(name: str, start: Vector, axis: str, length: float) -> Part:
-    """Return a dowel pin from `start` along +axis."""
-    return Part(name, STEEL, "bought", Bore(start, "y" if axis == "y" else "z", length, PIN_RADIUS))
+def pin(role: PartRole, name: str, start: Vector, length: float, end: End | None = None) -> Part:
+    """Return a dowel pin from `start` upward, or along +y where it belongs to an `end`."""
+    return Part(name, role, Bore(start, "y" if end else "z", length, PIN_RADIUS), end=end)

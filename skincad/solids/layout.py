@@ -24,6 +24,7 @@ from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.plan import Prism
+from skincad.solids.roles import CutRole
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
 
@@ -217,4 +218,4 @@ def nut_pocket(place: Layout, x: float, z: float, low: float, high: float) -> Pr
     corner = 2 / math.sqrt(3) * place.nut
     turns = [math.radians(60 * i) for i in range(6)]
     points = [Point(x + corner * math.cos(a), z + corner * math.sin(a)) for a in turns]
-    return Prism(loop(points), "y", low, high)
+    return Prism(loop(points), "y", low, high, role=CutRole.NUT)

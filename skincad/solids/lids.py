@@ -21,6 +21,7 @@ from skincad.solids.layout import (
     fits,
 )
 from skincad.solids.plan import Body, Bore, Part, box, moved
+from skincad.solids.roles import CutRole, PartRole
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
 MOST_HOLES = (
@@ -34,7 +35,6 @@ CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than b
 OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
 UNDER_PULL = 1.0  # mm, assumption: what a pull hole leaves of the carrier over the silicone
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
-GLASS = (0.70, 0.85, 0.95)
 
 
 def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
@@ -49,7 +49,7 @@ def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
         raise InputError(key, rule, remedy="enlarge it, or cast a larger skin and cut it to size")
     if wide > room:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
-    return Bore((0.0, place.end - gap - wide / 2 - EDGE / 2, low), "z", thick, wide / 2)
+    return Bore((0.0, place.end - gap - wide / 2 - EDGE / 2, low), "z", thick, wide / 2, role=CutRole.VENT)
 
 
 def _reservoir(design: Design, place: Layout) -> Bore:
@@ -64,7 +64,7 @@ def _reservoir(design: Design, place: Layout) -> Bore:
     if not need <= wide <= most:
         rule = f"must be from {2 * need:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
         raise InputError("mold.reservoir", rule, 2 * wide)
-    return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide)
+    return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide, role=CutRole.RESERVOIR)
 
 
 def _bleed(hole: tuple[float, float]) -> tuple[float, float]:
@@ -110,10 +110,11 @@ def carrier(design: Design, place: Layout) -> Part:
     thick, gap = place.top, design.mold.clearance
     small, large, _ = HOLD
     holes: list[Body] = [_vent(design, place, 0.0, thick)]
-    holes += [Bore((x, y, 0.0), "z", thick, small, large) for x, y in _rivets(design, place)]
+    rivets = _rivets(design, place)
+    holes += [Bore((x, y, 0.0), "z", thick, small, large, role=CutRole.RIVET) for x, y in rivets]
     half = place.end - gap
     body = box(place.trough - gap, (-half, half), (0.0, thick))
-    return Part("carrier", GLASS, "made", body, (*holes, *_pulls(design, place)))
+    return Part("carrier", PartRole.CARRIER, body, (*holes, *_pulls(design, place)))
 
 
 def _pulls(design: Design, place: Layout) -> list[Bore]:
@@ -129,7 +130,8 @@ def _pulls(design: Design, place: Layout) -> list[Bore]:
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
         pair = (-x, -y), (x, y)
         if all(math.dist(p, (a, b)) > r + TAP_RADIUS + EDGE / 2 for p in pair for a, b, r in filled):
-            return [Bore((*p, UNDER_PULL), "z", thick - UNDER_PULL, TAP_RADIUS) for p in pair]
+            deep = thick - UNDER_PULL
+            return [Bore((*p, UNDER_PULL), "z", deep, TAP_RADIUS, role=CutRole.PULL) for p in pair]
     return []
 
 
@@ -143,13 +145,19 @@ def cover(design: Design, place: Layout) -> Part:
     plates: once these are off, it is lifted there."""
     thick, end = design.mold.cover, place.cover
     press = fits(design, design.mold.lid_process).press
-    bores: list[Body] = [Bore((x, y, place.top), "z", thick, BOLT_RADIUS) for x, y in cover_bolts(place)]
-    bores += [Bore((x, y, place.top), "z", thick, press) for x, y in cover_pins(place)]
+    bores: list[Body] = [
+        Bore((x, y, place.top), "z", thick, BOLT_RADIUS, role=CutRole.COVER_BOLT)
+        for x, y in cover_bolts(place)
+    ]
+    bores += [
+        Bore((x, y, place.top), "z", thick, press, role=CutRole.COVER_PIN) for x, y in cover_pins(place)
+    ]
     over = [_reservoir(design, place)]
-    over += [Bore((*_bleed(hole), place.top), "z", thick, BLEED) for hole in _rivets(design, place)]
+    bleeds = [_bleed(hole) for hole in _rivets(design, place)]
+    over += [Bore((*bleed, place.top), "z", thick, BLEED, role=CutRole.BLEED) for bleed in bleeds]
     bores += [moved(bore, x) for x in place.centres for bore in over]
     body = box(place.half, (-end, end), (place.top, place.top + thick))
-    return Part("cover", GLASS, "made", body, tuple(bores))
+    return Part("cover", PartRole.COVER, body, tuple(bores))
 
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:
@@ -157,6 +165,6 @@ def cover_dowels(design: Design, place: Layout) -> list[Part]:
     length = design.mold.cover + PIN_DEPTH - design.mold.clearance
     low = place.top + design.mold.cover - length
     return [
-        pin(f"pin-cover-{side}", (x, y, low), "z", length)
+        pin(PartRole.COVER_PIN, f"pin-cover-{side}", (x, y, low), length)
         for side, (x, y) in zip(("right", "left"), cover_pins(place), strict=True)
     ]

@@ -33,6 +33,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.base.errors import InputError, refusals, together
@@ -45,6 +46,7 @@ from skincad.solids.inserts import pin, shims, strips
 from skincad.solids.layout import BASE_PIN, Layout, layout
 from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
 from skincad.solids.plan import Part, Prism, moved
+from skincad.solids.roles import CAVITIES, END_PLATES, ENDS, End, PartRole
 from skincad.solids.shrinkage import on_grid, poured
 from skincad.solids.skin import cast_skin
 from skincad.solids.swept import Way
@@ -74,10 +76,14 @@ class Mold:
         """Return the part of this name."""
         return next(p for p in self.parts if p.name == name)
 
+    def of(self, *roles: PartRole) -> list[Part]:
+        """Return the parts of these roles."""
+        return [part for part in self.parts if part.role in roles]
+
     @property
     def length(self) -> float:
         """Length of the cavity along y, mm, where it is longest."""
-        block = next(p.body for p in self.parts if p.name.startswith("cavity"))
+        block = self.of(*CAVITIES)[0].body
         if not isinstance(block, Prism):
             raise ValueError("a cavity is a prism less its cuts")
         if block.axis == "y":
@@ -105,17 +111,15 @@ def mold(design: Design) -> Mold:
     if broken:
         raise together(broken)
     if design.skin.curvature_radius_y is not None:
-        bent = tuple(bent_parts(design, shape, place))
-        return Mold(bent, tuple(_opening_bent(design, place, [p.name for p in bent])))
+        return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else [cavity(design, shape, place)]
-    ends = [part for end in ("a", "b") for part in end_plates(design, shape, place, end)]
+    ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
     drawn, kept = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
     rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
     rest += _base_pins(design, place) if ridges else []
     drawn, kept = _gang(place, drawn), _gang(place, kept)
-    parts = (*skins, *pieces, *ends, *rest, *drawn, *kept)
-    return Mold(parts, tuple(_opening(design, place, [p.name for p in parts], ridges)))
+    return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *drawn, *kept), ridges)
 
 
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
@@ -127,44 +131,33 @@ def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
         yield InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
 
 
-def _opening(design: Design, place: Layout, names: list[str], ridges: list[int]) -> Iterator[Step]:
-    """Shims, end plates and cover leave first. A whole cavity lets the skin be pulled up; the pieces of a
-    split one leave the skin, its base first, then the outer ones, then the others from the middle."""
+def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges: list[int]) -> Mold:
+    """The mold of these parts, opened. Shims leave first, along y or by turning along their arc, then end
+    plates and cover, of which a bent mold's end plates are under the cover and leave square to their faces.
+    A whole cavity lets the skin be pulled up with its carrier; the pieces of a split one leave the skin, its
+    base first, then the outer ones, then the others from the middle."""
+    bent, closed = design.skin.curvature_radius_y is not None, Mold(parts, ())
     far = 2 * design.skin.length + 4 * design.mold.end_plate
-    high = 2 * (place.top - place.bottom)
+    high = 2 * (place.top - place.bottom) + (design.skin.length if bent else 0.0)
 
-    def those(*starts: str) -> tuple[str, ...]:
-        return tuple(name for name in names if name.startswith(starts))
+    def leave(way: Way, travel: float, *roles: PartRole, end: End | None = None) -> Step:
+        found = closed.of(*roles)
+        return Step(tuple(p.name for p in found if end in (None, p.end)), way, travel)
 
-    if those("shim"):
-        yield Step(those("shim"), "y", far)
-    yield Step(those("end-a"), "y", -far)
-    yield Step(those("end-b"), "y", far)
-    yield Step(those("cover", "pin-cover"), "z", high)
+    drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
+    plates = [leave("y", way, *END_PLATES, end=end) for end, way in zip(ENDS, (-far, far), strict=True)]
+    lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN)
+    steps = [*([drawn] if drawn.parts else []), *([lid, *plates] if bent else [*plates, lid])]
     if not ridges:
-        yield Step(those("skin", "carrier", "strip"), "z", high)
-        return
-    yield Step(those("cavity-base", "pin-a", "pin-b"), "z", -high)
-    ways = dict(zip([n for n in names if n.startswith("cavity")][1:], headings(design, ridges), strict=True))
-    for name in sorted(ways, key=lambda n: (n[-1].isdigit(), abs(ways[n][0]))):
-        yield Step((name,), ways[name], high)
-
-
-def _opening_bent(design: Design, place: Layout, names: list[str]) -> Iterator[Step]:
-    """Shims turn out along their arc, the cover goes up, the end plates leave square to their faces, and the
-    skin is pulled up with its carrier."""
-    far = 2 * design.skin.length + 4 * design.mold.end_plate
-    high = 2 * (place.top - place.bottom) + design.skin.length
-
-    def those(*starts: str) -> tuple[str, ...]:
-        return tuple(name for name in names if name.startswith(starts))
-
-    if those("shim"):
-        yield Step(those("shim"), "turn", shims_turn(design))
-    yield Step(those("cover", "pin-cover"), "z", high)
-    yield Step(those("end-a"), "y", -far)
-    yield Step(those("end-b"), "y", far)
-    yield Step(those("skin", "carrier"), "z", high)
+        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.STRIP))
+        return replace(closed, opening=tuple(steps))
+    steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
+    pieces = zip(
+        closed.of(PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT), headings(design, ridges), strict=True
+    )
+    from_outside = sorted(pieces, key=lambda piece: (piece[0].role is PartRole.BETWEEN, abs(piece[1][0])))
+    steps += [Step((part.name,), heading, high) for part, heading in from_outside]
+    return replace(closed, opening=tuple(steps))
 
 
 def _gang(place: Layout, parts: list[Part]) -> list[Part]:
@@ -191,10 +184,11 @@ def mold_solids(design: Design) -> dict[str, cq.Workplane]:
 def _pins(design: Design, place: Layout) -> list[Part]:
     """Pins pressed into the cavity's ends and into the cover; they slide in end plates and cavity."""
     depth, thick = place.pin_depth, design.mold.end_plate
-    pins = []
-    for side, x in zip(("left", "right"), place.pins, strict=True):
-        pins.append(pin(f"pin-a-{side}", (x, -place.end - thick, place.comb_pin), "y", depth + thick))
-        pins.append(pin(f"pin-b-{side}", (x, place.end - depth, place.comb_pin), "y", depth + thick))
+    starts = zip(ENDS, (-place.end - thick, place.end - depth), strict=True)
+    pins = [
+        pin(PartRole.END_PIN, f"pin-{end}-{side}", (x, y, place.comb_pin), depth + thick, end)
+        for (side, x), (end, y) in product(zip(("left", "right"), place.pins, strict=True), starts)
+    ]
     return [*pins, *cover_dowels(design, place)]
 
 
@@ -202,4 +196,4 @@ def _base_pins(design: Design, place: Layout) -> list[Part]:
     """Pins pressed into the base of a split cavity, on which its outer pieces slide."""
     length = on_grid(2 * BASE_PIN - design.mold.clearance)
     places = zip(("right", "left"), base_pins(place), strict=True)
-    return [pin(f"pin-base-{side}", start, "z", length) for side, start in places]
+    return [pin(PartRole.BASE_PIN, f"pin-base-{side}", start, length) for side, start in places]

@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point
 from skincad.solids.grid import Grid
+from skincad.solids.roles import IMPLIED, CutRole, End, MadeBy, PartRole
 
 Array = NDArray[np.float64]
 Axis = Literal["x", "y", "z"]
 Heading = tuple[float, float]  # (x, z), of length 1
 Vector = tuple[float, float, float]
-MadeBy = Literal["cast", "made", "bought"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class Prism:
     high: float
     holes: tuple[Loop, ...] = ()
     grid: Grid | None = None
+    role: CutRole | None = None  # where it is a cut
 
     @property
     def volume(self) -> float:
@@ -61,6 +62,7 @@ class Bore:
     radius: float
     end_radius: float | None = None
     within: tuple[float, float] | None = None  # see below
+    role: CutRole | None = None
 
     # A bore along z into a cylinder about an axis along x, (z, radius) mm, as a carrier's lower face is one:
     # it begins outside, so that its whole rim is cut, and only what lies inside counts as its volume.
@@ -107,6 +109,7 @@ class Revolved:
     high: float
     holes: tuple[Loop, ...] = ()
     grid: Grid | None = None
+    role: CutRole | None = None  # where it is a cut
     axis: ClassVar[Literal["turn"]] = "turn"
 
     @property
@@ -153,6 +156,11 @@ class Turned:
         """Volume, mm3: turning keeps it."""
         return self.body.volume
 
+    @property
+    def role(self) -> CutRole | None:
+        """What it is cut for."""
+        return self.body.role
+
     def placement(self) -> tuple[Array, Array]:
         """Return rotation `(3, 3)` and shift `(3,)` mm, from the own frame to the mold's; nothing is formed
         that would lose digits to a far axis."""
@@ -187,6 +195,11 @@ class Reaching:
         """Volume of what it takes away, mm3."""
         return self.counts.volume
 
+    @property
+    def role(self) -> CutRole | None:
+        """What it is cut for."""
+        return self.counts.role
+
 
 Body = Prism | Revolved | Bore | Turned | Reaching
 
@@ -195,13 +208,27 @@ Body = Prism | Revolved | Bore | Turned | Reaching
 class Part:
     """A part: its body less its cuts. Cuts lie inside the body and do not meet each other."""
 
-    name: str
-    colour: tuple[float, float, float]
-    made: MadeBy
+    name: str  # of its files, and as a person is told; what it is, its role says
+    role: PartRole
     body: Body
     cuts: tuple[Body, ...] = ()
-    lies_on_end: bool = False  # printed with its y face on the bed
+    end: End | None = None  # that it belongs to
     straight: Part | None = None  # whose section along y rules judge, where the part itself is bent
+
+    @property
+    def label(self) -> str:
+        """How findings call it: parts of both ends alike, and pieces of a cavity."""
+        return IMPLIED[self.role].label
+
+    @property
+    def made(self) -> MadeBy:
+        """How one comes by it."""
+        return IMPLIED[self.role].made
+
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        """Red, green and blue, 0 to 1."""
+        return IMPLIED[self.role].colour
 
     @property
     def volume(self) -> float:
@@ -244,11 +271,16 @@ def own(part: Part) -> Part:
     return replace(part, body=part.body.body, cuts=cuts)
 
 
-def bores(part: Part, *cuts: Body) -> list[Bore]:
-    """Return the bores of a part, or of these cuts of it, each in its own frame."""
-    plain = [cut.counts if isinstance(cut, Reaching) else cut for cut in cuts or part.cuts]
-    own_frames = [cut.body if isinstance(cut, Turned) else cut for cut in plain]
-    return [cut for cut in own_frames if isinstance(cut, Bore)]
+def plain(cut: Body) -> Prism | Revolved | Bore:
+    """Return what a cut takes away, in its own frame."""
+    counts = cut.counts if isinstance(cut, Reaching) else cut
+    return counts.body if isinstance(counts, Turned) else counts
+
+
+def bores(part: Part, *roles: CutRole) -> list[Bore]:
+    """Return the bores of a part, all or those of these roles, each in its own frame."""
+    found = [plain(cut) for cut in part.cuts if not roles or cut.role in roles]
+    return [cut for cut in found if isinstance(cut, Bore)]
 
 
 def turned(part: Part, centre: float, angle: float, base: float) -> Part:

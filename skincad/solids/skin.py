@@ -8,11 +8,10 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section, section
 from skincad.shape.curves import Loop, flipped
 from skincad.solids.plan import Part, Prism, Revolved
+from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-COLOUR = (0.93, 0.72, 0.62)
 
 
 def skin_part(design: Design) -> Part:
@@ -22,14 +21,14 @@ def skin_part(design: Design) -> Part:
     """
     shape = section(design)
     slots = tuple(s.loop() for s in shape.slots)
-    return Part("skin", COLOUR, "cast", along_skin(design, shape.outline, slots))
+    return Part("skin", PartRole.SKIN, along_skin(design, shape.outline, slots))
 
 
 def cast_skin(design: Design, shape: Section | None = None) -> Part:
     """Return the skin as it lies in its mold, ridges down; of this section where it is given."""
     shape = shape or section(design)
     slots = tuple(flipped(s.loop()) for s in shape.slots)
-    return Part("skin", COLOUR, "cast", along_skin(design, flipped(shape.outline), slots, -1.0))
+    return Part("skin", PartRole.SKIN, along_skin(design, flipped(shape.outline), slots, -1.0))
 
 
 def along_skin(design: Design, outline: Loop, holes: tuple[Loop, ...], up: float = 1.0) -> Prism | Revolved:

@@ -24,7 +24,8 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
 from skincad.solids.mold import Mold, mold
-from skincad.solids.plan import Part, Prism, Revolved, Turned, bores
+from skincad.solids.plan import Part, Prism, Revolved, Turned
+from skincad.solids.roles import CutRole, PartRole
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import make_into
 
@@ -77,7 +78,7 @@ def test_parts_that_turn_share_their_facets(closed: Mold) -> None:
 def test_two_turned_bodies_share_what_their_sections_do(closed: Mold) -> None:
     skin, shim = closed.part("skin"), closed.part("shim-1-S1")
     assert isinstance(skin.body, Revolved)
-    whole = Part("whole", (0, 0, 0), "cast", skin.body.__class__(skin.body.outline, *_turn(skin.body)))
+    whole = Part("whole", PartRole.SKIN, skin.body.__class__(skin.body.outline, *_turn(skin.body)))
     (found,) = interference(Mold((whole, shim), ()), 1e-3)
     slot = 0.05 * 0.25 * 12.0 * (1 + 0.1 / 25)  # the slot's middle lies 0.1 mm farther from the axis
     assert found.measured == pytest.approx(slot, rel=0.01)  # shrinkage
@@ -144,7 +145,7 @@ def test_poured_volume_is_what_the_closed_molds_parts_leave() -> None:
     rest = Manifold.cube((80.0, 80.0, 80.0), True)
     rest = rest.trim_by_plane((0.0, 0.0, -1.0), -manifold(closed.part("cover"), 2e-3).bounding_box()[5])
     parts = [*(_filled(part) for part in closed.parts if part.name != "skin")]
-    parts.append(Part("slab", (0, 0, 0), "made", slab))
+    parts.append(Part("slab", PartRole.COVER, slab))
     rest -= Manifold.batch_boolean([manifold(part, 2e-3) for part in parts], OpType.Add)
     ball = Manifold.sphere(0.3).translate((0.0, 0.0, -2.0))
     (void,) = (piece for piece in rest.decompose() if (piece ^ ball).volume() > 0)
@@ -156,8 +157,8 @@ def _filled(part: Part) -> Part:
     if part.name == "cavity":
         return replace(part, cuts=part.cuts[:2])
     if part.name.startswith("end-"):
-        gates = [c for c in part.cuts if any(bore.start[0] == 0.0 for bore in bores(part, c))]
-        bevels = [c for c in part.cuts if isinstance(c, Turned) and c.body.axis == "x"]
+        gates = [c for c in part.cuts if c.role is CutRole.GATE]
+        bevels = [c for c in part.cuts if c.role is CutRole.BEVEL]
         return replace(part, cuts=(*gates, *bevels))
     return part
 

@@ -19,7 +19,8 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.mold import Mold, mold
-from skincad.solids.plan import Bore, Part, Prism
+from skincad.solids.plan import Bore, Part, Prism, bores
+from skincad.solids.roles import CutRole, PartRole
 
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids
 
@@ -40,7 +41,7 @@ def total(space: Void, tilt: float) -> float:
 
 def merged(space: Void, chord: float) -> Manifold:
     """The void as one solid, by booleans."""
-    bodies = [manifold(Part(s.name, (0, 0, 0), "made", s.body), chord) for s in space.spaces]
+    bodies = [manifold(Part(s.name, PartRole.COVER, s.body), chord) for s in space.spaces]
     return Manifold.batch_boolean(bodies, OpType.Add)
 
 
@@ -58,11 +59,11 @@ def swept(solid: Manifold, tilt: float, top: float, step: float) -> float:
 def plain_mold(design: Design) -> Mold:
     """The mold as it would be without reservoir: bores straight over the middle of the carrier's holes."""
     closed = mold(design)
-    over = [c for c in closed.part("cover").cuts if abs(c.start[0]) > design.skin.width / 2]
+    over = bores(closed.part("cover"), CutRole.COVER_BOLT, CutRole.COVER_PIN)
     top, thick = closed.part("carrier").body.high, design.mold.cover
-    vent, *holes = closed.part("carrier").cuts
-    over += [Bore((0.0, vent.start[1], top), "z", thick, vent.radius)]
-    over += [Bore((*hole.start[:2], top), "z", thick, 0.4) for hole in holes]
+    vent, *holes = bores(closed.part("carrier"), CutRole.VENT, CutRole.RIVET)
+    over += [Bore((0.0, vent.start[1], top), "z", thick, vent.radius, role=CutRole.RESERVOIR)]
+    over += [Bore((*hole.start[:2], top), "z", thick, 0.4, role=CutRole.BLEED) for hole in holes]
     cover = replace(closed.part("cover"), cuts=tuple(over))
     return replace(closed, parts=tuple(cover if p.name == "cover" else p for p in closed.parts))
 
@@ -74,15 +75,16 @@ def hooded(closed: Mold) -> Mold:
     hood = loop([Point(*p) for p in corners], "slot", 5)
     skin = closed.part("skin")
     cast = replace(skin, body=replace(skin.body, holes=(*skin.body.holes, hood)))
-    shim = Part("shim-5-S3", (0, 0, 0), "bought", Prism(hood, "y", -10.0, 16.0))
+    shim = Part("shim-5-S3", PartRole.SHIM, Prism(hood, "y", -10.0, 16.0))
     return replace(closed, parts=(*(cast if p.name == "skin" else p for p in closed.parts), shim))
 
 
 @pytest.fixture(scope="module")
 def lidded() -> Void:
     """A box of 10 x 10 x 5 mm under a lid with a hole of 2 mm in its middle."""
-    box = Space("box", Prism(rectangle(-5, 5, -5, 0), "y", -5.0, 5.0))
-    return Void((box, Space("hole", Bore((0.0, 0.0, 0.0), "z", 3.0, 1.0), open_at=3.0)))
+    box = Space("box", Prism(rectangle(-5, 5, -5, 0), "y", -5.0, 5.0), PartRole.SKIN)
+    hole = Bore((0.0, 0.0, 0.0), "z", 3.0, 1.0)
+    return Void((box, Space("hole", hole, PartRole.CARRIER, open_at=3.0)))
 
 
 @pytest.mark.parametrize("tilt", [0.0, 1.0, 10.0, 40.0])
@@ -98,7 +100,7 @@ def test_under_a_lid_air_stays_beyond_the_holes_highest_point(lidded: Void, tilt
 def test_a_step_in_the_ceiling_holds_the_wedge_before_it() -> None:
     """Ceilings at 0.5 and 0.3 mm, each 5 mm long, then the open."""
     parts = [("high", 0.5, 0.0), ("low", 0.3, 5.0), ("open", 1.0, 10.0)]
-    spaces = [Space(n, Prism(rectangle(-1, 1, -1, top), "y", y, y + 5)) for n, top, y in parts]
+    spaces = [Space(n, Prism(rectangle(-1, 1, -1, top), "y", y, y + 5), PartRole.SKIN) for n, top, y in parts]
     step = Void((*spaces[:2], replace(spaces[2], open_at=1.0)))
     assert total(step, 0.0) == pytest.approx(2 * 5 * 0.2, rel=ROUNDING)
     shallow, steep = 0.1 / 5, 0.4 / 5  # the wedge ends at the far end, or half way
@@ -109,8 +111,8 @@ def test_a_step_in_the_ceiling_holds_the_wedge_before_it() -> None:
 
 
 def test_a_bore_that_narrows_empties_at_the_tilt_of_its_cone() -> None:
-    cone = Space("cone", Bore((0.0, 0.0, 0.0), "y", 5.0, 1.0, 0.8))
-    beyond = Space("beyond", Prism(rectangle(-2, 2, -2, 2), "y", 5.0, 9.0), open_at=2.0)
+    cone = Space("cone", Bore((0.0, 0.0, 0.0), "y", 5.0, 1.0, 0.8), PartRole.SKIN)
+    beyond = Space("beyond", Prism(rectangle(-2, 2, -2, 2), "y", 5.0, 9.0), PartRole.SKIN, open_at=2.0)
     half_angle = math.degrees(math.atan(0.2 / 5))
     assert total(Void((cone, beyond)), 0.9 * half_angle) > 0.001
     assert total(Void((cone, beyond)), 1.001 * half_angle) == 0.0

@@ -11,13 +11,14 @@ from bench.table_processes import by
 from skincad.fabrication import meshes
 from skincad.fabrication.findings import Finding, design_findings, judged
 from skincad.fabrication.reach import ERROR
-from skincad.fabrication.rules import Case, Feature, label, shim_sag, teeth
+from skincad.fabrication.rules import Case, Feature, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
 from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop
 from skincad.solids.mold import mold
 from skincad.solids.plan import Bore, Part, Prism
+from skincad.solids.roles import PartRole
 
 
 @pytest.fixture
@@ -32,7 +33,7 @@ def flat() -> Design:
 
 def case(design: Design, name: str, process: str) -> Case:
     part = mold(design).part(name)
-    return Case(design, part, label(part), process, processes(design.printer)[process])
+    return Case(design, part, process, processes(design.printer)[process])
 
 
 def found(design: Design, rule: str) -> list[Finding]:
@@ -119,7 +120,7 @@ def roof(angle_deg: float) -> Part:
     rise = 1 / math.tan(math.radians(angle_deg))
     right = [(1.0, 0.0), (1.0, 3.0), (2.0, 3.0 + rise), (2.0, 5.0 + rise)]
     points = [*right, *((-x, z) for x, z in reversed(right))]
-    return Part("post", (0, 0, 0), "made", Prism(loop([Point(*p) for p in points]), "y", 0.0, 10.0))
+    return Part("post", PartRole.COVER, Prism(loop([Point(*p) for p in points]), "y", 0.0, 10.0))
 
 
 def test_overhang_is_angle_and_area_beyond_the_limit() -> None:
@@ -133,11 +134,11 @@ def test_overhang_is_angle_and_area_beyond_the_limit() -> None:
 
 
 def test_a_horizontal_bore_beyond_the_bridge_needs_support() -> None:
-    block = Part("block", (0, 0, 0), "made", Prism(loop([Point(*p) for p in BLOCK]), "y", 0.0, 10.0))
+    block = Part("block", PartRole.COVER, Prism(loop([Point(*p) for p in BLOCK]), "y", 0.0, 10.0))
     design = skincad.load("nozzle-04")
     for radius, rules in ((2.5, []), (2.6, ["overhang"])):
         bored = replace(block, cuts=(Bore((0.0, 0.0, 0.0), "y", 10.0, radius),))
-        told = judged(Case(design, bored, "block", "fdm", processes()["fdm"]))
+        told = judged(Case(design, bored, "fdm", processes()["fdm"]))
         assert [f.rule for f in told if f.rule == "overhang"] == rules
 
 
@@ -147,7 +148,7 @@ def test_what_is_dear_is_worked_out_once(yamada: Design, monkeypatch: pytest.Mon
     mesh, distance = meshes.mesh, shapely.distance
     monkeypatch.setattr(meshes, "mesh", lambda *a: made.append(a) or mesh(*a))
     monkeypatch.setattr(shapely, "distance", lambda *a: combs.append(a) or distance(*a))
-    told = judged(Case(yamada, roof(61.0), "post", "fdm", processes()["fdm"]))
+    told = judged(Case(yamada, roof(61.0), "fdm", processes()["fdm"]))
     assert "overhang" in [f.rule for f in told]
     assert len(made) == 1
     design_findings(by(yamada.with_(name="once"), "cnc"))

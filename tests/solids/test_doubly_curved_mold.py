@@ -21,6 +21,7 @@ from skincad.solids.layout import BESIDE
 from skincad.solids.mold import Mold, mold
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, own
+from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import poured
 from skincad.solids.split import notch_rise
 from tests.bent_skin import bent, three_ridges
@@ -177,7 +178,7 @@ def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:
 
 def test_walls_between_bores_trough_and_seat_are_thick_enough(closed: Mold) -> None:
     cavity = closed.part("cavity")
-    cuts = [manifold(Part("cut", (0, 0, 0), "made", cut), 1e-2) for cut in cavity.cuts]
+    cuts = [manifold(Part("cut", PartRole.COVER, cut), 1e-2) for cut in cavity.cuts]
     for (i, a), (j, b) in combinations(enumerate(cuts), 2):
         if {i, j} != {0, 1}:  # trough and seat are one opening
             assert a.min_gap(b, 2.0) > min(BESIDE, 0.75) - 2e-2, (cavity.cuts[i], cavity.cuts[j])  # chords
@@ -227,14 +228,14 @@ def test_opening_takes_shims_then_cover_then_plates_then_skin(closed: Mold) -> N
 
 def test_gate_and_vent_open_on_the_skin(closed: Mold, meshes: dict[str, Manifold]) -> None:
     gate = closed.part("end-a-keeper").cuts
-    (bore,) = (cut for cut in gate if isinstance(cut, Turned) and getattr(cut.body, "start", (1,))[0] == 0.0)
+    (bore,) = (cut for cut in gate if cut.role is CutRole.GATE)
     assert isinstance(bore.body, Bore)
     into = Turned(replace(bore.body, length=bore.body.length + 1e-2), bore.centre, bore.angle, bore.base)
-    plug = manifold(Part("plug", (0, 0, 0), "made", into), 1e-3)
+    plug = manifold(Part("plug", PartRole.COVER, into), 1e-3)
     assert (plug ^ meshes["skin"]).volume() == pytest.approx(math.pi * bore.body.radius**2 * 1e-2, rel=0.01)
     vent = closed.part("carrier").cuts[0]
     assert isinstance(vent, Bore)
-    assert (manifold(Part("plug", (0, 0, 0), "made", vent), 1e-3) ^ meshes["skin"]).volume() > 0.05
+    assert (manifold(Part("plug", PartRole.COVER, vent), 1e-3) ^ meshes["skin"]).volume() > 0.05
 
 
 def test_cover_and_tops_are_level(closed: Mold, meshes: dict[str, Manifold]) -> None:
@@ -251,7 +252,7 @@ def test_what_reaches_out_of_a_part_takes_away_what_it_counts(closed: Mold) -> N
     body = manifold(replace(cavity, cuts=()), 1e-3)
     for cut in cavity.cuts[2:]:
         assert isinstance(cut, Reaching | Bore)
-        built = manifold(Part("cut", (0, 0, 0), "made", cut), 1e-3) ^ body
+        built = manifold(Part("cut", PartRole.COVER, cut), 1e-3) ^ body
         assert built.volume() == pytest.approx(cut.volume, rel=3e-3)  # chords of a bore
 
 

@@ -13,12 +13,13 @@ from skincad.inputs.design import Design
 from skincad.solids.layout import NUT_FLATS, fits
 from skincad.solids.mold import mold
 from skincad.solids.plan import Bore, Part, Prism
+from skincad.solids.roles import PartRole
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
 
 
 def plug(cut: Bore | Prism) -> Part:
-    return Part("plug", (0, 0, 0), "made", cut)
+    return Part("plug", PartRole.COVER, cut)
 
 
 def pockets(design: Design) -> list[tuple[Part, Prism]]:
@@ -54,7 +55,7 @@ def test_pocket_and_bolt_hole_are_one_way_through_without_a_film(yamada: Design)
 @pytest.mark.parametrize("name", template_names())
 def test_cuts_lie_in_their_part_and_meet_no_other_by_volume(name: str) -> None:
     for part in mold(skincad.load(name)).parts:
-        body = manifold(Part("body", (0, 0, 0), "made", part.body), 1e-3)
+        body = manifold(Part("body", PartRole.COVER, part.body), 1e-3)
         plugs = [manifold(plug(cut), 1e-3) for cut in part.cuts]
         for i, one in enumerate(plugs):
             assert (one - body).volume() < 1e-9, (part.name, i)

@@ -16,6 +16,7 @@ from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE
 from skincad.solids.mold import Mold, mold
 from skincad.solids.plan import Bore, Part, box
+from skincad.solids.roles import PartRole
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -80,7 +81,7 @@ def test_gate_and_vent_open_on_the_skin() -> None:
             (upper.cuts[-1], (0.0, 1e-3, 0.0)),
             (closed.part("carrier").cuts[0], (0.0, 0.0, -1e-3)),
         ):
-            plug = manifold(Part("plug", (0, 0, 0), "made", bore), 1e-3)
+            plug = manifold(Part("plug", PartRole.COVER, bore), 1e-3)
             opening = (plug.translate(step) ^ skin).volume() / (math.pi * bore.radius**2 * 1e-3)
             assert opening == pytest.approx(1.0, abs=0.01), name  # a polygon for the circle
 
@@ -275,7 +276,7 @@ def test_cast_in_strips_block_nothing_tilted_or_wired_at_the_gate(cast: Design, 
 def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
     """Tabs are wider than a notch: on the way of the end plates they would be met."""
     closed = mold(cast)
-    tab = Part("strip-5-S3", (0, 0, 0), "bought", box(0.026, (-24.0, -16.0), (-7.5, -4.5), "y"))
+    tab = Part("strip-5-S3", PartRole.STRIP, box(0.026, (-24.0, -16.0), (-7.5, -4.5), "y"))
     tabbed = Mold((*closed.parts, tab), closed.opening)
     found = interference(tabbed, 1e-3)
     assert {f.where for f in found} == {

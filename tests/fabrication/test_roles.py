@@ -1,0 +1,85 @@
+"""What a part or a bore is, its role says: no name, radius or place is asked."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+
+import skincad
+from skincad.fabrication.filling import filling_findings
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.measures import interference
+from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.inputs.design import Design
+from skincad.pictures.design_picture import _apart
+from skincad.pictures.drawing import drawing
+from skincad.solids.layout import TAP_RADIUS
+from skincad.solids.mold import Mold, mold
+from skincad.solids.plan import bores
+from skincad.solids.roles import CutRole
+from tests.bent_skin import three_ridges
+
+OTHER = "x-"
+PRINTED = ['mold.process="fdm"', 'mold.lid_process="fdm"', "mold.clearance=0.2"]
+
+
+def renamed(closed: Mold) -> Mold:
+    """The mold with every part called something else."""
+    steps = tuple(step._replace(parts=tuple(OTHER + name for name in step.parts)) for step in closed.opening)
+    return Mold(tuple(replace(part, name=OTHER + part.name) for part in closed.parts), steps)
+
+
+def told(design: Design, closed: Mold) -> Iterator[str]:
+    """Everything that is said of a mold, as text."""
+    findings = [*design_findings(design, closed), *filling_findings(design, closed)]
+    yield from (json.dumps(finding.as_json()) for finding in findings)
+    yield f"{poured_volume(design, closed)} {closed.length}"
+    yield casting_sheet(design, closed, findings, "Passes.", True)
+    yield drawing(design, closed)
+    for part in closed.parts:
+        yield f"{part.name} {part.made} {part.colour} {laid_on_end(design, part)} {_apart(part, closed)}"
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("lab-bench", ["ridge.count=3"]),
+        ("cast-in", ["ridge.count=3", 'mold.pour="open"']),
+        ("plain-ridges", PRINTED),
+        ("yamada-2002", ["ridge.count=3", "mold.cavities=2", *PRINTED]),
+        ("steep-fingertip", []),
+    ],
+)
+def test_a_mold_whose_parts_have_other_names_is_judged_and_told_alike(name: str, settings: list[str]) -> None:
+    design = skincad.load(name, settings)
+    closed = mold(design)
+    other = "\n".join(told(design, renamed(closed)))
+    assert other != "\n".join(told(design, closed))  # the names are there
+    assert other.replace(OTHER, "") == "\n".join(told(design, closed))
+
+
+def test_a_doubly_curved_mold_too() -> None:
+    design = three_ridges()
+    closed = mold(design)
+    assert "\n".join(told(design, renamed(closed))).replace(OTHER, "") == "\n".join(told(design, closed))
+
+
+def test_what_is_free_to_bend_is_known_by_its_role() -> None:
+    """A skin that its cavity holds by its ridges is pulled out of it, which its undercut is judged for."""
+    closed = renamed(mold(skincad.load("steep-fingertip", ['mold.split="none"'])))
+    assert interference(closed, 2e-3) == []
+
+
+def test_a_pin_hole_as_wide_as_a_thread_is_no_thread() -> None:
+    loose = skincad.load("plain-ridges", ["mold.clearance=0.25", 'mold.process="fdm"'])
+    closed = mold(loose)
+    assert {bore.radius for bore in bores(closed.part("end-b"), CutRole.END_PIN)} == {TAP_RADIUS}
+    text = casting_sheet(loose, closed, [], "Passes.", True)
+    assert "M3 bolts: 4 of at least 21 mm along y, with nuts, 4 of them sunk in end plate b" in text
+
+
+def test_a_cut_without_a_role_is_none_of_a_mold() -> None:
+    for closed in (mold(skincad.load("steep-fingertip")), mold(three_ridges())):
+        assert {cut.role for part in closed.parts for cut in part.cuts} <= set(CutRole)
