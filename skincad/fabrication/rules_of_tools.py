@@ -25,7 +25,7 @@ def _reach(case: Case) -> Iterator[Finding]:
     reach, body = case.process.reach, case.along.body
     if not reach or not isinstance(body, Prism) or body.axis != "y":
         return
-    milled_down = case.cavity and case.process.based_on == "cnc"
+    milled_down = case.cavity and case.process.tool == "mill"
     left = _left(body.outline, reach, from_above=milled_down)
     found = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
     yield from _in_grooves(case, [(depth, s) for depth, _, s in found if s.ridge is not None])
@@ -94,7 +94,7 @@ def _depth(case: Case) -> Iterator[Finding]:
 
 def _straight_cut(case: Case) -> Iterator[Finding]:
     """A wire is straight: it cuts no trough that is bent along it."""
-    if case.process.based_on == "edm" and case.part.straight:
+    if case.process.tool == "wire" and case.part.straight:
         angle = math.degrees(2 * end_angle(case.design))
         place = f"{case.label}, bent along y, by {case.name}"
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"

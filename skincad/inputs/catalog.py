@@ -9,8 +9,6 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,6 +17,7 @@ from skincad.base.reading import MOST_PARTS, tables_of, text_of
 from skincad.base.tables import Ranged
 from skincad.inputs.design import Design, drop_dependents, renamed_material
 from skincad.inputs.process import Process, merged
+from skincad.inputs.shipped import table_text, templates_folder
 from skincad.inputs.skin_tables import Material
 
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
@@ -63,12 +62,6 @@ OWN_SILICONE = Silicone(
     viscosity=35.0,
     source="assumption",
 )
-
-
-def templates_folder() -> Traversable:
-    """Return the folder of templates: in the wheel beside this file, in a checkout above it."""
-    inside = files("skincad") / "templates"
-    return inside if inside.is_dir() else files("skincad").joinpath("..") / "templates"
 
 
 def template_names(kind: Kind = "designs") -> list[str]:
@@ -192,13 +185,13 @@ def _shipped() -> dict[str, Process]:
 
 def processes_text() -> str:
     """Return the TOML of the shipped processes, with where each value is from."""
-    return (templates_folder() / "processes.toml").read_text("utf-8")
+    return table_text("processes")
 
 
 @cache
 def silicones() -> dict[str, Silicone]:
     """Return the catalog of silicones by name."""
-    rows = tomllib.loads((templates_folder() / "silicones.toml").read_text("utf-8"))
+    rows = tomllib.loads(table_text("silicones"))
     return {
         name: Silicone(
             name=name,

@@ -16,7 +16,7 @@ class Mold(Table):
     """The mold that casts the skin, ridges down."""
 
     process: str = Field(
-        description="how cavity and end plates are made: fdm, sla, cnc, edm, or one of [printer]",
+        description=f"how cavity and end plates are made: {', '.join(PROCESSES)}, or one of [printer]",
         json_schema_extra=_A_PROCESS,
     )
     end_plate_process: str | None = Field(

@@ -1,12 +1,14 @@
 """What a process can make: a table of limits, the shipped ones' and a workshop's own.
 
-The four shipped tables are in templates/processes.toml. A user's `printer.toml` has tables of the same keys:
-one named as a shipped process changes what it names of it, any other name is a new process `based_on` one.
+The shipped tables are in templates/processes.toml: one more there is one more process, no rule asks for a
+name. A user's `printer.toml` has tables of the same keys: one named as a shipped process changes what it
+names of it, any other name is a new process `based_on` one.
 """
 
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Mapping
 from typing import Literal
 
@@ -14,16 +16,19 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
+from skincad.inputs.shipped import table_text
 
-PROCESSES = ("fdm", "sla", "cnc", "edm")
+PROCESSES = tuple(tomllib.loads(table_text("processes")))
 NAME = r"^[a-z][a-z0-9-]{2,31}$"
 
 
 class Process(Table):
     """Limits of a process; 0 where it has no such limit."""
 
-    based_on: Literal["fdm", "sla", "cnc", "edm"] | None = Field(
-        default=None, description="the shipped process that a new one takes all other values from"
+    based_on: str | None = Field(
+        default=None,
+        description="the shipped process that a new one takes all other values from",
+        json_schema_extra={"enum": [*PROCESSES, None]},
     )
     gap: float = quantity("mm", "narrowest groove or slit", ge=0.0, le=100.0, default=0.0)
     wall: float = quantity("mm", "thinnest tooth or wall", ge=0.0, le=100.0, default=0.0)
@@ -33,6 +38,10 @@ class Process(Table):
     )
     tolerance: float = quantity(
         "mm", "a surface comes out within plus or minus this", gt=0.0, le=10.0, default=0.1
+    )
+    tool: Literal["none", "mill", "wire"] = Field(
+        default="none",
+        description="what cuts: a mill, which comes from above, a wire, which is straight, or none",
     )
     tool_radius: float = quantity("mm", "of a ball-end mill or a wire", ge=0.0, le=100.0, default=0.0)
     spark_gap: float = quantity("mm", "between wire and work", ge=0.0, le=10.0, default=0.0)
@@ -91,6 +100,7 @@ def check_own(own: Mapping[str, Process]) -> None:
         key = f"printer.{name}.based_on"
         if name not in PROCESSES and process.based_on is None:
             raise InputError(key, "is missing for a new process", remedy=f"name {', '.join(PROCESSES)}")
+        check_named(key, process.based_on, {})
         if name in PROCESSES and process.based_on not in (None, name):
             raise InputError(key, f"must not be given for {name}", process.based_on, "give it another name")
 

@@ -1,5 +1,9 @@
 """A workshop's own processes: how they reach a design, and how a bad file is refused."""
 
+import os
+import shutil
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -12,6 +16,7 @@ from skincad.inputs.process import PROCESSES
 from skincad.mechanics.touching import spread_of
 from tests.conftest import run_skincad
 
+ROOT = Path(skincad.__file__).parents[1]
 OWN = """
 [sla]
 pixel = 0.035
@@ -102,3 +107,31 @@ def test_the_command_line_takes_a_printer_and_refuses_a_bad_one(tmp_path: Path, 
     assert missing.returncode == 2
     assert "none.toml: cannot be read" in missing.stderr
     assert not (tmp_path / "out").exists()
+
+
+LASER = """
+[laser]
+tool = "wire"            # assumption
+tolerance = 0.02         # assumption
+"""
+
+
+def test_a_new_shipped_process_needs_its_table_only(tmp_path: Path) -> None:
+    """No file of ours names a process: a copy of the package with one more table knows it."""
+    for folder in ("skincad", "templates"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    with (tmp_path / "templates" / "processes.toml").open("a") as table:
+        table.write(LASER)
+    code = (
+        "import skincad; from skincad.fabrication.findings import design_findings as found;"
+        "bent = ['skin.curvature_radius_y=40', 'mold.process=laser'];"
+        "print([f.remedy for f in found(skincad.load('plain-ridges', bent)) if f.rule == 'tool reach']);"
+        "skincad.load('lab-bench', ['printer.mine.based_on=laser', 'mold.process=mine']);"
+        "print('laser' in str(skincad.Design.model_json_schema()['$defs']['Mold']))"
+    )
+    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=env, capture_output=True, text=True, check=True
+    )
+    assert "mill, sink-erode or print it" in done.stdout
+    assert done.stdout.endswith("True\n")
