@@ -24,7 +24,7 @@ from skincad.fabrication.meshes import manifold, mesh
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from tests.poured_by_solids import Kit, poured_by_solids
 from tests.random_designs import drawn
 
@@ -71,7 +71,7 @@ def faults(design: Design, *, kernel: bool = True) -> Iterator[str]:
     yield from _sheet_faults(design, closed, casting_sheet(design, closed, findings, "Passes.", True))
 
 
-def _solid_faults(closed: Mold) -> Iterator[str]:
+def _solid_faults(closed: ClosedMold) -> Iterator[str]:
     from skincad.solids.occ import solid  # loads the CAD kernel
 
     for part in closed.parts:
@@ -82,7 +82,7 @@ def _solid_faults(closed: Mold) -> Iterator[str]:
             yield f"{part.name}: {len(shape.Faces())} faces"
 
 
-def _mesh_faults(closed: Mold) -> Iterator[str]:
+def _mesh_faults(closed: ClosedMold) -> Iterator[str]:
     for part in closed.parts:
         shape = mesh(part, CHORD)
         if not (shape.is_watertight and shape.is_winding_consistent):
@@ -93,7 +93,7 @@ def _mesh_faults(closed: Mold) -> Iterator[str]:
             yield f"{part.name}: mesh {shape.volume:.6g} mm3, formula {part.volume:.6g}, {most:.2g} allowed"
 
 
-def _sheet_faults(design: Design, closed: Mold, sheet: str) -> Iterator[str]:
+def _sheet_faults(design: Design, closed: ClosedMold, sheet: str) -> Iterator[str]:
     (found,) = re.findall(r"the mold takes ([\d.]+) cm3, ([\d.]+) g", sheet)
     volume, grams = 1000 * float(found[0]), float(found[1])
     formula = poured_volume(design, closed)

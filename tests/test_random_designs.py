@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from skincad.inputs.design import Design
-from skincad.solids.mold import Mold
+from skincad.solids.mold import ClosedMold
 from tests import soundness
 from tests.random_designs import drawn
 from tests.soundness import outcome, summary
@@ -56,7 +56,7 @@ def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None
     assert any("casting sheet" in fault for fault in told)
     assert any("poured" in fault for fault in told)
 
-    def broken(design: Design, closed: Mold) -> float:
+    def broken(design: Design, closed: ClosedMold) -> float:
         raise ZeroDivisionError("on purpose")
 
     monkeypatch.setattr(soundness, "poured_volume", broken)

@@ -8,16 +8,16 @@ from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.layout import end_angle
-from skincad.solids.mold import Mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.shrinkage import poured
 
 
-def screws(design: Design, closed: Mold, hold: str) -> str:
+def screws(design: Design, closed: ClosedMold, hold: str) -> str:
     """Return the end plates' screws as the parts have them; `hold` is what they go into."""
     count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in closed.of(*END_PLATES))
-    threads = bores(closed.of(PartRole.CAVITY)[0], CutRole.END_THREAD)
+    threads = bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD)
     longest = math.floor(design.mold.end_plate + min(bore.length for bore in threads))
     return (
         f"M3 screws: {count} of at most {longest} mm for the end plates, square to the cavity's leaning "

@@ -23,7 +23,7 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import polygon
 from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Prism, Vector
 from skincad.solids.roles import PartRole
 
@@ -64,13 +64,13 @@ class _Filling(NamedTuple):
     tilted: bool
 
 
-def pockets(design: Design, closed: Mold, tilt: float | None = None) -> tuple[Pocket, ...]:
+def pockets(design: Design, closed: ClosedMold, tilt: float | None = None) -> tuple[Pocket, ...]:
     """Return the air pockets of at least `LEAST` mm3 when end b is up by `tilt` deg (the design's own if not
     given), the largest first."""
     return tuple(_pockets(_fillings(design, closed), design.mold.pour_tilt if tilt is None else tilt))
 
 
-def best_tilt(design: Design, closed: Mold) -> tuple[float, float]:
+def best_tilt(design: Design, closed: ClosedMold) -> tuple[float, float]:
     """Return the tilt in deg (within `TILTS`) at which least air stays, to 0.5 deg, and how much, mm3.
 
     Every 5 deg first, then finer about the best; of equal ones the nearest to the design's own.
@@ -89,7 +89,7 @@ def best_tilt(design: Design, closed: Mold) -> tuple[float, float]:
     return best, rank(best)[0]
 
 
-def filling_findings(design: Design, closed: Mold) -> list[Finding]:
+def filling_findings(design: Design, closed: ClosedMold) -> list[Finding]:
     """Return the rule `trapped air`: a warning where it harms the skin, a note where it doesn't.
 
     At a ridge or slot `LEAST` is the limit; in the skin's body a bubble `BUBBLE` of its thickness across;
@@ -150,7 +150,7 @@ def _finding(design: Design, own: list[Pocket], remedy: str) -> Finding:
     return Finding("trapped air", where, volume, limit, "mm3", "warning" if harms else "note", remedy)
 
 
-def _remedy(design: Design, closed: Mold, now: float) -> str:
+def _remedy(design: Design, closed: ClosedMold, now: float) -> str:
     tilt, least = best_tilt(design, closed)
     vacuum = "fill under vacuum, or hold the filled mold under it before cure"
     if least > 0.9 * now:
@@ -159,7 +159,7 @@ def _remedy(design: Design, closed: Mold, now: float) -> str:
     return f"mold.pour_tilt = {tilt:g}, {rest}"
 
 
-def _fillings(design: Design, closed: Mold) -> list[_Filling]:
+def _fillings(design: Design, closed: ClosedMold) -> list[_Filling]:
     """The closed mold's filling, and for an open pour the open trough's: level, or it would run over."""
     closed = alone(design, closed)
     made = [(void(design, closed), True)]
@@ -169,10 +169,10 @@ def _fillings(design: Design, closed: Mold) -> list[_Filling]:
     return [_Filling(space, cells(space, CHORD), surfaces, tilted) for space, tilted in made]
 
 
-def _surfaces(closed: Mold) -> list[_Surface]:
+def _surfaces(closed: ClosedMold) -> list[_Surface]:
     """What bounds the skin in its section, by name; a prism, so x and z tell what a point is on. Where some
     meet, the first one's name is told: shim or strip, ridge, carrier, the rest."""
-    body = closed.of(PartRole.SKIN)[0].body
+    body = closed.first(PartRole.SKIN).body
     if not isinstance(body, Prism):
         return []
     found = []

@@ -13,7 +13,7 @@ from skincad.fabrication.rules_of_layers import LAYER_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
 from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 
 __all__ = ["Finding", "design_findings", "judged", "process_findings", "undercuts"]
 
@@ -21,7 +21,7 @@ ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}
 
 
-def design_findings(design: Design, closed: Mold | None = None) -> list[Finding]:
+def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Finding]:
     """Return what the processes of a design can't make and what its skin can't leave, the gravest first.
 
     `closed` saves the planning of the mold. Print meshes are looked at for overhangs only; no CAD kernel.
@@ -34,7 +34,7 @@ def design_findings(design: Design, closed: Mold | None = None) -> list[Finding]
     return sorted(found, key=lambda finding: _ORDER[finding.severity])
 
 
-def process_findings(design: Design, closed: Mold) -> list[Finding]:
+def process_findings(design: Design, closed: ClosedMold) -> list[Finding]:
     """Return what each part's process can't make of it, with the processes that could. Twin parts of the two
     ends are told once."""
     known = processes(design.printer)

@@ -16,7 +16,7 @@ from skincad.fabrication.findings import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.shape.curves import polygon
-from skincad.solids.mold import Mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Body, Part, Prism, Reaching, Revolved, Turned
 from skincad.solids.roles import PartRole
 from skincad.solids.swept import Way, swept
@@ -96,7 +96,7 @@ def _pymeshlab_mesh(mesh: trimesh.Trimesh) -> pymeshlab.Mesh:
     return pymeshlab.Mesh(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int32))
 
 
-def interference(assembled: Mold, tolerance: float) -> list[Finding]:
+def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     """Return every pair of parts that share volume, closed or on the way of an opening step.
 
     All meshes take their corners from the same exact section, so touching faces share none. `tolerance`

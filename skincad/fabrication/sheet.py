@@ -14,7 +14,7 @@ from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import TAP_RADIUS, fits, is_clamped
-from skincad.solids.mold import Mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Bore, bores, own
 from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
@@ -29,7 +29,7 @@ LUER = (4.03, 4.48)  # mm, source: ISO 80369-7, male slip, largest at its end, a
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 
 
-def poured_volume(design: Design, closed: Mold) -> float:
+def poured_volume(design: Design, closed: ClosedMold) -> float:
     """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
     their bleeds, and the flash in the gap round the carrier; for all skins of a gang."""
     return design.mold.cavities * void(design, alone(design, closed)).volume
@@ -37,7 +37,7 @@ def poured_volume(design: Design, closed: Mold) -> float:
 
 def casting_sheet(
     design: Design,
-    closed: Mold,
+    closed: ClosedMold,
     findings: list[Finding],
     verdict: str,
     passed: bool,
@@ -63,7 +63,7 @@ def casting_sheet(
     return "\n".join(lines) + "\n"
 
 
-def _parts(design: Design, closed: Mold) -> list[str]:
+def _parts(design: Design, closed: ClosedMold) -> list[str]:
     skin, choice = poured(design).skin, design.mold
     rows = [f"| {p.name} | {p.volume / 1000:.5g} |" for p in closed.parts if p.made == "made"]
     through = skin.length + 2 * choice.end_plate
@@ -99,7 +99,7 @@ def _parts(design: Design, closed: Mold) -> list[str]:
     ]
 
 
-def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
+def _bolts(design: Design, closed: ClosedMold, through: float) -> list[str]:
     """What holds the mold together, as the parts have it."""
     cuts = [cut.role for part in closed.of(*END_PLATES) if part.end == "b" for cut in part.cuts]
     sunk, tapped = cuts.count(CutRole.NUT), cuts.count(CutRole.END_THREAD)
@@ -123,8 +123,8 @@ def _bolts(design: Design, closed: Mold, through: float) -> list[str]:
     ]
 
 
-def _shrinkage(design: Design, closed: Mold) -> str:
-    part, cavity = skin_part(design).volume, closed.of(PartRole.SKIN)[0].volume
+def _shrinkage(design: Design, closed: ClosedMold) -> str:
+    part, cavity = skin_part(design).volume, closed.first(PartRole.SKIN).volume
     share = 100 * shrinkage(design)
     return (
         f"Shrinkage: {share:.3g} % in length, so the skin of {part / 1000:.4f} cm3 cures from a cavity of "
@@ -164,7 +164,7 @@ def _mix(material: Silicone, volume: float) -> list[str]:
     ]
 
 
-def _order(design: Design, closed: Mold) -> list[str]:
+def _order(design: Design, closed: ClosedMold) -> list[str]:
     slots = design.slot is not None
     back = (
         "its holes widen upward and hold the skin like rivets"
@@ -214,9 +214,9 @@ def _taken_off(design: Design) -> list[str]:
     ]
 
 
-def _out(design: Design, closed: Mold) -> list[str]:
+def _out(design: Design, closed: ClosedMold) -> list[str]:
     """How the skin and its cavity part."""
-    pulls = bores(closed.of(PartRole.CARRIER)[0], CutRole.PULL)
+    pulls = bores(closed.first(PartRole.CARRIER), CutRole.PULL)
     grip = "by two M3 screws in its blind holes" if pulls else "from its two ends"
     if not split_ridges(design):
         return [f"Pull the carrier up {grip}; the skin leaves the cavity with it. Cut the flash there."]
@@ -256,7 +256,7 @@ def _open(design: Design, back: str) -> list[str]:
     ]
 
 
-def _findings(closed: Mold, findings: list[Finding]) -> list[str]:
+def _findings(closed: ClosedMold, findings: list[Finding]) -> list[str]:
     notes = [f"- {finding}" for finding in findings]
     if perforated(closed):
         notes.append("- The carrier is held by rivets of silicone: a light pull test before use.")

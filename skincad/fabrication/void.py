@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.solids.bowl import gap_beside
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Body, Bore, Prism, bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.shrinkage import poured
@@ -52,23 +52,23 @@ class Void:
         return math.fsum(space.body.volume for space in self.spaces)
 
 
-def alone(design: Design, closed: Mold) -> Mold:
+def alone(design: Design, closed: ClosedMold) -> ClosedMold:
     """Return the mold of one skin: all skins of a gang fill alike."""
     return closed if design.mold.cavities == 1 else mold(design.with_(mold={"cavities": 1}))
 
 
-def void(design: Design, closed: Mold) -> Void:
+def void(design: Design, closed: ClosedMold) -> Void:
     """Return what the silicone fills in a mold of one skin: skin, gate, the carrier's holes and vent, the gap
     round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
     taped when full."""
-    design, carrier = poured(design), closed.of(PartRole.CARRIER)[0]
-    cover = closed.of(PartRole.COVER)[0]
+    design, carrier = poured(design), closed.first(PartRole.CARRIER)
+    cover = closed.first(PartRole.COVER)
     top = cover.body.high if isinstance(cover.body, Prism) else math.inf
     over = bores(cover, CutRole.RESERVOIR, CutRole.BLEED)
     rivets = enumerate(bores(carrier, CutRole.RIVET), 1)
     plates = [cut for part in closed.of(*END_PLATES) for cut in part.cuts]
     spaces = [
-        Space("skin", closed.of(PartRole.SKIN)[0].body, PartRole.SKIN),
+        Space("skin", closed.first(PartRole.SKIN).body, PartRole.SKIN),
         *(Space("vent", bore, PartRole.CARRIER) for bore in bores(carrier, CutRole.VENT)),
         *(Space("carrier hole", bore, PartRole.CARRIER, number=i) for i, bore in rivets),
         *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(design, carrier.body)),
@@ -78,14 +78,14 @@ def void(design: Design, closed: Mold) -> Void:
     return Void(tuple(spaces), _rim(over[0]))
 
 
-def open_trough(closed: Mold) -> Void:
+def open_trough(closed: ClosedMold) -> Void:
     """Return the skin's space with its back open, as the silicone is poured into it before the carrier."""
-    return Void((Space("skin", closed.of(PartRole.SKIN)[0].body, PartRole.SKIN, open_at=0.0),))
+    return Void((Space("skin", closed.first(PartRole.SKIN).body, PartRole.SKIN, open_at=0.0),))
 
 
-def perforated(closed: Mold) -> bool:
+def perforated(closed: ClosedMold) -> bool:
     """Whether the carrier has holes besides its vent, which silicone fills."""
-    return bool(bores(closed.of(PartRole.CARRIER)[0], CutRole.RIVET))
+    return bool(bores(closed.first(PartRole.CARRIER), CutRole.RIVET))
 
 
 def _gap(design: Design, carrier: Body) -> list[Prism]:

@@ -27,7 +27,7 @@ from skincad.shape.curves import Loop
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from skincad.solids.mold import Mold
+    from skincad.solids.mold import ClosedMold
 
 _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
 
@@ -44,7 +44,7 @@ def write_assembly(assembly: cq.Assembly, path: Path) -> None:
     make_deterministic(path, assembly.name)
 
 
-def assembly(closed: Mold, solids: dict[str, cq.Workplane], name: str) -> cq.Assembly:
+def assembly(closed: ClosedMold, solids: dict[str, cq.Workplane], name: str) -> cq.Assembly:
     """Return the closed mold with the skin, shims and pins in it, named and coloured, mm."""
     import cadquery as cq
 

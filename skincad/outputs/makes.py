@@ -11,7 +11,8 @@ from skincad.base.result import Writer
 from skincad.inputs.design import Design
 from skincad.outputs import checks
 from skincad.outputs.making import Job, MakeResult
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
@@ -63,7 +64,7 @@ def files(result: MakeResult) -> dict[str, Writer]:
 OfJob = Callable[[Job, Path], None]
 
 
-def writers(design: Design, closed: Mold) -> dict[str, OfJob]:
+def writers(design: Design, closed: ClosedMold) -> dict[str, OfJob]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
     printed = [part.name for part in closed.parts if part.made == "made"]
     return {
@@ -120,7 +121,7 @@ def _mold_3mf(job: Job, path: Path) -> None:
 def _skin_3mf(job: Job, path: Path) -> None:
     from skincad.outputs.export import write_3mf
 
-    write_3mf({"skin": (job.skin[1], job.closed.part("skin").colour)}, path)
+    write_3mf({"skin": (job.skin[1], job.closed.first(PartRole.SKIN).colour)}, path)
 
 
 def _exported(function: str) -> OfJob:

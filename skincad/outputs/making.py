@@ -11,7 +11,8 @@ from skincad.base.errors import RefusedError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
     from skincad.fabrication.findings import Finding
@@ -75,7 +76,7 @@ class Job:
     """A design as built and judged; the solids and meshes are the CAD kernel's and trimesh's, mm."""
 
     design: Design
-    closed: Mold
+    closed: ClosedMold
     solids: dict[str, Any]
     meshes: dict[str, Any]
     skin: tuple[Any, Any]  # solid and mesh as designed; in `solids` and `meshes` it is as poured
@@ -98,7 +99,7 @@ class Job:
         from skincad.fabrication.sheet import casting_sheet
         from skincad.outputs.checks import verdict
 
-        measures = inspection(self.design, self.closed.part("skin"), _allowed_drops(self.check))
+        measures = inspection(self.design, self.closed.first(PartRole.SKIN), _allowed_drops(self.check))
         found, said = list(self.findings), verdict(self.check)
         return casting_sheet(
             self.design, self.closed, found, said, _passed(self.check, self.findings, strict=False), measures
@@ -166,7 +167,7 @@ def make(design: Design, *, strict: bool = False, progress: Progress | None = No
     _import_everything()
     watch = Stopwatch(progress)
     job, reports = _build(design, closed, watch)
-    volume = job.closed.part("skin").volume
+    volume = job.closed.first(PartRole.SKIN).volume
     found = tuple(reports), job.findings, job.check, volume, watch.seconds(), job
     return MakeResult(design.name, strict, *found)
 
@@ -184,7 +185,7 @@ def _import_everything() -> None:
     import skincad.pictures.design_picture  # noqa: F401
 
 
-def _build(design: Design, closed: Mold, watch: Stopwatch) -> tuple[Job, list[PartReport]]:
+def _build(design: Design, closed: ClosedMold, watch: Stopwatch) -> tuple[Job, list[PartReport]]:
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import FINER, interference

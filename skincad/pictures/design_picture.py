@@ -13,7 +13,7 @@ from skincad.pictures.canvas import Axes, Picture, sheet
 from skincad.pictures.render import shaded, view
 from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
-from skincad.solids.mold import Mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, Prism, Turned
 from skincad.solids.roles import CAVITIES, END_PLATES, IMPLIED, PartRole
 
@@ -21,7 +21,7 @@ SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
 
 
-def design_figure(design: Design, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
+def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
     """Return skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
     with sheet((13.2, 7.4), 110, 128) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
@@ -64,7 +64,7 @@ def _draw_ridge(axes: Axes, design: Design) -> None:
     )
 
 
-def _draw_mold(axes: Axes, closed: Mold, meshes: dict[str, trimesh.Trimesh]) -> None:
+def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> None:
     placed, colours, labels = [], [], []
     for part in closed.parts:
         if part.name not in meshes:
@@ -93,7 +93,7 @@ def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
     return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
 
 
-def _apart(part: Part, closed: Mold) -> np.ndarray:
+def _apart(part: Part, closed: ClosedMold) -> np.ndarray:
     """Where a part is drawn, relative to the closed mold, mm."""
     high, side, body = _height(closed), 1.1 * closed.length, part.body
     if part.end is not None:
@@ -116,7 +116,7 @@ def _apart(part: Part, closed: Mold) -> np.ndarray:
     return np.array(places.get(part.role, (0.0, 0.0, 0.0)))
 
 
-def _height(closed: Mold) -> float:
+def _height(closed: ClosedMold) -> float:
     blocks = [part.body for part in closed.of(*CAVITIES)]
     levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
     return max(levels) - min(levels)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
-from skincad.solids.mold import Mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, Prism, Revolved, Turned, corners
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
@@ -23,7 +23,7 @@ CHORD = 1e-3  # mm of the part; finer than a printed line
 
 
 @dataclass(frozen=True)
-class OnPage:
+class PageScale:
     """Part coordinates to the page: `origin` is where the part's (0, 0) lies, `scale` page mm a part mm."""
 
     origin: tuple[float, float]
@@ -40,7 +40,7 @@ class OnPage:
         return f'<polygon class="{kind}" points="{steps}"/>'
 
 
-def drawing(design: Design, closed: Mold) -> str:
+def drawing(design: Design, closed: ClosedMold) -> str:
     """Return the drawing as an SVG document."""
     bent = design.skin.curvature_radius_y is not None
     rows = [*_section_view(design), *_ridge_view(design), *(_bent_view if bent else _mold_view)(closed)]
@@ -60,7 +60,7 @@ def drawing(design: Design, closed: Mold) -> str:
 def _section_view(design: Design) -> list[str]:
     shape, skin = section(design), design.skin
     scale = min(120.0 / skin.width, 45.0 / shape.top)
-    view = OnPage((80.0, 62.0), scale)
+    view = PageScale((80.0, 62.0), scale)
     half = skin.width / 2
     rows = [view.path(shape.outline, "skin"), *(view.path(s.loop(), "slot") for s in shape.slots)]
     left, base = view.at(-half, 0.0)
@@ -89,7 +89,7 @@ def _ridge_view(design: Design) -> list[str]:
     shape = section(design)
     reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
     scale = min(38.0 / (2 * reach), 24.0 / (1.5 * ridge.height))
-    view = OnPage((48.0, 110.0), scale)
+    view = PageScale((48.0, 110.0), scale)
 
     low = -0.8 * ridge.height
     window = shapely.box(-reach, low, reach, 2 * ridge.height)
@@ -123,14 +123,14 @@ def _ridge_view(design: Design) -> list[str]:
     return rows
 
 
-def _mold_view(closed: Mold) -> list[str]:
+def _mold_view(closed: ClosedMold) -> list[str]:
     """The closed mold's outer size, from above."""
     boxes = [_extent(p.body) for p in closed.parts if p.made == "made" and isinstance(p.body, Prism)]
     low = [min(b[0][i] for b in boxes) for i in range(3)]
     high = [max(b[1][i] for b in boxes) for i in range(3)]
     size = [b - a for a, b in zip(low, high, strict=True)]
     scale = min(50.0 / size[0], 36.0 / size[1])
-    view = OnPage((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    view = PageScale((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
     rows = []
     for roles, kind in ((CAVITIES, "mold"), ({PartRole.CARRIER}, "hole")):
         for part in closed.of(*roles):
@@ -153,7 +153,7 @@ def _mold_view(closed: Mold) -> list[str]:
     return rows
 
 
-def _bent_view(closed: Mold) -> list[str]:
+def _bent_view(closed: ClosedMold) -> list[str]:
     """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
     mold = [CAVITIES, END_PLATES, {PartRole.COVER}]
     kinds = [*((roles, "mold") for roles in mold), ({PartRole.CARRIER}, "hole"), ({PartRole.SKIN}, "skin")]
@@ -161,7 +161,7 @@ def _bent_view(closed: Mold) -> list[str]:
     points = np.vstack([ring for _, ring in rings])
     low, high = points.min(axis=0), points.max(axis=0)
     scale = float(min(50.0 / (high - low)[0], 36.0 / (high - low)[1]))
-    view = OnPage((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    view = PageScale((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
     rows = []
     for kind, ring in rings:
         steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(y, z) for y, z in ring))
@@ -169,7 +169,7 @@ def _bent_view(closed: Mold) -> list[str]:
     (left, bottom), (right, top) = view.at(*low), view.at(*high)
     rows += _across(left, right, bottom + 5.0, f"{high[0] - low[0]:.4g}", bottom)
     rows += _upright(right + 5.0, bottom, top, f"{high[1] - low[1]:.4g}", right)
-    cavity = closed.of(PartRole.CAVITY)[0].body
+    cavity = closed.first(PartRole.CAVITY).body
     lean = math.degrees(cavity.grid.half) if isinstance(cavity, Prism) and cavity.grid else 0.0
     words = f"closed mold from the side, scale {scale:.3g} : 1; ends lean by {lean:.3g} degrees"
     return [*rows, _text(142.0, 134.5, words)]

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-class Step(NamedTuple):
+class Move(NamedTuple):
     """One step of opening: these parts leave along an axis or heading, over this signed travel in mm, or turn
     about their own axis by it in rad. y is an end plate's own where it leans."""
 
@@ -66,11 +66,11 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Mold:
+class ClosedMold:
     """The closed mold with the skin in it, and the order in which it opens."""
 
     parts: tuple[Part, ...]
-    opening: tuple[Step, ...]
+    opening: tuple[Move, ...]
 
     def part(self, name: str) -> Part:
         """Return the part of this name."""
@@ -79,6 +79,10 @@ class Mold:
     def of(self, *roles: PartRole) -> list[Part]:
         """Return the parts of these roles."""
         return [part for part in self.parts if part.role in roles]
+
+    def first(self, role: PartRole) -> Part:
+        """Return the part of this role; the first one's of a gang."""
+        return self.of(role)[0]
 
     @property
     def length(self) -> float:
@@ -91,7 +95,7 @@ class Mold:
         return 2 * max(s.start.x for s in block.outline)
 
 
-def mold(design: Design) -> Mold:
+def mold(design: Design) -> ClosedMold:
     """Return the closed mold's parts, the skin, shims or strips and pins in it, and the opening sequence.
 
     Raises InputError when a bore, the gate or a notch finds no room, and for what a doubly curved mold can't
@@ -131,18 +135,18 @@ def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
         yield InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
 
 
-def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges: list[int]) -> Mold:
+def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges: list[int]) -> ClosedMold:
     """The mold of these parts, opened. Shims leave first, along y or by turning along their arc, then end
     plates and cover, of which a bent mold's end plates are under the cover and leave square to their faces.
     A whole cavity lets the skin be pulled up with its carrier; the pieces of a split one leave the skin, its
     base first, then the outer ones, then the others from the middle."""
-    bent, closed = design.skin.curvature_radius_y is not None, Mold(parts, ())
+    bent, closed = design.skin.curvature_radius_y is not None, ClosedMold(parts, ())
     far = 2 * design.skin.length + 4 * design.mold.end_plate
     high = 2 * (place.top - place.bottom) + (design.skin.length if bent else 0.0)
 
-    def leave(way: Way, travel: float, *roles: PartRole, end: End | None = None) -> Step:
+    def leave(way: Way, travel: float, *roles: PartRole, end: End | None = None) -> Move:
         found = closed.of(*roles)
-        return Step(tuple(p.name for p in found if end in (None, p.end)), way, travel)
+        return Move(tuple(p.name for p in found if end in (None, p.end)), way, travel)
 
     drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
     plates = [leave("y", way, *END_PLATES, end=end) for end, way in zip(ENDS, (-far, far), strict=True)]
@@ -156,7 +160,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
         closed.of(PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT), headings(design, ridges), strict=True
     )
     from_outside = sorted(pieces, key=lambda piece: (piece[0].role is PartRole.BETWEEN, abs(piece[1][0])))
-    steps += [Step((part.name,), heading, high) for part, heading in from_outside]
+    steps += [Move((part.name,), heading, high) for part, heading in from_outside]
     return replace(closed, opening=tuple(steps))
 
 

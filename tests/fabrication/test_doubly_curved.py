@@ -23,7 +23,7 @@ from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part, Prism, Revolved, Turned
 from skincad.solids.roles import CutRole, PartRole
 from tests.bent_skin import bent, three_ridges
@@ -36,7 +36,7 @@ def design() -> Design:
 
 
 @pytest.fixture(scope="module")
-def closed(design: Design) -> Mold:
+def closed(design: Design) -> ClosedMold:
     return mold(design)
 
 
@@ -45,7 +45,7 @@ def by_rule(findings: list[Finding]) -> dict[str, Finding]:
 
 
 @pytest.mark.parametrize("asked", [0.02, 0.003])
-def test_meshes_are_closed_free_and_as_near_as_asked(closed: Mold, asked: float) -> None:
+def test_meshes_are_closed_free_and_as_near_as_asked(closed: ClosedMold, asked: float) -> None:
     for part in closed.parts:
         if part.made == "made" or part.name == "skin":
             seen = measure(part, mesh(part, asked), asked)
@@ -55,14 +55,14 @@ def test_meshes_are_closed_free_and_as_near_as_asked(closed: Mold, asked: float)
 
 
 @pytest.mark.parametrize("name", ["cavity", "carrier", "end-b-comb"])
-def test_a_torn_mesh_is_seen(closed: Mold, name: str) -> None:
+def test_a_torn_mesh_is_seen(closed: ClosedMold, name: str) -> None:
     part = closed.part(name)
     torn = mesh(part, 0.02)
     torn.vertices[len(torn.vertices) // 2] += [5.0, 1.0, 3.0]
     assert measure(part, torn, 0.02).self_intersections > 0
 
 
-def test_parts_that_turn_share_their_facets(closed: Mold) -> None:
+def test_parts_that_turn_share_their_facets(closed: ClosedMold) -> None:
     """Skin, shims, cavity and carrier touch along arcs; at any chord length their meshes share nothing."""
     for chord in (0.02, 0.003):
         names = ("skin", "cavity", "carrier", "shim-1-S1")
@@ -75,21 +75,21 @@ def test_parts_that_turn_share_their_facets(closed: Mold) -> None:
         assert pressed.volume() == pytest.approx(1e-3 * 11 * 9.6, rel=0.1)
 
 
-def test_two_turned_bodies_share_what_their_sections_do(closed: Mold) -> None:
+def test_two_turned_bodies_share_what_their_sections_do(closed: ClosedMold) -> None:
     skin, shim = closed.part("skin"), closed.part("shim-1-S1")
     assert isinstance(skin.body, Revolved)
     whole = Part("whole", PartRole.SKIN, skin.body.__class__(skin.body.outline, *_turn(skin.body)))
-    (found,) = interference(Mold((whole, shim), ()), 1e-3)
+    (found,) = interference(ClosedMold((whole, shim), ()), 1e-3)
     slot = 0.05 * 0.25 * 12.0 * (1 + 0.1 / 25)  # the slot's middle lies 0.1 mm farther from the axis
     assert found.measured == pytest.approx(slot, rel=0.01)  # shrinkage
-    assert interference(Mold((skin, shim), ()), 1e-3) == []
+    assert interference(ClosedMold((skin, shim), ()), 1e-3) == []
 
 
 def _turn(body: Revolved) -> tuple[float, float, float]:
     return body.centre, body.low, body.high
 
 
-def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: Mold) -> None:
+def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: ClosedMold) -> None:
     for name in ("end-a-comb", "end-b-keeper"):
         part = closed.part(name)
         assert isinstance(part.body, Turned)
@@ -103,7 +103,7 @@ def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: Mold) -
         assert shape.area_faces[down & on_bed].sum() > 200.0  # mm2: it stands
 
 
-def test_findings_say_what_is_special_and_no_more(design: Design, closed: Mold) -> None:
+def test_findings_say_what_is_special_and_no_more(design: Design, closed: ClosedMold) -> None:
     straight = design_findings(design.with_(skin={"curvature_radius_y": None}))
     found = design_findings(design, closed)
     room = next(f for f in found if f.rule == "notch room")
@@ -163,7 +163,7 @@ def _filled(part: Part) -> Part:
     return part
 
 
-def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: Mold) -> None:
+def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: ClosedMold) -> None:
     text = casting_sheet(design, closed, [], "Passes.", True)
     assert "M3 screws: 8 of at most 8 mm for the end plates" in text  # a plate of 4 and a thread of 4.5
     assert "cut or etched as arcs" in text
@@ -197,7 +197,7 @@ def _length(pattern: object) -> float:
     return max(xs) - min(xs)
 
 
-def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed: Mold) -> None:
+def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed: ClosedMold) -> None:
     text = drawing(design, closed)
     assert "R 25 along y" in text
     assert "ends lean by 13.8 degrees" in text

@@ -18,7 +18,7 @@ from skincad.fabrication.void import Space, Void, void
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Bore, Part, Prism, bores
 from skincad.solids.roles import CutRole, PartRole
 
@@ -56,7 +56,7 @@ def swept(solid: Manifold, tilt: float, top: float, step: float) -> float:
     return most
 
 
-def plain_mold(design: Design) -> Mold:
+def plain_mold(design: Design) -> ClosedMold:
     """The mold as it would be without reservoir: bores straight over the middle of the carrier's holes."""
     closed = mold(design)
     over = bores(closed.part("cover"), CutRole.COVER_BOLT, CutRole.COVER_PIN)
@@ -68,7 +68,7 @@ def plain_mold(design: Design) -> Mold:
     return replace(closed, parts=tuple(cover if p.name == "cover" else p for p in closed.parts))
 
 
-def hooded(closed: Mold) -> Mold:
+def hooded(closed: ClosedMold) -> ClosedMold:
     """A mold with a shim that is a hood: its legs 1.8 mm apart and 0.9 mm long, over ridge 5."""
     leg = [(-1, -1.5), (-0.9, -1.5), (-0.9, -0.6)]
     corners = [*leg, *((-x, z) for x, z in reversed(leg)), (1, -0.5), (-1, -0.5)]

@@ -16,7 +16,7 @@ from skincad.inputs.design import Design
 from skincad.pictures.design_picture import _apart
 from skincad.pictures.drawing import drawing
 from skincad.solids.layout import TAP_RADIUS
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
 from tests.bent_skin import three_ridges
@@ -25,13 +25,13 @@ OTHER = "x-"
 PRINTED = ['mold.process="fdm"', 'mold.lid_process="fdm"', "mold.clearance=0.2"]
 
 
-def renamed(closed: Mold) -> Mold:
+def renamed(closed: ClosedMold) -> ClosedMold:
     """The mold with every part called something else."""
     steps = tuple(step._replace(parts=tuple(OTHER + name for name in step.parts)) for step in closed.opening)
-    return Mold(tuple(replace(part, name=OTHER + part.name) for part in closed.parts), steps)
+    return ClosedMold(tuple(replace(part, name=OTHER + part.name) for part in closed.parts), steps)
 
 
-def told(design: Design, closed: Mold) -> Iterator[str]:
+def told(design: Design, closed: ClosedMold) -> Iterator[str]:
     """Everything that is said of a mold, as text."""
     findings = [*design_findings(design, closed), *filling_findings(design, closed)]
     yield from (json.dumps(finding.as_json()) for finding in findings)

@@ -10,7 +10,7 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
-from skincad.solids.mold import Mold, Step, mold
+from skincad.solids.mold import ClosedMold, Move, mold
 from skincad.solids.occ import solid
 from skincad.solids.undercut import safe_strain, split_ridges, squeezes
 
@@ -52,20 +52,20 @@ def test_a_piece_pulled_along_its_neighbours_ridge_is_seen_to_interfere() -> Non
     closed = mold(many())
     ways = {step.parts[0]: step.axis for step in closed.opening}
     wrong = tuple(
-        Step(step.parts, ways["cavity-left"], step.travel) if step.parts == ("cavity-5",) else step
+        Move(step.parts, ways["cavity-left"], step.travel) if step.parts == ("cavity-5",) else step
         for step in closed.opening
     )
-    found = interference(Mold(closed.parts, wrong), 1e-3)
+    found = interference(ClosedMold(closed.parts, wrong), 1e-3)
     assert any("cavity-5 against skin" in f.where for f in found)
 
 
 def test_pulled_straight_the_outer_pieces_would_catch_the_outer_ridges() -> None:
     closed = mold(skincad.load(STEEP))
     straight = tuple(
-        Step(s.parts, (0.0, -1.0), s.travel) if s.parts == ("cavity-right",) else s for s in closed.opening
+        Move(s.parts, (0.0, -1.0), s.travel) if s.parts == ("cavity-right",) else s for s in closed.opening
     )
     assert any(
-        "cavity-right against skin" in f.where for f in interference(Mold(closed.parts, straight), 1e-3)
+        "cavity-right against skin" in f.where for f in interference(ClosedMold(closed.parts, straight), 1e-3)
     )
 
 

@@ -15,7 +15,7 @@ from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from tests.soundness import faults
 
 FEW, MANY = 120, 2000
@@ -35,7 +35,7 @@ PLAIN = {
 WRITTEN = {"skin.length", "mold.slit_clearance"}
 
 
-Planned = Mold | InputError
+Planned = ClosedMold | InputError
 
 
 @cache
@@ -80,7 +80,7 @@ def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
 def test_where_plain_values_make_a_mold_it_is_the_computed_one() -> None:
     for design in map(skincad.load, template_names()):
         assert mold(design) == mold(plain(design)), design.name
-    same = [made == expected for _, made, expected in few() if isinstance(expected, Mold)]
+    same = [made == expected for _, made, expected in few() if isinstance(expected, ClosedMold)]
     assert all(same)
     assert len(same) > FEW / 5  # else nothing is shown
 
@@ -149,7 +149,9 @@ def test_the_cover_of_a_short_skin_is_clamped_and_its_parts_are_sound(yamada: De
 def test_molds_that_only_computed_values_make_are_sound() -> None:
     """True solids of two dozen; those of many ridges take the kernel minutes, and are built the same way."""
     small = (d for d in sections(200, seed=2) if d.ridge.count <= 5 and d.skin.length < 60)
-    rescued = (d for d in small if isinstance(planned(plain(d)), InputError) and isinstance(planned(d), Mold))
+    rescued = (
+        d for d in small if isinstance(planned(plain(d)), InputError) and isinstance(planned(d), ClosedMold)
+    )
     checked = 0
     for design in islice(rescued, RESCUED):
         assert list(faults(design)) == [], design

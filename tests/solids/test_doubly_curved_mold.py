@@ -18,7 +18,7 @@ from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.layout import BESIDE
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, own
 from skincad.solids.roles import CutRole, PartRole
@@ -36,16 +36,16 @@ def design() -> Design:
 
 
 @pytest.fixture(scope="module")
-def closed(design: Design) -> Mold:
+def closed(design: Design) -> ClosedMold:
     return mold(design)
 
 
 @pytest.fixture(scope="module")
-def meshes(closed: Mold) -> dict[str, Manifold]:
+def meshes(closed: ClosedMold) -> dict[str, Manifold]:
     return {part.name: manifold(part, FINE) for part in closed.parts}
 
 
-def axis(closed: Mold) -> float:
+def axis(closed: ClosedMold) -> float:
     body = closed.part("skin").body
     assert isinstance(body, Revolved)
     return body.centre
@@ -107,11 +107,11 @@ def test_it_tends_to_the_straight_mold(yamada: Design) -> None:
             assert part.volume == pytest.approx(straight.part(part.name).volume, rel=3e-3), part.name
 
 
-def test_nothing_interferes_closed_or_while_opening(closed: Mold) -> None:
+def test_nothing_interferes_closed_or_while_opening(closed: ClosedMold) -> None:
     assert interference(closed, FINE) == []
 
 
-def test_nothing_interferes_by_sampled_positions(closed: Mold, meshes: dict[str, Manifold]) -> None:
+def test_nothing_interferes_by_sampled_positions(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
     """Independent of the swept shapes: each part moved a little, and on, against all that is still there."""
     there = dict(meshes)
     for step in closed.opening:
@@ -126,7 +126,7 @@ def test_nothing_interferes_by_sampled_positions(closed: Mold, meshes: dict[str,
                     assert (placed ^ still).volume() < 1e-7, (name, other, share)
 
 
-def _moved(closed: Mold, name: str, shape: Manifold, way: object, travel: float) -> Manifold:
+def _moved(closed: ClosedMold, name: str, shape: Manifold, way: object, travel: float) -> Manifold:
     if way == "turn":
         angle, centre = math.degrees(travel), axis(closed)
         return shape.translate((0, 0, -centre)).rotate((angle, 0, 0)).translate((0, 0, centre))
@@ -150,14 +150,14 @@ def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
     assert (caught["skin"].translate((0, 0, 0.1)) ^ caught["cavity"]).volume() > 1e-3
 
 
-def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: Mold) -> None:
+def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: ClosedMold) -> None:
     upright = own(closed.part("end-b-comb"))
     shim = closed.part("shim-2-S1")
     assert isinstance(shim.body, Revolved)
     straight = replace(shim, body=Prism(shim.body.outline, "y", -10.0, 16.0))
     for wrong in (upright, straight):
         parts = tuple(wrong if part.name == wrong.name else part for part in closed.parts)
-        found = interference(Mold(parts, ()), FINE)
+        found = interference(ClosedMold(parts, ()), FINE)
         assert any(wrong.name in finding.where for finding in found)
 
 
@@ -176,7 +176,7 @@ def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:
     }
 
 
-def test_walls_between_bores_trough_and_seat_are_thick_enough(closed: Mold) -> None:
+def test_walls_between_bores_trough_and_seat_are_thick_enough(closed: ClosedMold) -> None:
     cavity = closed.part("cavity")
     cuts = [manifold(Part("cut", PartRole.COVER, cut), 1e-2) for cut in cavity.cuts]
     for (i, a), (j, b) in combinations(enumerate(cuts), 2):
@@ -193,7 +193,7 @@ def test_the_carrier_is_its_clearance_from_both_end_plates(
 
 
 def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
-    design: Design, closed: Mold, meshes: dict[str, Manifold]
+    design: Design, closed: ClosedMold, meshes: dict[str, Manifold]
 ) -> None:
     """An arc touches a notch below at the plate's inner face and above at its outer one: its datum stays."""
     play = design.mold.slit_clearance
@@ -216,7 +216,7 @@ def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
     assert shared(0.0, 4 * play) > 1e-9  # above, the split circle falls to the outer slots
 
 
-def test_opening_takes_shims_then_cover_then_plates_then_skin(closed: Mold) -> None:
+def test_opening_takes_shims_then_cover_then_plates_then_skin(closed: ClosedMold) -> None:
     assert [(s.axis, s.parts[0].split("-")[0]) for s in closed.opening] == [
         ("turn", "shim"),
         ("z", "cover"),
@@ -226,7 +226,7 @@ def test_opening_takes_shims_then_cover_then_plates_then_skin(closed: Mold) -> N
     ]
 
 
-def test_gate_and_vent_open_on_the_skin(closed: Mold, meshes: dict[str, Manifold]) -> None:
+def test_gate_and_vent_open_on_the_skin(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
     gate = closed.part("end-a-keeper").cuts
     (bore,) = (cut for cut in gate if cut.role is CutRole.GATE)
     assert isinstance(bore.body, Bore)
@@ -238,7 +238,7 @@ def test_gate_and_vent_open_on_the_skin(closed: Mold, meshes: dict[str, Manifold
     assert (manifold(Part("plug", PartRole.COVER, vent), 1e-3) ^ meshes["skin"]).volume() > 0.05
 
 
-def test_cover_and_tops_are_level(closed: Mold, meshes: dict[str, Manifold]) -> None:
+def test_cover_and_tops_are_level(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
     """Carrier, cavity and the beveled end plates stand under the cover without a step."""
     low = meshes["cover"].bounding_box()[2]
     for name in ("carrier", "cavity", "end-a-keeper", "end-b-keeper"):
@@ -247,7 +247,7 @@ def test_cover_and_tops_are_level(closed: Mold, meshes: dict[str, Manifold]) -> 
     assert over > 0  # what it is lifted by, past the keeper; the comb below reaches further
 
 
-def test_what_reaches_out_of_a_part_takes_away_what_it_counts(closed: Mold) -> None:
+def test_what_reaches_out_of_a_part_takes_away_what_it_counts(closed: ClosedMold) -> None:
     cavity = closed.part("cavity")
     body = manifold(replace(cavity, cuts=()), 1e-3)
     for cut in cavity.cuts[2:]:

@@ -14,7 +14,7 @@ from skincad.shape.cross_section import section
 from skincad.shape.curves import area, rectangle
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE
-from skincad.solids.mold import Mold, mold
+from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Bore, Part, box
 from skincad.solids.roles import PartRole
 
@@ -204,7 +204,7 @@ def cast() -> Design:
     return skincad.load("cast-in", ["mold.shrinkage=0.0"])
 
 
-def strips_of(closed: Mold) -> list[Part]:
+def strips_of(closed: ClosedMold) -> list[Part]:
     return [part for part in closed.parts if part.name.startswith("strip-")]
 
 
@@ -277,7 +277,7 @@ def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
     """Tabs are wider than a notch: on the way of the end plates they would be met."""
     closed = mold(cast)
     tab = Part("strip-5-S3", PartRole.STRIP, box(0.026, (-24.0, -16.0), (-7.5, -4.5), "y"))
-    tabbed = Mold((*closed.parts, tab), closed.opening)
+    tabbed = ClosedMold((*closed.parts, tab), closed.opening)
     found = interference(tabbed, 1e-3)
     assert {f.where for f in found} == {
         "end-a-comb against strip-5-S3, opening along y",
