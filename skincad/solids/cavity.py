@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BASE_PIN,
     BOLT_RADIUS,
@@ -28,7 +29,7 @@ from skincad.solids.layout import (
     cover_pins,
     fits,
 )
-from skincad.solids.plan import Body, Bore, Heading, Part, Prism, box, shifted
+from skincad.solids.plan import Body, Bore, Heading, Part, Prism, box, drilled, shifted
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
@@ -38,19 +39,20 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
     """Return the block with one trough for each skin: its negative, and the carrier's seat above it."""
     single = (*_rim(design, place, 1), *_negative(shape.outline), *_rim(design, place, -1))
     lands = [shifted(single, x) for x in reversed(place.centres)]  # from right to left
-    outline = list(_across(Point(place.half, place.bottom), Point(place.half, place.top), lands[0][0].start))
+    right = Point(place.half, place.bottom), Point(place.half, place.top)
+    outline = path([*right, lands[0][0].start])
     for here, there in zip(lands, [*lands[1:], None], strict=True):
         outline += here
         outline += path([here[-1].end, there[0].start]) if there else []
     left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
     outline += path([outline[-1].end, *left, outline[0].start])
-    bores = [*_along(place, (place.comb_bolt, place.keeper_bolt)), *_pin_holes(design, place)]
-    thread = fits(design, design.mold.process).thread
-    upright = [
-        Bore((x, y, place.top - THREAD), "z", THREAD, thread, role=CutRole.COVER_THREAD)
-        for x, y in cover_bolts(place)
-    ]
-    cuts = (*bores, *upright, *_sockets(design, place, (-1, 1)))
+    own = fits(design, design.mold.process)
+    cuts = (
+        *_along(place, place.lanes, (place.comb_bolt, place.keeper_bolt)),
+        *_pin_holes(design, place),
+        *drilled(CutRole.COVER_THREAD, "z", cover_bolts(place), place.top - THREAD, THREAD, own.thread),
+        *_sockets(design, place, cover_pins(place)),
+    )
     return Part("cavity", PartRole.CAVITY, Prism(tuple(outline), "y", -place.end, place.end), cuts)
 
 
@@ -107,37 +109,40 @@ def headings(design: Design, ridges: list[int]) -> list[Heading]:
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]
 
 
-def base_pins(place: Layout) -> list[tuple[float, float, float]]:
-    """Return the lower ends of the pins that locate the outer pieces on the base."""
-    level = _base_level(place)
-    return [(x, y, level - BASE_PIN) for x, y in cover_pins(place)]
+def base_dowels(design: Design, place: Layout) -> list[Part]:
+    """Return the pins pressed into a split cavity's base, on which its outer pieces slide."""
+    length, level = on_grid(2 * BASE_PIN - design.mold.clearance), _base_level(place)
+    places = zip(("right", "left"), cover_pins(place), strict=True)
+    return [
+        pin(PartRole.BASE_PIN, f"pin-base-{side}", (x, y, level - BASE_PIN), length)
+        for side, (x, y) in places
+    ]
 
 
 def _base(design: Design, place: Layout, level: float) -> Part:
     depth = on_grid(min(THREAD, level - place.bottom - EDGE))
     own = fits(design, design.mold.process)
-    cuts: list[Body] = [*_along(place, (place.comb_bolt,)), *_pin_holes(design, place)]
-    cuts += [
-        Bore((x, y, level - depth), "z", depth, own.thread, role=CutRole.COVER_THREAD)
-        for x, y in cover_bolts(place)
-    ]
-    cuts += [Bore(start, "z", BASE_PIN, own.press, role=CutRole.BASE_PIN) for start in base_pins(place)]
+    cuts = (
+        *_along(place, place.lanes, (place.comb_bolt,)),
+        *_pin_holes(design, place),
+        *drilled(CutRole.COVER_THREAD, "z", cover_bolts(place), level - depth, depth, own.thread),
+        *drilled(CutRole.BASE_PIN, "z", cover_pins(place), level - BASE_PIN, BASE_PIN, own.press),
+    )
     body = box(place.half, (-place.end, place.end), (place.bottom, level), "y")
-    return Part("cavity-base", PartRole.BASE, body, tuple(cuts))
+    return Part("cavity-base", PartRole.BASE, body, cuts)
 
 
 def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
     level, slide = _base_level(place), fits(design, design.mold.process).slide
-    bolts = [(x, y) for x, y in cover_bolts(place) if x * side > 0]
-    pins = [(x, y) for x, y in cover_pins(place) if x * side > 0]
+    bolts, pins = (
+        [p for p in places if p[0] * side > 0] for places in (cover_bolts(place), cover_pins(place))
+    )
+    lanes = tuple(x for x in place.lanes if x * side > 0)
     return (
-        *(cut for cut in _along(place, (place.keeper_bolt,)) if cut.start[0] * side > 0),
-        *(
-            Bore((x, y, level), "z", place.top - level, BOLT_RADIUS, role=CutRole.COVER_BOLT)
-            for x, y in bolts
-        ),
-        *(Bore((x, y, level), "z", BASE_PIN, slide, role=CutRole.BASE_PIN) for x, y in pins),
-        *_sockets(design, place, (side,)),
+        *_along(place, lanes, (place.keeper_bolt,)),
+        *drilled(CutRole.COVER_BOLT, "z", bolts, level, place.top - level, BOLT_RADIUS),
+        *drilled(CutRole.BASE_PIN, "z", pins, level, BASE_PIN, slide),
+        *_sockets(design, place, pins),
     )
 
 
@@ -181,16 +186,8 @@ def _rim(design: Design, place: Layout, side: int) -> Loop:
     return tuple(path(points if side > 0 else points[::-1]))
 
 
-def _across(*points: Point) -> Loop:
-    return tuple(path(list(points)))
-
-
-def _along(place: Layout, heights: tuple[float, ...]) -> list[Bore]:
-    return [
-        Bore((x, -place.end, z), "y", 2 * place.end, BOLT_RADIUS, role=CutRole.END_BOLT)
-        for x in place.lanes
-        for z in heights
-    ]
+def _along(place: Layout, lanes: tuple[float, ...], heights: tuple[float, ...]) -> list[Bore]:
+    return drilled(CutRole.END_BOLT, "y", product(lanes, heights), -place.end, 2 * place.end, BOLT_RADIUS)
 
 
 def _pin_holes(design: Design, place: Layout) -> list[Bore]:
@@ -203,10 +200,6 @@ def _pin_holes(design: Design, place: Layout) -> list[Bore]:
     ]
 
 
-def _sockets(design: Design, place: Layout, sides: tuple[int, ...]) -> list[Bore]:
+def _sockets(design: Design, place: Layout, places: list[tuple[float, float]]) -> list[Bore]:
     slide = fits(design, design.mold.process).slide
-    return [
-        Bore((x, y, place.top - PIN_DEPTH), "z", PIN_DEPTH, slide, role=CutRole.COVER_PIN)
-        for x, y in cover_pins(place)
-        if math.copysign(1, x) in sides
-    ]
+    return drilled(CutRole.COVER_PIN, "z", places, place.top - PIN_DEPTH, PIN_DEPTH, slide)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
@@ -20,7 +21,7 @@ from skincad.solids.layout import (
     end_fits,
     nut_pocket,
 )
-from skincad.solids.plan import Body, Bore, Part, Prism, box, moved, shifted
+from skincad.solids.plan import Body, Bore, Part, Prism, box, drilled, moved, shifted
 from skincad.solids.roles import CutRole, End, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.split import closed, split_edges, split_height
@@ -39,8 +40,8 @@ def end_plates(design: Design, shape: Section, place: Layout, end: End) -> list[
     thick, bent = design.mold.end_plate, design.skin.curvature_radius_y is not None
     low, high = (-place.end - thick, -place.end) if end == "a" else (place.end, place.end + thick)
     lower = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.comb_bolt)]
-    slide = end_fits(design).slide
-    lower += [Bore((x, low, place.comb_pin), "y", thick, slide, role=CutRole.END_PIN) for x in place.pins]
+    pins = [(x, place.comb_pin) for x in place.pins]
+    lower += drilled(CutRole.END_PIN, "y", pins, low, thick, end_fits(design).slide)
     lower += _pry(design, place, end, (place.bottom, place.split))
     lower += _marks(design, place, end)
     upper = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.keeper_bolt)]
@@ -65,18 +66,16 @@ def _bolt(design: Design, place: Layout, end: End, low: float, x: float, z: floa
     """A bolt's way through an end plate: a clearance hole, or at end b a nut's pocket or a thread. The plates
     of a doubly curved mold are not parallel: each has its own screws into the cavity."""
     thick = design.mold.end_plate
-    if design.skin.curvature_radius_y is not None:
-        return [Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)]
     depth = min(NUT_DEPTH, thick - LEAST_UNDER_NUT)
-    if end == "b" and not end_fits(design).printed:
-        return [Bore((x, low, z), "y", thick, TAP_RADIUS, role=CutRole.END_THREAD)]
     fits_in = min(z - place.bottom, place.top - z, abs(z - place.split)) >= place.nut + BESIDE
-    if end == "a" or depth < NUT_DEPTH / 2 or not fits_in:
-        return [Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)]
-    return [
-        Bore((x, low, z), "y", thick - depth, BOLT_RADIUS, role=CutRole.END_BOLT),
-        nut_pocket(place, x, z, low + thick - depth, low + thick),
-    ]
+    through = Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)
+    if design.skin.curvature_radius_y is None and end == "b":
+        if not end_fits(design).printed:
+            return [replace(through, radius=TAP_RADIUS, role=CutRole.END_THREAD)]
+        if depth >= NUT_DEPTH / 2 and fits_in:
+            nut = nut_pocket(place, x, z, low + thick - depth, low + thick)
+            return [replace(through, length=thick - depth), nut]
+    return [through]
 
 
 def _pry(design: Design, place: Layout, end: End, levels: tuple[float, float]) -> list[Body]:

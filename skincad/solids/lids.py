@@ -20,7 +20,7 @@ from skincad.solids.layout import (
     cover_pins,
     fits,
 )
-from skincad.solids.plan import Body, Bore, Part, box, moved
+from skincad.solids.plan import Bore, Part, Vector, box, drilled, moved
 from skincad.solids.roles import CutRole, PartRole
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
@@ -37,7 +37,7 @@ UNDER_PULL = 1.0  # mm, assumption: what a pull hole leaves of the carrier over 
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
 
-def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
+def _vent(design: Design, place: Layout) -> Bore:
     """The vent: in the middle of end b, as near to the end plate as the carrier allows."""
     gap = design.mold.clearance
     narrow = min(design.skin.width, 2 * place.end)
@@ -49,13 +49,13 @@ def _vent(design: Design, place: Layout, low: float, thick: float) -> Bore:
         raise InputError(key, rule, remedy="enlarge it, or cast a larger skin and cut it to size")
     if wide > room:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
-    return Bore((0.0, place.end - gap - wide / 2 - EDGE / 2, low), "z", thick, wide / 2, role=CutRole.VENT)
+    y = place.end - gap - wide / 2 - EDGE / 2
+    return Bore((0.0, y, 0.0), "z", place.top, wide / 2, role=CutRole.VENT)
 
 
-def _reservoir(design: Design, place: Layout) -> Bore:
+def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
-    vent, end = _vent(design, place, 0.0, 1.0), place.end
-    own, inner = design.mold.reservoir, vent.start[1] - vent.radius
+    end, own, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
     most = min(place.outer - place.centres[-1] - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
     most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
     wide = own / 2 if own else min(most, max(CUP, end - inner + CUP_RIM))
@@ -72,12 +72,11 @@ def _bleed(hole: tuple[float, float]) -> tuple[float, float]:
     return hole[0], hole[1] + HOLD[1] - BLEED
 
 
-def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
+def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[float, float]]:
     """Places (x, y) of the carrier's holes; none for a plain carrier. Raises InputError where a carrier that
     shall have holes has no room for one."""
     if design.mold.carrier == "plain":
         return []
-    vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
     beside = (cup.end_radius or 0.0) + BLEED + EDGE / 2
     small, large, spacing = HOLD
     wide, long = design.skin.width - 2 * (small + EDGE), 2 * place.end - 2 * (large + EDGE)
@@ -99,39 +98,41 @@ def _rivets(design: Design, place: Layout) -> list[tuple[float, float]]:
     return places
 
 
+def _openings(design: Design, place: Layout) -> tuple[Bore, Bore, list[tuple[float, float]]]:
+    """Vent, reservoir and the places of the carrier's holes."""
+    vent = _vent(design, place)
+    cup = _reservoir(design, place, vent)
+    return vent, cup, _rivets(design, place, vent, cup)
+
+
 def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
     """Yield an error for the first bore that finds no room in carrier and cover."""
-    yield from refusals(lambda: (_reservoir(design, place), _rivets(design, place)))
+    yield from refusals(lambda: _openings(design, place))
 
 
 def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs."""
-    thick, gap = place.top, design.mold.clearance
-    small, large, _ = HOLD
-    holes: list[Body] = [_vent(design, place, 0.0, thick)]
-    rivets = _rivets(design, place)
-    holes += [Bore((x, y, 0.0), "z", thick, small, large, role=CutRole.RIVET) for x, y in rivets]
+    vent, cup, rivets = _openings(design, place)
+    holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.top, *HOLD[:2])
+    gap = design.mold.clearance
     half = place.end - gap
-    body = box(place.trough - gap, (-half, half), (0.0, thick))
-    return Part("carrier", PartRole.CARRIER, body, (*holes, *_pulls(design, place)))
+    body = box(place.trough - gap, (-half, half), (0.0, place.top))
+    filled = [(vent.start, vent.radius), (cup.start, cup.radius), *((bore.start, HOLD[1]) for bore in holes)]
+    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *_pulls(design, place, filled)))
 
 
-def _pulls(design: Design, place: Layout) -> list[Bore]:
+def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
     """Two tapped holes in the carrier's top that end over the silicone, opposite each other, as near to its
-    middle as they clear all that silicone fills; none where they don't."""
+    middle as they clear all that silicone fills, by place and radius; none where they don't."""
     thick, gap = place.top, design.mold.clearance
     x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
     if thick < UNDER_PULL + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
-    vent, cup = _vent(design, place, 0.0, 1.0), _reservoir(design, place)
-    filled = [(*vent.start[:2], vent.radius), (*cup.start[:2], cup.radius)]
-    filled += [(*hole, HOLD[1]) for hole in _rivets(design, place)]
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
         pair = (-x, -y), (x, y)
-        if all(math.dist(p, (a, b)) > r + TAP_RADIUS + EDGE / 2 for p in pair for a, b, r in filled):
-            deep = thick - UNDER_PULL
-            return [Bore((*p, UNDER_PULL), "z", deep, TAP_RADIUS, role=CutRole.PULL) for p in pair]
+        if all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
+            return drilled(CutRole.PULL, "z", pair, UNDER_PULL, thick - UNDER_PULL, TAP_RADIUS)
     return []
 
 
@@ -143,21 +144,17 @@ def _grid(room: float, spacing: float) -> list[float]:
 def cover(design: Design, place: Layout) -> Part:
     """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
     plates: once these are off, it is lifted there."""
-    thick, end = design.mold.cover, place.cover
+    thick, end, low = design.mold.cover, place.cover, place.top
     press = fits(design, design.mold.lid_process).press
-    bores: list[Body] = [
-        Bore((x, y, place.top), "z", thick, BOLT_RADIUS, role=CutRole.COVER_BOLT)
-        for x, y in cover_bolts(place)
-    ]
-    bores += [
-        Bore((x, y, place.top), "z", thick, press, role=CutRole.COVER_PIN) for x, y in cover_pins(place)
-    ]
-    over = [_reservoir(design, place)]
-    bleeds = [_bleed(hole) for hole in _rivets(design, place)]
-    over += [Bore((*bleed, place.top), "z", thick, BLEED, role=CutRole.BLEED) for bleed in bleeds]
-    bores += [moved(bore, x) for x in place.centres for bore in over]
-    body = box(place.half, (-end, end), (place.top, place.top + thick))
-    return Part("cover", PartRole.COVER, body, tuple(bores))
+    _, cup, rivets = _openings(design, place)
+    bleeds = [_bleed(hole) for hole in rivets]
+    over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, BLEED)]
+    cuts = (
+        *drilled(CutRole.COVER_BOLT, "z", cover_bolts(place), low, thick, BOLT_RADIUS),
+        *drilled(CutRole.COVER_PIN, "z", cover_pins(place), low, thick, press),
+        *(moved(bore, x) for x in place.centres for bore in over),
+    )
+    return Part("cover", PartRole.COVER, box(place.half, (-end, end), (low, low + thick)), cuts)
 
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:

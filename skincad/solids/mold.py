@@ -40,14 +40,14 @@ from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
-from skincad.solids.cavity import base_pins, cavity, cavity_pieces, headings, parted
+from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import pin, shims, strips
-from skincad.solids.layout import BASE_PIN, Layout, layout
+from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
 from skincad.solids.plan import Part, Prism, moved
 from skincad.solids.roles import CAVITIES, END_PLATES, ENDS, End, PartRole
-from skincad.solids.shrinkage import on_grid, poured
+from skincad.solids.shrinkage import poured
 from skincad.solids.skin import cast_skin
 from skincad.solids.swept import Way
 from skincad.solids.undercut import split_ridges
@@ -121,7 +121,7 @@ def mold(design: Design) -> ClosedMold:
     drawn, kept = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
     rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
-    rest += _base_pins(design, place) if ridges else []
+    rest += base_dowels(design, place) if ridges else []
     drawn, kept = _gang(place, drawn), _gang(place, kept)
     return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *drawn, *kept), ridges)
 
@@ -194,10 +194,3 @@ def _pins(design: Design, place: Layout) -> list[Part]:
         for (side, x), (end, y) in product(zip(("left", "right"), place.pins, strict=True), starts)
     ]
     return [*pins, *cover_dowels(design, place)]
-
-
-def _base_pins(design: Design, place: Layout) -> list[Part]:
-    """Pins pressed into the base of a split cavity, on which its outer pieces slide."""
-    length = on_grid(2 * BASE_PIN - design.mold.clearance)
-    places = zip(("right", "left"), base_pins(place), strict=True)
-    return [pin(PartRole.BASE_PIN, f"pin-base-{side}", start, length) for side, start in places]

@@ -10,6 +10,7 @@ them, z up while pouring; the skin's back is at z = 0 and its ridges point down.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, TypeVar
 
@@ -234,6 +235,20 @@ class Part:
     def volume(self) -> float:
         """Volume by formula, mm3: body less cuts."""
         return self.body.volume - math.fsum(cut.volume for cut in self.cuts)
+
+
+def drilled(
+    role: CutRole,
+    axis: Literal["y", "z"],
+    places: Iterable[tuple[float, float]],
+    low: float,
+    length: float,
+    radius: float,
+    end_radius: float | None = None,
+) -> list[Bore]:
+    """Return equal bores along y or z from `low` mm, at these places (x, z) or (x, y) mm."""
+    starts = [(x, low, v) if axis == "y" else (x, v, low) for x, v in places]
+    return [Bore(start, axis, length, radius, end_radius, role=role) for start in starts]
 
 
 def box(x: float, y: tuple[float, float], z: tuple[float, float], axis: Axis = "z") -> Prism:
