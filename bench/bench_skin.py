@@ -18,8 +18,9 @@ import cadquery as cq
 import skincad
 from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Point, Segment, loop
+from skincad.solids.body import Prism
 from skincad.solids.occ import solid, unchecked_solid
-from skincad.solids.plan import Part, Prism
+from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 from skincad.solids.skin import skin_part
 

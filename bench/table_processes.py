@@ -10,7 +10,8 @@ import sys
 import time
 
 import skincad
-from skincad.fabrication.findings import Finding, design_findings
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.findings import design_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES

@@ -8,17 +8,7 @@ from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
 from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
-from skincad.solids.undercut import (
-    SAFE_SHARE,
-    VISIBLE,
-    Undercut,
-    safe_strain,
-    split_ridges,
-    squeezes,
-    undercuts,
-)
-
-__all__ = ["SAFE_SHARE", "Undercut", "drafted", "safe_strain", "squeezes", "undercut_findings", "undercuts"]
+from skincad.solids.undercut import SAFE_SHARE, VISIBLE, safe_strain, split_ridges, squeezes, undercuts
 
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 

@@ -21,10 +21,10 @@ from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, v
 from skincad.fabrication.void import Void, alone, open_trough, void
 from skincad.inputs.design import Design
 from skincad.shape.curves import polygon
+from skincad.solids.body import Prism, Vector
 from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Prism, Vector
 from skincad.solids.roles import PartRole
 
 CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3

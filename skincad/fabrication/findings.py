@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from skincad.fabrication.demolding import undercut_findings, undercuts
+from skincad.fabrication.demolding import undercut_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, maker, shim_findings
@@ -14,8 +14,6 @@ from skincad.fabrication.rules_of_tools import TOOL_RULES
 from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
 from skincad.solids.mold import ClosedMold, mold
-
-__all__ = ["Finding", "design_findings", "judged", "process_findings", "undercuts"]
 
 ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.solids.plan import Prism
+from skincad.solids.body import Prism
 
 LEAST_ANGLE = 30.0  # deg, assumption: a more pointed edge of metal or resin chips within a few castings
 _SHORTEST = 1e-6  # mm; a shorter segment has no direction to speak of
@@ -41,7 +41,7 @@ def _knife_edge(case: Case) -> Iterator[Finding]:
         return
     place, angle = min(edges(body.outline), key=lambda edge: edge[1])
     if angle < LEAST_ANGLE:
-        where = f"{case.label}, x {place.x:.3g}, z {place.z:.3g} mm"
+        where = f"{case.part.label}, x {place.x:.3g}, z {place.z:.3g} mm"
         remedy = "a slot or flank that meets its parting line less flatly, or a larger curvature_radius"
         yield Finding("knife edge", where, angle, LEAST_ANGLE, "deg", "warning", remedy)
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from skincad.base.errors import RefusedError
 from skincad.fabrication.void import Void
 from skincad.shape import curves
-from skincad.solids.plan import Bore, Prism
+from skincad.solids.body import Bore, Prism
 
 Points = NDArray[np.float64]
 TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none
@@ -212,15 +212,14 @@ def _lifted(points: Points, third: int, level: float) -> Points:
 
 def _bore(bore: Bore, tolerance: float) -> _Made:
     """A bore is one convex cell; its corners lie at the quarters, so that its highest line is exact."""
-    end = bore.radius if bore.end_radius is None else bore.end_radius
-    count = math.ceil(math.pi / math.acos(1 - min(0.5, tolerance / max(bore.radius, end))) / 4) * 4
-    turn = 2 * math.pi * np.arange(max(12, count)) / max(12, count)
+    count = bore.circle(tolerance, multiple=4)
+    turn = 2 * math.pi * np.arange(count) / count
     circle, third = np.column_stack([np.cos(turn), np.sin(turn)]), 1 if bore.axis == "y" else 2
     middle = np.delete(np.array(bore.start), third)
     base = bore.start[third]
     caps = [
         _lifted(middle + radius * circle, third, base + along)
-        for radius, along in ((bore.radius, 0.0), (end, bore.length))
+        for radius, along in ((bore.radius, 0.0), (bore.far_radius, bore.length))
     ]
     faces = [_Face(0, third, sign, cap) for sign, cap in zip((-1, 1), caps, strict=True)]
     return _Made([np.vstack(caps)], [], [], faces)

@@ -12,12 +12,13 @@ import trimesh
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from skincad.fabrication.findings import Finding
+from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.shape.curves import polygon
+from skincad.solids.body import Body, Prism, Reaching, Revolved, Turned
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Body, Part, Prism, Reaching, Revolved, Turned
+from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 from skincad.solids.swept import Way, swept
 
@@ -41,10 +42,7 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
     frames = [_with_flat_ends(part.body, mesh)]
     if isinstance(part.body, Prism) and part.body.grid:
         frames.append(mesh)  # the library takes other coplanar faces for crossings in each; real ones in both
-    finer = mesh_of(part, tolerance / FINER)
-    meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(_pymeshlab_mesh(mesh), "print")
-    meshes.add_mesh(_pymeshlab_mesh(finer), "finer")
+    meshes = _mesh_set(mesh, mesh_of(part, tolerance / FINER))
     ways = [
         meshes.get_hausdorff_distance(
             sampledmesh=a, targetmesh=b, samplenum=SAMPLES, samplevert=True, sampleedge=True
@@ -61,8 +59,7 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
 
 def _crossing(mesh: trimesh.Trimesh) -> NDArray[np.bool_]:
     """Which faces cross others, `(n,)`, and some that only touch, by rounding, on a slanting plane."""
-    meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(_pymeshlab_mesh(mesh), "print")
+    meshes = _mesh_set(mesh)
     meshes.compute_selection_by_self_intersections_per_face()
     return np.asarray(meshes.current_mesh().face_selection_array(), dtype=bool)
 
@@ -76,24 +73,27 @@ def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     plane. In a revolved body, between two angle steps, straightening takes section to section, so plane
     trapezoids to rectangles, one to one.
     """
+    points = np.asarray(mesh.vertices)
     if isinstance(body, Turned):
-        points = body.returned(np.asarray(mesh.vertices)).round(12)
-        return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
-    if isinstance(body, Prism) and body.grid:
-        x, y, z = np.asarray(mesh.vertices).T
-        centre = body.grid.centre
+        points = body.returned(points).round(12)
+    elif isinstance(body, Prism) and body.grid:
+        (x, y, z), centre = points.T, body.grid.centre
         points = np.column_stack([x, y, np.full(len(x), -centre)]) * (centre / (centre - z))[:, None]
         points[:, 1] = points[:, 1].round(9)
-        return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
-    if not isinstance(body, Revolved):
+    elif isinstance(body, Revolved):
+        points = body.straightened(points)
+        points[:, 1] = points[:, 1].round(9)  # mm; an end's corners are level again
+    else:
         return mesh
-    points = body.straightened(np.asarray(mesh.vertices))
-    points[:, 1] = points[:, 1].round(9)  # mm; an end's corners are level again
     return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
 
 
-def _pymeshlab_mesh(mesh: trimesh.Trimesh) -> pymeshlab.Mesh:
-    return pymeshlab.Mesh(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int32))
+def _mesh_set(*given: trimesh.Trimesh) -> pymeshlab.MeshSet:
+    meshes = pymeshlab.MeshSet(verbose=False)
+    for mesh in given:
+        corners, faces = np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int32)
+        meshes.add_mesh(pymeshlab.Mesh(corners, faces))
+    return meshes
 
 
 def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
@@ -105,7 +105,7 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     shapes = {part.name: _Shape(part, manifold(part, tolerance), tolerance) for part in assembled.parts}
     names = list(shapes)
     found = [
-        _finding("interference", f"{a} in {b}, closed", volume)
+        _finding(f"{a} in {b}, closed", volume)
         for i, a in enumerate(names)
         for b, volume in _shared(shapes[a], [shapes[name] for name in names[i + 1 :]])
     ]
@@ -119,7 +119,7 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
             others = [other for other in shapes.values() if other.part.role is not free]
             for other, volume in _shared(path, others):
                 where = f"{name} against {other}, opening along {_way(step.axis)}"
-                found.append(_finding("interference", where, volume))
+                found.append(_finding(where, volume))
     return found
 
 
@@ -183,5 +183,6 @@ def _region(body: Revolved, tolerance: float) -> shapely.Polygon:
     return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in body.holes])
 
 
-def _finding(rule: str, where: str, volume: float) -> Finding:
-    return Finding(rule, where, volume, SLIVER, "mm3", "error", "enlarge mold.clearance or change the parts")
+def _finding(where: str, volume: float) -> Finding:
+    remedy = "enlarge mold.clearance or change the parts"
+    return Finding("interference", where, volume, SLIVER, "mm3", "error", remedy)

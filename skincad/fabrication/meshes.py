@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 import numpy as np
@@ -12,18 +11,9 @@ from numpy.typing import NDArray
 
 from skincad.base.errors import needing
 from skincad.shape import curves
+from skincad.solids.body import Body, Bore, Prism, Reaching, Revolved, Turned, corners
 from skincad.solids.grid import turn_steps
-from skincad.solids.plan import (
-    Body,
-    Bore,
-    Part,
-    Prism,
-    Reaching,
-    Revolved,
-    Turned,
-    corners,
-    own,
-)
+from skincad.solids.plan import Part, own
 
 Array = NDArray[np.float64]
 
@@ -133,7 +123,5 @@ def _strips(body: Prism | Revolved, tolerance: float, steps: int) -> tuple[Array
 
 
 def _bore(bore: Bore, tolerance: float) -> Manifold:
-    end = bore.radius if bore.end_radius is None else bore.end_radius
-    count = math.ceil(math.pi / math.acos(1 - min(0.5, tolerance / max(bore.radius, end))))
-    upright = Manifold.cylinder(bore.length, bore.radius, end, max(12, count))
+    upright = Manifold.cylinder(bore.length, bore.radius, bore.far_radius, bore.circle(tolerance))
     return (upright.rotate((-90.0, 0.0, 0.0)) if bore.axis == "y" else upright).translate(bore.start)

@@ -16,6 +16,7 @@ from skincad.inputs.skin_tables import Film
 from skincad.shape.cross_section import SlotPlace, section
 from skincad.shape.curves import Loop, Point, Segment, rectangle
 from skincad.solids.inserts import stands_out
+from skincad.solids.plan import mirrored
 from skincad.solids.shrinkage import poured
 
 ROW_GAP = 2.0  # mm, assumption: between strips on the cutting pattern
@@ -114,7 +115,7 @@ def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> Stri
     e, tip = h - margin, wired - margin - (h if ends[1] == wired else 0.0)  # clear of the corner
 
     def placed(outline: Loop) -> Loop:
-        return tuple(_moved(s, middle) for s in (_mirrored(outline) if wired_a else outline))
+        return tuple(_moved(s, middle) for s in (mirrored(outline) if wired_a else outline))
 
     side = -1.0 if wired_a else 1.0
     left, right = (-ends[1], -ends[0]) if wired_a else ends
@@ -161,14 +162,6 @@ def _path(corners: list[tuple[float, float, float]]) -> Loop:
 
 def _hole(x: float) -> Loop:
     return _path([(x - HOLE, 0.0, 1.0), (x + HOLE, 0.0, 1.0)])
-
-
-def _mirrored(outline: Loop) -> Loop:
-    """The loop with x to -x, still counterclockwise."""
-    return tuple(
-        replace(s, start=Point(-s.end.x, s.end.z), end=Point(-s.start.x, s.start.z))
-        for s in reversed(outline)
-    )
 
 
 def _moved(segment: Segment, up: float) -> Segment:

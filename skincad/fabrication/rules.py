@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 
 from skincad.fabrication.finding import Finding
+from skincad.fabrication.strips import STEEL_MODULUS
 from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
@@ -25,7 +26,6 @@ from skincad.solids.plan import Part, bores, own
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 from skincad.solids.split import notch_rise
 
-STEEL_MODULUS = 200e3  # MPa, source: handbooks, spring steel 190 to 210 GPa
 STEEL_WEIGHT = 7.85e-6 * 9.81  # N/mm3, source: handbooks, 7850 kg/m3
 SHIM_ELASTIC = 0.006  # strain, source: handbooks, hardened spring steel yields at about 1200 of 200e3 MPa
 SAG_SHARE = 0.5  # assumption: of a slot's thickness; a shim that hangs through by more displaces its film
@@ -46,20 +46,12 @@ class Case:
         """The part as its section along y is judged: straight where it is bent, upright where it leans."""
         return self.part.straight or own(self.part)
 
-    @property
-    def label(self) -> str:
-        """How findings call the part."""
-        return self.part.label
-
-    @property
-    def cavity(self) -> bool:
-        """Whether the part is a cavity or a piece of one."""
-        return self.part.role in CAVITIES
-
-    @property
-    def comb(self) -> bool:
-        """Whether the part is a comb."""
-        return self.part.role is PartRole.COMB
+    def breaks(
+        self, rule: str, what: str, measured: float, limit: float, unit: str, remedy: str, grave: bool = True
+    ) -> Finding:
+        """Return a rule that something of the part breaks: a warning, or a note where it is not grave."""
+        where = f"{self.part.label}, {what}, by {self.name}"
+        return Finding(rule, where, measured, limit, unit, "warning" if grave else "note", remedy)
 
 
 Rule = Callable[[Case], Iterator[Finding]]
@@ -86,9 +78,9 @@ def maker(design: Design, part: Part) -> str | None:
 def grooves(case: Case) -> list[Feature]:
     """Return the narrowest groove of each kind: a ridge's in the cavity, a shim's in a comb."""
     design, ridge = case.design, case.design.ridge
-    if case.cavity:
+    if case.part.role in CAVITIES:
         return [Feature("groove of a ridge's tip", ridge.tip_width, ridge.height)]
-    if case.comb and design.slot:
+    if case.part.role is PartRole.COMB and design.slot:
         gap = 2 * design.mold.slit_clearance
         held = "strip" if design.mold.method == "cast-in" else "shim"
         return [Feature(f"notch of a {held}", design.core_thickness + gap, design.slot.depth + gap)]
@@ -101,9 +93,9 @@ def teeth(case: Case) -> list[Feature]:
     In the cavity the width is that of its free end, before fillets; in a comb the least distance.
     """
     ridge = case.design.ridge
-    if case.cavity and ridge.count > 1:
+    if case.part.role in CAVITIES and ridge.count > 1:
         return [Feature("tooth between two ridges' roots", ridge.pitch - ridge.root_width, ridge.height)]
-    return [_comb_tooth(case.design)] if case.comb else []
+    return [_comb_tooth(case.design)] if case.part.role is PartRole.COMB else []
 
 
 @lru_cache(maxsize=8)
@@ -139,8 +131,7 @@ def _wall(case: Case) -> Iterator[Finding]:
 def below(rule: str, case: Case, where: str, size: float, least: float) -> Iterator[Finding]:
     """Yield a warning where a size is below the least that the process makes."""
     if size < least - _ROUNDING:
-        place = f"{case.label}, {where}, by {case.name}"
-        yield Finding(rule, place, size, least, "mm", "warning", scaled(size, least))
+        yield case.breaks(rule, where, size, least, "mm", scaled(size, least))
 
 
 def _slender(case: Case) -> Iterator[Finding]:
@@ -148,23 +139,18 @@ def _slender(case: Case) -> Iterator[Finding]:
     most = case.process.tooth_ratio
     for tooth in teeth(case):
         width = tooth.width
-        if case.cavity:
+        if case.part.role in CAVITIES:
             width += (case.design.ridge.root_width - case.design.ridge.tip_width) / 2
         if most and tooth.height > most * width:
-            place = f"{case.label}, {tooth.where}, by {case.name}"
             remedy = f"a height of at most {most * width:.3g} mm, or ridges or slots further apart"
-            yield Finding("slender", place, tooth.height / width, most, "high by wide", "warning", remedy)
+            yield case.breaks("slender", tooth.where, tooth.height / width, most, "high by wide", remedy)
 
 
 def _hole(case: Case) -> Iterator[Finding]:
-    sizes = [
-        2 * min(cut.radius, cut.radius if cut.end_radius is None else cut.end_radius)
-        for cut in bores(case.part)
-    ]
+    sizes = [2 * min(bore.radius, bore.far_radius) for bore in bores(case.part)]
     if sizes and min(sizes) < case.process.hole - _ROUNDING:
-        place = f"{case.label}, bore, by {case.name}"
         remedy = "drill it afterwards, or make it larger"
-        yield Finding("hole", place, min(sizes), case.process.hole, "mm", "warning", remedy)
+        yield case.breaks("hole", "bore", min(sizes), case.process.hole, "mm", remedy)
 
 
 def _clearance(case: Case) -> Iterator[Finding]:
@@ -177,19 +163,18 @@ def _clearance(case: Case) -> Iterator[Finding]:
 
 def _slit_fit(case: Case) -> Iterator[Finding]:
     given, limit = case.design.mold.slit_clearance, case.process.tolerance
-    if case.comb and given < limit - _ROUNDING:
-        place = f"{case.label}, fit of shims and notches, by {case.name}"
+    if case.part.role is PartRole.COMB and given < limit - _ROUNDING:
         remedy = "try each shim in its notch and lap the notch where it binds"
-        yield Finding("slit fit", place, given, limit, "mm", "note", remedy)
+        yield case.breaks("slit fit", "fit of shims and notches", given, limit, "mm", remedy, grave=False)
 
 
 def _notch_room(case: Case) -> Iterator[Finding]:
     """A note where straight notches let silicone in beside shims that are arcs."""
-    if not case.comb:
+    if case.part.role is not PartRole.COMB:
         return
     room, gap = notch_rise(case.design, section(case.design).slots), case.design.mold.slit_clearance
     if room > gap:
-        place = f"{case.label}, straight notches round shims that rise in them"
+        place = f"{case.part.label}, straight notches round shims that rise in them"
         remedy = "cut the fins off the skin's ends; a thinner mold.end_plate leaves less"
         yield Finding("notch room", place, room, gap, "mm", "note", remedy)
 

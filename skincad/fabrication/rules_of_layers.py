@@ -15,7 +15,8 @@ from skincad.fabrication.rules import Case, Rule, maker
 from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
-from skincad.solids.plan import Bore, Part, Prism, Revolved, own, plain
+from skincad.solids.body import Bore, Prism, Revolved, plain
+from skincad.solids.plan import Part, own
 from skincad.solids.roles import CAVITIES, END_PLATES
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def _details(case: Case) -> Iterator[Finding]:
     """The cavity's shapes that a pixel or a layer swallows. Flat on the bed the crown's rise is cut into
     layers; on end, the section lies in the layers' plane, whose detail is the pixel."""
     process, ridge = case.process, case.design.ridge
-    if not process.layer or not case.cavity:
+    if not process.layer or case.part.role not in CAVITIES:
         return
     end = on_end(case.part, process)
     rise = process.pixel if end else process.layer
@@ -56,9 +57,8 @@ def _details(case: Case) -> Iterator[Finding]:
             ways = [f"all lengths times {math.ceil(100 * limit / size) / 100:g}"]
             if not end and size >= process.pixel - _ROUNDING:
                 ways.insert(0, f'print it on end (orientation = "end" in [printer.{case.name}])')
-            place = f"{case.label}, {what}, by {case.name}"
             remedy = f"it comes out stepped: {' or '.join(ways)}"
-            yield Finding("detail", place, size, limit, "mm", "note", remedy)
+            yield case.breaks("detail", what, size, limit, "mm", remedy, grave=False)
 
 
 def _overhang(case: Case) -> Iterator[Finding]:
@@ -76,11 +76,11 @@ def _overhang(case: Case) -> Iterator[Finding]:
     cuts = tuple(cut for cut in part.cuts if not closes(plain(cut)))
     angle, area = overhang(replace(part, cuts=cuts), process, end)
     if area > 0:
-        place = f"{case.label}, {area:.3g} mm2 as printed {'on end' if end else 'flat'}, by {case.name}"
+        place = f"{area:.3g} mm2 as printed {'on end' if end else 'flat'}"
         turned = "flat" if end else "end"
         _, other = overhang(replace(part, cuts=cuts), process, not end)
         remedy = "support it" if other else f'orientation = "{turned}", or support it'
-        yield Finding("overhang", place, angle, process.overhang, "deg", "warning", remedy)
+        yield case.breaks("overhang", place, angle, process.overhang, "deg", remedy)
 
 
 def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:

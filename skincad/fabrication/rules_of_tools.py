@@ -11,8 +11,9 @@ from skincad.fabrication.reach import ERROR, corner, left_standing
 from skincad.fabrication.rules import Case, Rule, grooves
 from skincad.shape.cross_section import section
 from skincad.shape.curves import Segment
+from skincad.solids.body import Prism
 from skincad.solids.layout import end_angle
-from skincad.solids.plan import Prism
+from skincad.solids.roles import CAVITIES, PartRole
 
 _SHARP = 1.02  # a corner of 89 degrees leaves 2 % more than a right angle: no two are the same on a fan
 
@@ -25,7 +26,7 @@ def _reach(case: Case) -> Iterator[Finding]:
     reach, body = case.process.reach, case.along.body
     if not reach or not isinstance(body, Prism) or body.axis != "y":
         return
-    milled_down = case.cavity and case.process.tool == "mill"
+    milled_down = case.part.role in CAVITIES and case.process.tool == "mill"
     left = _left(body.outline, reach, from_above=milled_down)
     found = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
     yield from _in_grooves(case, [(depth, s) for depth, _, s in found if s.ridge is not None])
@@ -39,14 +40,14 @@ def _in_grooves(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Find
     depth, worst = over[0]
     count = len({s.ridge for _, s in over})
     others = f" and {count - 1} more" if count > 1 else ""
-    place = f"{case.label}, {worst.kind.replace('_', ' ')} of ridge {worst.ridge}{others}, by {case.name}"
+    place = f"{worst.kind.replace('_', ' ')} of ridge {worst.ridge}{others}"
     reach, ridge = case.process.reach, case.design.ridge
     remedy = f"a tip_fillet of {reach:g} mm, the tool's radius"
     if ridge.tip_width < 2 * reach:
         remedy = f"a tip_width above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
     elif ridge.tip_fillet >= reach:
         remedy = "no undercut, which a tool from above can't cut"
-    yield Finding("tool reach", place, depth, case.process.tolerance, "mm left", "warning", remedy)
+    yield case.breaks("tool reach", place, depth, case.process.tolerance, "mm left", remedy)
 
 
 def _elsewhere(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Finding]:
@@ -54,25 +55,23 @@ def _elsewhere(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Findi
         return
     depth, worst = found[0]
     reach, choice = case.process.reach, case.design.mold
-    comb = case.comb
+    comb = case.part.role is PartRole.COMB
     play = math.sqrt(2) * choice.slit_clearance if comb else choice.clearance
     limit = play + case.process.tolerance
     if depth > _SHARP * corner(reach, math.pi / 2) + ERROR:
         notch = grooves(case)[0].width if comb else math.inf
-        place = f"{case.label}, {_place(case, worst)}, by {case.name}"
         remedy = f"room for a tool of {2 * reach:g} mm" + (f" in {notch:.3g} mm" if comb else "")
-        yield Finding("tool reach", place, depth, limit, "mm left", "warning", remedy)
+        yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy)
     elif depth > limit + ERROR:
         what = "the shims' edges" if comb else "the edges of what lies in it"
-        place = f"{case.label}, {_place(case, worst)}, by {case.name}"
         remedy = f"break {what} by {depth - play:.2g} mm"
-        yield Finding("tool reach", place, depth, limit, "mm left", "note", remedy)
+        yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy, grave=False)
 
 
 def _place(case: Case, segment: Segment) -> str:
     """Name a segment: the slot that it is next to in a comb, else its place in the mold's frame."""
     x, z = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
-    if case.comb:
+    if case.part.role is PartRole.COMB:
         slot = min(section(case.design).slots, key=lambda s: math.hypot(s.centre.x - x, s.centre.z + z))
         return f"notch {slot.side} of ridge {slot.ridge}"
     return f"corner near x {x:.3g}, z {z:.3g} mm"
@@ -81,24 +80,22 @@ def _place(case: Case, segment: Segment) -> str:
 def _depth(case: Case) -> Iterator[Finding]:
     """A groove deeper than the thickest tool that fits it can cut; a comb is cut through along y."""
     least, most = 2 * case.process.tool_radius, case.process.groove_ratio
-    cavity = case.cavity
+    cavity = case.part.role in CAVITIES
     for groove in grooves(case):
         depth = groove.height if cavity else case.design.mold.end_plate
         fits = min(groove.width, 2 * case.design.ridge.tip_fillet) if cavity else groove.width
         tool = max(fits, least)
         if most and groove.width >= least and depth > most * tool:
-            place = f"{case.label}, {groove.where}, by {case.name}"
             remedy = f"a depth of at most {most * tool:g} mm"
-            yield Finding("tool depth", place, depth / tool, most, "tool diameters", "warning", remedy)
+            yield case.breaks("tool depth", groove.where, depth / tool, most, "tool diameters", remedy)
 
 
 def _straight_cut(case: Case) -> Iterator[Finding]:
     """A wire is straight: it cuts no trough that is bent along it."""
     if case.process.tool == "wire" and case.part.straight:
         angle = math.degrees(2 * end_angle(case.design))
-        place = f"{case.label}, bent along y, by {case.name}"
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
-        yield Finding("tool reach", place, angle, 0.0, "deg end to end", "warning", remedy)
+        yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)
 
 
 TOOL_RULES: tuple[Rule, ...] = (_reach, _depth, _straight_cut)

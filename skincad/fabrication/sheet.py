@@ -11,11 +11,12 @@ from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_bu
 from skincad.fabrication.void import alone, perforated, void
 from skincad.inputs.catalog import Silicone, silicone
 from skincad.inputs.design import Design
+from skincad.solids.body import Bore
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import TAP_RADIUS, fits, is_clamped
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Bore, bores, own
+from skincad.solids.plan import bores, own
 from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part

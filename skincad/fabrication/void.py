@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from skincad.inputs.design import Design
 from skincad.shape import curves
+from skincad.solids.body import Body, Bore, Prism
 from skincad.solids.bowl import gap_beside
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Body, Bore, Prism, bores
+from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.shrinkage import poured
 
@@ -102,7 +103,7 @@ def _gap(design: Design, carrier: Body) -> list[Prism]:
 
 
 def _rim(cup: Bore) -> NDArray[np.float64]:
-    (x, y, z), radius = cup.start, cup.end_radius or cup.radius
+    (x, y, z), radius = cup.start, cup.far_radius
     turn = np.linspace(0, 2 * math.pi, 64, endpoint=False)
     around = (x + radius * np.cos(turn), y + radius * np.sin(turn), np.full(64, z + cup.length))
     return np.column_stack(around)

@@ -15,7 +15,7 @@ from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
-    from skincad.fabrication.findings import Finding
+    from skincad.fabrication.finding import Finding
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
@@ -55,7 +55,7 @@ class PartReport:
 
 def mesh_findings(parts: list[PartReport]) -> list[Finding]:
     """Return an error for every print mesh that is open, cuts itself or deviates more than was asked."""
-    from skincad.fabrication.findings import Finding
+    from skincad.fabrication.finding import Finding
 
     remedy = "report it with the design: a mesh must not come out like this"
     found = []

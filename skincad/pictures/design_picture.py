@@ -13,8 +13,9 @@ from skincad.pictures.canvas import Axes, Picture, sheet
 from skincad.pictures.render import shaded, view
 from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
+from skincad.solids.body import Prism, Turned
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part, Prism, Turned
+from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, END_PLATES, IMPLIED, PartRole
 
 SKIN, STRIP = "#eebfa6", "#b5482a"

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
+from skincad.solids.body import Prism, Revolved, Turned, corners
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part, Prism, Revolved, Turned, corners
+from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
 PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
@@ -35,8 +36,11 @@ class PageScale:
 
     def path(self, outline: Loop, kind: str) -> str:
         """Return a closed outline as an SVG path."""
-        points = [self.at(x, z) for x, z in polygon(outline, CHORD)]
-        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in points)
+        return self.ring(polygon(outline, CHORD), kind)
+
+    def ring(self, points: NDArray[np.float64], kind: str) -> str:
+        """Return a closed polygon of points `(n, 2)` mm of the part."""
+        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (self.at(a, b) for a, b in points))
         return f'<polygon class="{kind}" points="{steps}"/>'
 
 
@@ -98,9 +102,7 @@ def _ridge_view(design: Design) -> list[str]:
         points = polygon(outline, CHORD / 10) - np.array(own.origin)
         turned = np.column_stack([points @ np.array(own.tangent), points @ np.array(own.normal)])
         part = shapely.Polygon(turned).intersection(window)
-        corners = shapely.get_coordinates(part)
-        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(t, n) for t, n in corners))
-        return f'<polygon class="{kind}" points="{steps}"/>'
+        return view.ring(shapely.get_coordinates(part), kind)
 
     rows = [shown(shape.outline, "skin")]
     rows += [shown(s.loop(), "slot") for s in shape.slots if s.ridge == number]
@@ -128,29 +130,40 @@ def _mold_view(closed: ClosedMold) -> list[str]:
     boxes = [_extent(p.body) for p in closed.parts if p.made == "made" and isinstance(p.body, Prism)]
     low = [min(b[0][i] for b in boxes) for i in range(3)]
     high = [max(b[1][i] for b in boxes) for i in range(3)]
-    size = [b - a for a, b in zip(low, high, strict=True)]
-    scale = min(50.0 / size[0], 36.0 / size[1])
-    view = PageScale((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
+    view = _mold_scale(low, high)
     rows = []
     for roles, kind in ((CAVITIES, "mold"), ({PartRole.CARRIER}, "hole")):
         for part in closed.of(*roles):
             if isinstance(part.body, Prism):
                 (x0, y0, _), (x1, y1, _) = _extent(part.body)
-                corner = view.at(x0, y1)
-                rows.append(
-                    f'<rect class="{kind}" x="{corner[0]:.3f}" y="{corner[1]:.3f}" '
-                    f'width="{scale * (x1 - x0):.3f}" height="{scale * (y1 - y0):.3f}"/>'
-                )
+                x, y = view.at(x0, y1)
+                wide, high_ = view.scale * (x1 - x0), view.scale * (y1 - y0)
+                rect = f'x="{x:.3f}" y="{y:.3f}" width="{wide:.3f}" height="{high_:.3f}"'
+                rows.append(f'<rect class="{kind}" {rect}/>')
     left, bottom = view.at(low[0], low[1])
     right, top = view.at(high[0], high[1])
     rows += [
         *(_line(left, y, right, y) for y in (bottom, top)),
         *(_line(x, bottom, x, top) for x in (left, right)),
     ]
-    rows += [*_across(left, right, bottom + 5.0, f"{size[0]:.4g}", bottom)]
-    rows += _upright(right + 5.0, bottom, top, f"{size[1]:.4g}", right)
-    rows.append(_text(142.0, 134.5, f"closed mold from above, scale {scale:.3g} : 1; height {size[2]:.4g}"))
-    return rows
+    words = f"closed mold from above, scale {view.scale:.3g} : 1; height {high[2] - low[2]:.4g}"
+    return [*rows, *_sizes(view, low, high), _text(142.0, 134.5, words)]
+
+
+def _mold_scale(low: list[float], high: list[float]) -> PageScale:
+    """The page's lower right for what lies between two corners, mm."""
+    scale = min(50.0 / (high[0] - low[0]), 36.0 / (high[1] - low[1]))
+    middle = [scale * (a + b) / 2 for a, b in zip(low, high, strict=True)]
+    return PageScale((142.0 - middle[0], 105.0 + middle[1]), scale)
+
+
+def _sizes(view: PageScale, low: list[float], high: list[float]) -> list[str]:
+    """Dimensions of the mold's length and height on the page."""
+    (left, bottom), (right, top) = view.at(low[0], low[1]), view.at(high[0], high[1])
+    return [
+        *_across(left, right, bottom + 5.0, f"{high[0] - low[0]:.4g}", bottom),
+        *_upright(right + 5.0, bottom, top, f"{high[1] - low[1]:.4g}", right),
+    ]
 
 
 def _bent_view(closed: ClosedMold) -> list[str]:
@@ -160,18 +173,11 @@ def _bent_view(closed: ClosedMold) -> list[str]:
     rings = [(kind, _side(part)) for roles, kind in kinds for part in closed.of(*roles)]
     points = np.vstack([ring for _, ring in rings])
     low, high = points.min(axis=0), points.max(axis=0)
-    scale = float(min(50.0 / (high - low)[0], 36.0 / (high - low)[1]))
-    view = PageScale((142.0 - scale * (low[0] + high[0]) / 2, 105.0 + scale * (low[1] + high[1]) / 2), scale)
-    rows = []
-    for kind, ring in rings:
-        steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (view.at(y, z) for y, z in ring))
-        rows.append(f'<polygon class="{kind}" points="{steps}"/>')
-    (left, bottom), (right, top) = view.at(*low), view.at(*high)
-    rows += _across(left, right, bottom + 5.0, f"{high[0] - low[0]:.4g}", bottom)
-    rows += _upright(right + 5.0, bottom, top, f"{high[1] - low[1]:.4g}", right)
+    view = _mold_scale(low.tolist(), high.tolist())
+    rows = [*(view.ring(ring, kind) for kind, ring in rings), *_sizes(view, low.tolist(), high.tolist())]
     cavity = closed.first(PartRole.CAVITY).body
     lean = math.degrees(cavity.grid.half) if isinstance(cavity, Prism) and cavity.grid else 0.0
-    words = f"closed mold from the side, scale {scale:.3g} : 1; ends lean by {lean:.3g} degrees"
+    words = f"closed mold from the side, scale {view.scale:.3g} : 1; ends lean by {lean:.3g} degrees"
     return [*rows, _text(142.0, 134.5, words)]
 
 

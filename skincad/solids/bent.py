@@ -31,6 +31,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, flipped
+from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
 from skincad.solids.bowl import across, height, rise, seat
 from skincad.solids.cavity import cavity
 from skincad.solids.ends import end_plates
@@ -45,7 +46,7 @@ from skincad.solids.layout import (
     fits,
 )
 from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels
-from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, turned
+from skincad.solids.plan import Part, turned
 from skincad.solids.roles import ENDS, CutRole, End, PartRole
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
@@ -240,7 +241,7 @@ def _from_back(bore: Bore, grid: Grid) -> Bore:
     if bore.role is CutRole.PULL:
         z += on_grid(rise(grid, abs(y) + bore.radius))
         return replace(bore, start=(x, y, z), length=bore.start[2] + bore.length - z)
-    widest = max(bore.radius, bore.end_radius or 0.0)
+    widest = max(bore.radius, bore.far_radius)
     low = on_grid(rise(grid, max(0.0, abs(y) - widest)) - UNDER)
     return replace(bore, start=(x, y, low), length=bore.length - low, within=(grid.centre, grid.centre))
 

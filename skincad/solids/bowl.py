@@ -9,8 +9,9 @@ import math
 from dataclasses import replace
 
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.solids.body import Prism
 from skincad.solids.grid import Grid
-from skincad.solids.plan import Prism
+from skincad.solids.plan import mirrored
 from skincad.solids.split import path
 
 
@@ -52,13 +53,5 @@ def gap_beside(carrier: Prism, gap: float) -> list[Prism]:
         replace(carrier, outline=whole, low=carrier.high, high=carrier.high + gap),
         replace(carrier, outline=whole, low=carrier.low - gap, high=carrier.low),
         replace(carrier, outline=end),
-        replace(carrier, outline=_mirrored(end)),
+        replace(carrier, outline=mirrored(end)),
     ]
-
-
-def _mirrored(outline: Loop) -> Loop:
-    """A loop (y, z) with y to -y, still counterclockwise."""
-    return tuple(
-        replace(s, start=Point(-s.end.x, s.end.z), end=Point(-s.start.x, s.start.z))
-        for s in reversed(outline)
-    )

@@ -17,6 +17,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.solids.body import Body, Bore, Heading, Prism
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BASE_PIN,
@@ -29,7 +30,7 @@ from skincad.solids.layout import (
     cover_pins,
     fits,
 )
-from skincad.solids.plan import Body, Bore, Heading, Part, Prism, box, drilled, shifted
+from skincad.solids.plan import Part, box, drilled, shifted
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path

@@ -10,6 +10,7 @@ from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section, section
 from skincad.shape.curves import Point, Segment, flipped, loop
+from skincad.solids.body import Body, Bore, Prism
 from skincad.solids.layout import (
     BESIDE,
     BOLT_RADIUS,
@@ -21,7 +22,7 @@ from skincad.solids.layout import (
     end_fits,
     nut_pocket,
 )
-from skincad.solids.plan import Body, Bore, Part, Prism, box, drilled, moved, shifted
+from skincad.solids.plan import Part, box, drilled, moved, shifted
 from skincad.solids.roles import CutRole, End, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.split import closed, split_edges, split_height

@@ -5,7 +5,8 @@ from __future__ import annotations
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.shape.curves import flipped
-from skincad.solids.plan import Bore, Part, Prism, Vector
+from skincad.solids.body import Bore, Prism, Vector
+from skincad.solids.plan import Part
 from skincad.solids.roles import End, PartRole
 
 PIN_RADIUS = 1.0  # mm, source: ISO 2338 dowel pin, 2 mm

@@ -22,8 +22,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import Process
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
+from skincad.solids.body import Prism
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import Prism
 from skincad.solids.roles import CutRole
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height

@@ -9,6 +9,7 @@ import numpy as np
 
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
+from skincad.solids.body import Bore, Vector
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BOLT_RADIUS,
@@ -20,7 +21,7 @@ from skincad.solids.layout import (
     cover_pins,
     fits,
 )
-from skincad.solids.plan import Bore, Part, Vector, box, drilled, moved
+from skincad.solids.plan import Part, box, drilled, moved
 from skincad.solids.roles import CutRole, PartRole
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
@@ -77,7 +78,7 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
     shall have holes has no room for one."""
     if design.mold.carrier == "plain":
         return []
-    beside = (cup.end_radius or 0.0) + BLEED + EDGE / 2
+    beside = cup.far_radius + BLEED + EDGE / 2
     small, large, spacing = HOLD
     wide, long = design.skin.width - 2 * (small + EDGE), 2 * place.end - 2 * (large + EDGE)
     spacing = max(spacing, math.sqrt(max(wide, 0.0) * max(long, 0.0) / MOST_HOLES))

@@ -40,12 +40,13 @@ from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
+from skincad.solids.body import Prism
 from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import pin, shims, strips
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
-from skincad.solids.plan import Part, Prism, moved
+from skincad.solids.plan import Part, moved
 from skincad.solids.roles import CAVITIES, END_PLATES, ENDS, End, PartRole
 from skincad.solids.shrinkage import poured
 from skincad.solids.skin import cast_skin

@@ -15,7 +15,8 @@ from dataclasses import replace
 from skincad.base.errors import InputError, RefusedError, needing
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
-from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Reaching, Revolved, Turned, own
+from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Revolved, Turned
+from skincad.solids.plan import Part, own
 
 NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing
 try:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section, section
 from skincad.shape.curves import Loop, flipped
-from skincad.solids.plan import Part, Prism, Revolved
+from skincad.solids.body import Prism, Revolved
+from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:

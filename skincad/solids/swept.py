@@ -10,21 +10,20 @@ import shapely
 
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.solids.plan import (
+from skincad.solids.body import (
     Array,
     Axis,
     Body,
     Bore,
     Heading,
-    Part,
     Prism,
     Reaching,
     Revolved,
     Turned,
     corners,
-    own,
-    turned,
+    plain,
 )
+from skincad.solids.plan import Part, own, turned
 
 Way = Axis | Heading | Literal["turn"]
 
@@ -80,12 +79,11 @@ def _through(cut: Body, body: Body) -> bool:
 
 def _ends(body: Body) -> tuple[float, float]:
     """Where a body begins and ends along its axis, mm."""
-    if isinstance(body, Bore):
-        low = body.start[1 if body.axis == "y" else 2]
-        return low, low + body.length
-    if isinstance(body, Turned | Reaching):
-        return _ends(body.body if isinstance(body, Turned) else body.counts)
-    return body.low, body.high
+    own_body = plain(body)
+    if isinstance(own_body, Bore):
+        low = own_body.start[1 if own_body.axis == "y" else 2]
+        return low, low + own_body.length
+    return own_body.low, own_body.high
 
 
 def _stretched(body: Body, travel: float) -> Body:

@@ -3,9 +3,10 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import SAFE_SHARE, drafted, safe_strain, squeezes, undercuts
+from skincad.fabrication.demolding import drafted
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.design import Design
+from skincad.solids.undercut import SAFE_SHARE, safe_strain, squeezes, undercuts
 
 
 def upright(radius: float, **other: object) -> Design:

@@ -23,8 +23,9 @@ from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
+from skincad.solids.body import Prism, Revolved, Turned
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part, Prism, Revolved, Turned
+from skincad.solids.plan import Part
 from skincad.solids.roles import CutRole, PartRole
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import make_into

@@ -18,8 +18,9 @@ from skincad.fabrication.void import Space, Void, void
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
+from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Bore, Part, Prism, bores
+from skincad.solids.plan import Part, bores
 from skincad.solids.roles import CutRole, PartRole
 
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids

@@ -4,7 +4,8 @@ import pytest
 
 import skincad
 from bench.table_processes import by
-from skincad.fabrication.findings import Finding, design_findings
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.findings import design_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES

@@ -9,15 +9,17 @@ import shapely
 import skincad
 from bench.table_processes import by
 from skincad.fabrication import meshes
-from skincad.fabrication.findings import Finding, design_findings, judged
+from skincad.fabrication.finding import Finding
+from skincad.fabrication.findings import design_findings, judged
 from skincad.fabrication.reach import ERROR
 from skincad.fabrication.rules import Case, Feature, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
 from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop
+from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Bore, Part, Prism
+from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 
 

@@ -12,18 +12,19 @@ from manifold3d import Manifold
 from scipy.integrate import quad
 
 from skincad.base.errors import InputError
-from skincad.fabrication.findings import undercuts
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
+from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import solid, volume
-from skincad.solids.plan import Bore, Part, Prism, Reaching, Revolved, Turned, own
+from skincad.solids.plan import Part, own
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import poured
 from skincad.solids.split import notch_rise
+from skincad.solids.undercut import undercuts
 from tests.bent_skin import bent, three_ridges
 
 RADII = (60.0, 25.0)

@@ -10,9 +10,10 @@ import skincad
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.catalog import processes, template_names
 from skincad.inputs.design import Design
+from skincad.solids.body import Bore, Prism
 from skincad.solids.layout import NUT_FLATS, fits
 from skincad.solids.mold import mold
-from skincad.solids.plan import Bore, Part, Prism
+from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 
 HEIGHT = 2.4  # mm, ISO 4032, M3

@@ -4,7 +4,6 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.fabrication.findings import undercuts
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.void import perforated
@@ -12,11 +11,13 @@ from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.shape.curves import area, rectangle
+from skincad.solids.body import Bore
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Bore, Part, box
+from skincad.solids.plan import Part, box
 from skincad.solids.roles import PartRole
+from skincad.solids.undercut import undercuts
 
 
 @pytest.mark.parametrize("name", template_names())

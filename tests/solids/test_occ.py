@@ -10,9 +10,9 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
+from skincad.solids.body import Bore
 from skincad.solids.mold import mold
 from skincad.solids.occ import KernelError, solid
-from skincad.solids.plan import Bore
 from skincad.solids.skin import skin_part, skin_solid
 
 

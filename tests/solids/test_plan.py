@@ -5,8 +5,9 @@ import pytest
 
 from skincad.fabrication.meshes import manifold
 from skincad.shape.curves import Point, loop
+from skincad.solids.body import Bore, Prism, Revolved, Turned
 from skincad.solids.grid import Grid
-from skincad.solids.plan import Bore, Part, Prism, Revolved, Turned, box, own, turned
+from skincad.solids.plan import Part, box, own, turned
 from skincad.solids.roles import PartRole
 from skincad.solids.swept import swept
 

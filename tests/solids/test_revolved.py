@@ -16,8 +16,9 @@ from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
 from skincad.outputs import export
 from skincad.shape.cross_section import section
+from skincad.solids.body import Revolved
 from skincad.solids.occ import KernelError, solid
-from skincad.solids.plan import Part, Revolved
+from skincad.solids.plan import Part
 from skincad.solids.skin import cast_skin, skin_part, skin_solid
 from skincad.solids.swept import swept
 
