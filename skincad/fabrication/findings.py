@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 from skincad.fabrication.demolding import undercut_findings
@@ -51,15 +50,10 @@ def process_findings(design: Design, closed: ClosedMold) -> list[Finding]:
 
 def judged(case: Case) -> list[Finding]:
     """Return the findings of one part by one process."""
-    return list(_distinct(finding for rule in ALL_RULES for finding in rule(case)))
-
-
-def _distinct(findings: Iterator[Finding]) -> Iterator[Finding]:
-    told = set()
-    for finding in findings:
-        if (finding.rule, finding.where) not in told:
-            told.add((finding.rule, finding.where))
-            yield finding
+    told: dict[tuple[str, str], Finding] = {}
+    for finding in (finding for rule in ALL_RULES for finding in rule(case)):
+        told.setdefault((finding.rule, finding.where), finding)
+    return list(told.values())
 
 
 def _with_others(finding: Finding, others: dict[str, list[Finding]]) -> Finding:

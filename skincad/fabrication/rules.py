@@ -50,7 +50,7 @@ class Case:
         self, rule: str, what: str, measured: float, limit: float, unit: str, remedy: str, grave: bool = True
     ) -> Finding:
         """Return a rule that something of the part breaks: a warning, or a note where it is not grave."""
-        where = f"{self.part.label}, {what}, by {self.name}"
+        where = f"{self.part.role.label}, {what}, by {self.name}"
         return Finding(rule, where, measured, limit, unit, "warning" if grave else "note", remedy)
 
 
@@ -174,7 +174,7 @@ def _notch_room(case: Case) -> Iterator[Finding]:
         return
     room, gap = notch_rise(case.design, section(case.design).slots), case.design.mold.slit_clearance
     if room > gap:
-        place = f"{case.part.label}, straight notches round shims that rise in them"
+        place = f"{case.part.role.label}, straight notches round shims that rise in them"
         remedy = "cut the fins off the skin's ends; a thinner mold.end_plate leaves less"
         yield Finding("notch room", place, room, gap, "mm", "note", remedy)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Literal
 
 from skincad.fabrication.finding import Finding
@@ -45,14 +46,13 @@ def strip_findings(design: Design) -> list[Finding]:
     return [*cast, *_drift(design, rod, flow), *_release(design, rod), *_place(design)]
 
 
-def _sag(design: Design, rod: Strip) -> list[Finding]:
+def _sag(design: Design, rod: Strip) -> Iterator[Finding]:
     """At rest in the silicone, which is how it cures; in air, before, its load is larger, but that passes."""
     load = weight(rod, silicone(design.material).density)
     sag, limit = abs(deflection(rod, load)), SAG_SHARE * (design.slot.offset if design.slot else 0.0)
-    if sag <= limit:
-        return []
-    remedy = f"film.tension of {straight_pull(rod, load, limit):.2g} N or more, or a shorter skin"
-    return [Finding("strip sag", "strips, by their weight in silicone", sag, limit, "mm", "warning", remedy)]
+    if sag > limit:
+        remedy = f"film.tension of {straight_pull(rod, load, limit):.2g} N or more, or a shorter skin"
+        yield Finding("strip sag", "strips, by their weight in silicone", sag, limit, "mm", "warning", remedy)
 
 
 def _stress(rod: Strip, flow: Pour) -> list[Finding]:
@@ -65,32 +65,28 @@ def _stress(rod: Strip, flow: Pour) -> list[Finding]:
     return [Finding("strip stress", "strips, by their tension", stress, limit, "MPa", severity, remedy)]
 
 
-def _drift(design: Design, rod: Strip, flow: Pour) -> list[Finding]:
+def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
     """While the front passes; and whether a strip is back long before the silicone sets."""
-    found, name = [], "strips" if design.mold.method == "cast-in" else "shims"
+    name = "strips" if design.mold.method == "cast-in" else "shims"
     limit = DRIFT_SHARE * flow.beside
     slower = f"mold.fill_time of {design.mold.fill_time * flow.drift / limit:.2g} s or more"
     stronger = ", more tension or a thicker film" if rod.tension else ", or a thicker slot"
     if flow.drift > limit:
         where = f"{name}, while they are poured round"
-        found.append(Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger))
+        yield Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger)
     pot_life = silicone(design.material).pot_life_min
     if pot_life is not None and flow.settling > SETTLED * 60 * pot_life:
         where, remedy = f"{name}, coming back after the pour", "a thinner silicone" + stronger
         limit = SETTLED * 60 * pot_life
-        found.append(Finding("strip drift", where, flow.settling, limit, "s", "warning", remedy))
-    return found
+        yield Finding("strip drift", where, flow.settling, limit, "s", "warning", remedy)
 
 
-def _release(design: Design, rod: Strip) -> list[Finding]:
+def _release(design: Design, rod: Strip) -> Iterator[Finding]:
     """A note: the skin comes out shorter than designed."""
     strain = released(design)
-    if strain <= MOST_RELEASE:
-        return []
-    remedy = f"film.tension of {rod.tension * MOST_RELEASE / strain:.2g} N"
-    return [
-        Finding("strip release", "skin, shortened by its strips", strain, MOST_RELEASE, "", "note", remedy)
-    ]
+    if strain > MOST_RELEASE:
+        where, remedy = "skin, shortened by its strips", f"{rod.tension * MOST_RELEASE / strain:.2g} N"
+        yield Finding("strip release", where, strain, MOST_RELEASE, "", "note", f"film.tension of {remedy}")
 
 
 def _place(design: Design) -> list[Finding]:

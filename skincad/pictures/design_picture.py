@@ -16,7 +16,7 @@ from skincad.shape.curves import polygon
 from skincad.solids.body import Prism, Turned
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part
-from skincad.solids.roles import CAVITIES, END_PLATES, IMPLIED, PartRole
+from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
@@ -41,7 +41,7 @@ def _show(axes: Axes, title: str) -> None:
 def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     shown = upright(skin)
     seen = view([shown], 32.0, 28.0, (720, 350))
-    axes.imshow(shaded([shown], [IMPLIED[PartRole.SKIN].colour], seen))
+    axes.imshow(shaded([shown], [PartRole.SKIN.colour], seen))
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
     _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
 

@@ -165,17 +165,17 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
         return None
     body, most = _gate_room(design, shape, (given or GATE) / 2)
     wide = given or min(GATE, math.floor(10 * most) / 10)  # a drill
-    straight = skin.curvature_radius_y is None
+    straight, room = skin.curvature_radius_y is None, f"leaves {most:.4g} mm for the gate in the skin's end"
+    way_out = ', or take mold.pour = "open"' if straight else ""
     if most <= 0 or (given is None and wide < LEAST_GATE):
         if given is None and choice.pour is None and straight:
             return None
-        rule = f"leaves {most:.4g} mm for the gate in the skin's end, which needs {LEAST_GATE:g} mm"
-        remedy = "make it thicker" + (', or take mold.pour = "open"' if straight else "")
-        raise InputError("skin.thickness", rule, skin.thickness * (1 - shrinkage(design)), remedy)
+        needs = f"{room}, which needs {LEAST_GATE:g} mm"
+        raise InputError(
+            "skin.thickness", needs, skin.thickness * (1 - shrinkage(design)), f"make it thicker{way_out}"
+        )
     if wide > most:
-        rule = f"leaves {most:.4g} mm for the gate in the skin's end"
-        remedy = "make it smaller" + (', or take mold.pour = "open"' if straight else "")
-        raise InputError("mold.gate", rule, wide, remedy)
+        raise InputError("mold.gate", room, wide, f"make it smaller{way_out}")
     start = (0.0, -skin.length / 2 - choice.end_plate, GATE_SILL + wide / 2 - body)
     return Bore(start, "y", choice.end_plate, wide / 2, role=CutRole.GATE)
 

@@ -14,7 +14,7 @@ from typing import Literal, TypeVar
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point
 from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Turned, plain
-from skincad.solids.roles import IMPLIED, CutRole, End, MadeBy, PartRole
+from skincad.solids.roles import CutRole, End, MadeBy, PartRole
 
 
 @dataclass(frozen=True)
@@ -29,19 +29,14 @@ class Part:
     straight: Part | None = None  # whose section along y rules judge, where the part itself is bent
 
     @property
-    def label(self) -> str:
-        """How findings call it: parts of both ends alike, and pieces of a cavity."""
-        return IMPLIED[self.role].label
-
-    @property
     def made(self) -> MadeBy:
         """How one comes by it."""
-        return IMPLIED[self.role].made
+        return self.role.made
 
     @property
     def colour(self) -> tuple[float, float, float]:
         """Red, green and blue, 0 to 1."""
-        return IMPLIED[self.role].colour
+        return self.role.colour
 
     @property
     def volume(self) -> float:

@@ -3,32 +3,40 @@
 from __future__ import annotations
 
 from enum import Enum, auto
-from typing import Literal, NamedTuple
+from typing import Literal
 
 MadeBy = Literal["cast", "made", "bought"]
 End = Literal["a", "b"]  # of the mold along y: b is up while it is poured
 ENDS: tuple[End, ...] = ("a", "b")
 
 
-class PartRole(Enum):
-    """What a part of a mold is."""
+_GREY, _STONE, _DARK = (0.75, 0.77, 0.80), (0.66, 0.69, 0.74), (0.45, 0.50, 0.58)
+_GREEN, _GLASS, _ROSE = (0.55, 0.75, 0.60), (0.70, 0.85, 0.95), (0.93, 0.72, 0.62)
+_STEEL, _SILVER = (0.62, 0.65, 0.70), (0.80, 0.80, 0.74)
 
-    SKIN = auto()
-    CAVITY = auto()  # in one piece
-    BASE = auto()  # of a split cavity, under its pieces
-    LEFT = auto()  # outer piece of a split cavity, at -x
-    RIGHT = auto()
-    BETWEEN = auto()  # piece of a split cavity, between two splits
-    END_PLATE = auto()  # in one piece
-    COMB = auto()  # lower part of an end plate
-    KEEPER = auto()  # its upper part
-    CARRIER = auto()
-    COVER = auto()
-    SHIM = auto()
-    STRIP = auto()
-    END_PIN = auto()
-    COVER_PIN = auto()
-    BASE_PIN = auto()
+
+class PartRole(Enum):
+    """What a part of a mold is, and what follows: how findings call it, how one comes by it, its colour."""
+
+    SKIN = "the skin", "skin", "cast", _ROSE
+    CAVITY = "a cavity in one piece", "cavity", "made", _GREY
+    BASE = "base of a split cavity", "cavity", "made", _GREY
+    LEFT = "outer piece of a split cavity, at -x", "cavity", "made", _STONE
+    BETWEEN = "piece of a split cavity, between two splits", "cavity", "made", _STONE
+    RIGHT = "outer piece of a split cavity, at +x", "cavity", "made", _STONE
+    END_PLATE = "an end plate in one piece", "end plates", "made", _DARK
+    COMB = "lower part of an end plate", "end plates comb", "made", _DARK
+    KEEPER = "upper part of an end plate", "end plates keeper", "made", _GREEN
+    CARRIER = "the skin's rigid backing", "carrier", "made", _GLASS
+    COVER = "the lid", "cover", "made", _GLASS
+    SHIM = "what keeps a slot free", "shim", "bought", _STEEL
+    STRIP = "a film that is cast in", "strip", "bought", _SILVER
+    END_PIN = "dowel between cavity and end plate", "pin", "bought", _STEEL
+    COVER_PIN = "dowel between cavity and cover", "pin", "bought", _STEEL
+    BASE_PIN = "dowel between the base and a piece of a split cavity", "pin", "bought", _STEEL
+
+    def __init__(self, what: str, label: str, made: MadeBy, colour: tuple[float, float, float]) -> None:
+        self.what, self.label, self.made, self.colour = what, label, made, colour
 
 
 class CutRole(Enum):
@@ -58,27 +66,3 @@ class CutRole(Enum):
 CAVITIES = frozenset({PartRole.CAVITY, PartRole.BASE, PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT})
 END_PLATES = frozenset({PartRole.END_PLATE, PartRole.COMB, PartRole.KEEPER})
 PINS = frozenset({PartRole.END_PIN, PartRole.COVER_PIN, PartRole.BASE_PIN})
-
-
-class Implied(NamedTuple):
-    """What follows from a part's role: how findings call it, how one comes by it, its colour (r, g, b)."""
-
-    label: str
-    made: MadeBy
-    colour: tuple[float, float, float]
-
-
-_DARK, _STONE, _GLASS, _STEEL = (0.45, 0.50, 0.58), (0.66, 0.69, 0.74), (0.70, 0.85, 0.95), (0.62, 0.65, 0.70)
-IMPLIED = {
-    PartRole.SKIN: Implied("skin", "cast", (0.93, 0.72, 0.62)),
-    **dict.fromkeys((PartRole.CAVITY, PartRole.BASE), Implied("cavity", "made", (0.75, 0.77, 0.80))),
-    **dict.fromkeys((PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT), Implied("cavity", "made", _STONE)),
-    PartRole.END_PLATE: Implied("end plates", "made", _DARK),
-    PartRole.COMB: Implied("end plates comb", "made", _DARK),
-    PartRole.KEEPER: Implied("end plates keeper", "made", (0.55, 0.75, 0.60)),
-    PartRole.CARRIER: Implied("carrier", "made", _GLASS),
-    PartRole.COVER: Implied("cover", "made", _GLASS),
-    PartRole.SHIM: Implied("shim", "bought", _STEEL),
-    PartRole.STRIP: Implied("strip", "bought", (0.80, 0.80, 0.74)),
-    **dict.fromkeys(PINS, Implied("pin", "bought", _STEEL)),
-}
