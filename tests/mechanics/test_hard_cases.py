@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from skincad.inputs.design import Design
-from skincad.mechanics import reference
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers.linear import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Segment
+from tests.mechanics import closed_forms
 from tests.mechanics.designs import reference as sharp
 
 GAPS = [*((1e6, gap) for gap in (1e-2, 1e-4, 1e-5, 1e-6, 1e-7)), (120.0, 1e-3), (120.0, 3e-6)]
@@ -54,9 +54,9 @@ def narrowed(pad: Pad, reach: float) -> Pad:
     return replace(pad, section=Section(tuple(outline)))
 
 
-def hertz_of(pad: Pad, force: float) -> reference.LineContact:
+def hertz_of(pad: Pad, force: float) -> closed_forms.LineContact:
     radius = next(s.radius for s in pad.section.outline if s.kind == "crown")
-    return reference.hertz(force / pad.length, radius, pad.young_modulus, pad.poisson_ratio)
+    return closed_forms.hertz(force / pad.length, radius, pad.young_modulus, pad.poisson_ratio)
 
 
 @cache
@@ -72,7 +72,7 @@ def light(force: float) -> PlaneSolution:
 def test_a_single_ridge_under_a_micronewton_is_hertzs() -> None:
     """Half-width 0.3 um on a ridge of 0.5 mm: 0.5 %, the mesh's, as in test_elements.py."""
     found, exact = light(1e-6), hertz_of(pad_of(one_ridge()), 1e-6)
-    fitted = reference.fitted_line_contact(found.x, found.pressure)
+    fitted = closed_forms.fitted_line_contact(found.x, found.pressure)
     assert fitted.half_width == pytest.approx(exact.half_width, rel=5e-3)
     assert fitted.peak_pressure == pytest.approx(exact.peak_pressure, rel=5e-3)
 

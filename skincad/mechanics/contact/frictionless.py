@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, optimize
+from scipy import linalg
 
 from skincad.mechanics.problem import ContactError
 
@@ -149,23 +149,3 @@ def _accepted(
             "take a smaller poisson_ratio or a coarser mesh"
         )
     return NodalContact(nodal, approach, open_gap, active, residual)
-
-
-def press_by_least_squares(flexibility: Array, gap: Array, force: float) -> NodalContact:
-    """Return the same state by another way, for comparison: non-negative least squares.
-
-    With C = R^T R the forces minimise |R f + R^-T (g - d)|; the approach d that gives the force is found
-    by bisection, the force being monotone in it. Lawson and Hanson, Solving Least Squares Problems, ch. 23.
-    """
-    root = linalg.cholesky(flexibility)
-
-    def forces(approach: float) -> Array:
-        side = linalg.solve_triangular(root, approach - gap, trans="T")
-        return np.asarray(optimize.nnls(root, side)[0])
-
-    low, high = float(gap.min()), float(gap.min() + force * np.diag(flexibility).max())
-    while forces(high).sum() < force:
-        high = low + 2 * (high - low)
-    approach = optimize.brentq(lambda d: forces(d).sum() - force, low, high, xtol=1e-15, rtol=1e-14)
-    nodal = forces(approach)
-    return NodalContact(nodal, approach, gap - approach + flexibility @ nodal, nodal > 0, 0.0)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
-from skincad.mechanics import reference
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
@@ -16,6 +15,7 @@ from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers.linear import level
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
+from tests.mechanics import closed_forms
 from tests.mechanics.designs import filleted, yamada
 from tests.mechanics.designs import reference as sharp
 
@@ -58,7 +58,7 @@ def test_patch_uniform_stress(order: int) -> None:
     """At nu = 0 a clamped block shortens uniformly: the elements hold it, so only rounding is left."""
     pad = block(3.0, 2.0, 0.0)
     found = level(pad, triangles(pad, default_sizes(pad)), order, 0.5)
-    assert found.approach == pytest.approx(reference.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
+    assert found.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
     assert found.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
 
 
@@ -81,11 +81,11 @@ def test_hertz(ratio: float) -> None:
     pad = cylinder(radius, ratio)
     plane = pad.young_modulus / (1 - ratio**2)
     load = math.pi * plane * wanted**2 / (4 * radius)
-    exact = reference.hertz(load, radius, pad.young_modulus, ratio)
+    exact = closed_forms.hertz(load, radius, pad.young_modulus, ratio)
     assert exact.half_width == pytest.approx(wanted, rel=1e-14)
     mesh = triangles(pad, Sizes(contact=0.01, ridge=0.5, bulk=0.7, corner=0.05))
     found = level(pad, mesh, 3, load * pad.length)
-    fitted = reference.fitted_line_contact(found.x, found.pressure)
+    fitted = closed_forms.fitted_line_contact(found.x, found.pressure)
     assert fitted.half_width == pytest.approx(exact.half_width, rel=5e-3)
     assert fitted.peak_pressure == pytest.approx(exact.peak_pressure, rel=5e-3)
     # and not from the fit: the outermost loaded point lies within one edge of the half-width

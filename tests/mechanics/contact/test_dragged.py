@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics import reference as closed_forms
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.large_field import strip_stress
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
@@ -21,6 +20,7 @@ from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import ContactError, Pad, pad_of
+from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import filleted, yamada
 

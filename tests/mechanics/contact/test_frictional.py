@@ -10,7 +10,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics import reference
 from skincad.mechanics.bodies.mesh import Sizes, triangles
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import (
@@ -30,6 +29,7 @@ from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError, Pad
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
+from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import cylinder
 from tests.mechanics.film.test_sliding import meshed
 
@@ -110,10 +110,10 @@ def test_cattaneo_and_mindlin(share: float) -> None:
     state = replace(state, status=np.where(state.touches, STICK, OPEN).astype(np.int8))
     for i in range(1, 21):
         state = grip(skin, state, Drive(load, share * mu * load * i / 20), Cone(mu, mu))
-    normal = reference.hertz(load / 10.0, 50.0, 0.8, 0.49999)
-    wanted = reference.cattaneo(normal, mu, share * mu * load / 10.0)
+    normal = closed_forms.hertz(load / 10.0, 50.0, 0.8, 0.49999)
+    wanted = closed_forms.cattaneo(normal, mu, share * mu * load / 10.0)
     rest = (mu * state.normal - state.tangential) / (10.0 * pad.weight)
-    found = reference.fitted_line_contact(pad.x, np.maximum(rest, 0.0))
+    found = closed_forms.fitted_line_contact(pad.x, np.maximum(rest, 0.0))
     assert found.half_width == pytest.approx(wanted.stick, rel=0.01)
     # where it slips and where it sticks, to one point on either side
     step = np.diff(pad.x[state.touches]).max()

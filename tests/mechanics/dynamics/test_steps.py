@@ -16,10 +16,10 @@ from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, Grip, GrossSlip, at_rest
 from skincad.mechanics.contact.halving import halved
-from skincad.mechanics.dynamics import reference
 from skincad.mechanics.dynamics import steps as dynamics
 from skincad.mechanics.dynamics.moving_body import moving
 from skincad.mechanics.dynamics.pad import linear
+from skincad.mechanics.dynamics.reference import shear_frequency
 from skincad.mechanics.dynamics.state import Half, Moved, PadEquations, at_rest_on
 from skincad.mechanics.dynamics.steps import Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
@@ -28,6 +28,7 @@ from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError
 from skincad.shape.curves import area
 from tests.mechanics.bodies.test_elements import block
+from tests.mechanics.dynamics import closed_forms
 from tests.mechanics.film.test_sliding import meshed
 
 ROUGH, SMOOTH = Cone(0.5, 0.5), Cone(0.0, 0.0)
@@ -77,7 +78,7 @@ def test_an_oscillator_with_friction_loses_2_mu_n_by_k_each_half_swing_and_then_
     for _ in range(1000):
         state = pad.step(state, Drive(0.24, travel=0.0), swing / 200, ROUGH, Matter(damped))
         found.append(float(state.u[2, 0]))
-    wanted = reference.rubbed_swing(1.0, stiff, 1e-6 * mass, limit, swing / 200 * np.arange(1001))
+    wanted = closed_forms.rubbed_swing(1.0, stiff, 1e-6 * mass, limit, swing / 200 * np.arange(1001))
     assert wanted[[0, 200, 400, 600, 800, 1000]] == pytest.approx([1.0, -0.76, 0.52, -0.28, 0.04, 0.04])
     assert found == pytest.approx(wanted, abs=0.01)
     assert found[::200] == pytest.approx(wanted[::200], abs=5e-4)
@@ -96,7 +97,7 @@ def test_a_driven_oscillator_sticks_and_slips() -> None:
         state = pad.step(state, Drive(normal, travel=speed * i * dt), dt, cone, Matter(0.8))
         found.append(float(state.u[2, 0]))
     limits, time = (cone.static * normal, cone.kinetic * normal), dt * np.arange(2000)
-    wanted, again = reference.dragged_swing(speed, stiff, 1e-6 * mass, limits, time)
+    wanted, again = closed_forms.dragged_swing(speed, stiff, 1e-6 * mass, limits, time)
     free = time < again
     assert np.array(found)[free] == pytest.approx(wanted[free], abs=0.015 * np.ptp(wanted[free]))
     assert free.sum() > 1000
@@ -116,7 +117,7 @@ def test_prony_relaxes_as_its_closed_form() -> None:
     branches = ((0.5, 1e-3), (0.3, 1e-5))
     force = ramped(springs(4.0, 1.0), Matter(relaxing=branches), 10.0, 1e-4, 50)
     time = 1e-4 * np.arange(51)
-    wanted = reference.ramped_prony(4.0 * 10.0, branches, time)
+    wanted = closed_forms.ramped_prony(4.0 * 10.0, branches, time)
     assert force == pytest.approx(wanted, rel=1e-10)
 
 
@@ -128,7 +129,9 @@ def test_kelvin_voigt_creeps_as_its_closed_form() -> None:
         state = pad.step(state, Drive(1.0, force), tau / 100, GRIPPING, Matter(rate=tau))
         place.append(state.plate[0, 1])
     time = tau / 100 * np.arange(401)
-    assert place == pytest.approx(reference.kelvin_voigt_creep(force, 4.0, tau, time), abs=0.01 * force / 4.0)
+    assert place == pytest.approx(
+        closed_forms.kelvin_voigt_creep(force, 4.0, tau, time), abs=0.01 * force / 4.0
+    )
     assert place[-1] == pytest.approx(force / 4.0 * (1 - math.exp(-4)), rel=1e-3)
 
 
@@ -250,7 +253,7 @@ def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -
         state = pad.step(state, Drive(0.0, 0.0), end / steps, SMOOTH, Matter(damped, heavy))
         seen.append(state.plate[1, 0])
     time = end / steps * np.arange(1, steps + 1)
-    wanted = reference.struck_bar(speed, 1e-6 * heavy, 5.0 / wave, time)
+    wanted = closed_forms.struck_bar(speed, 1e-6 * heavy, 5.0 / wave, time)
     assert seen == pytest.approx(wanted, abs=0.015 * speed)
     energy, came = pad.elastic(state) + pad.kinetic(state), 1e-6 * heavy * speed**2 / 2
     assert energy == pytest.approx(came, rel=3e-4 if damped == 1.0 else 2e-3)
@@ -300,7 +303,7 @@ def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     held = found.body.held[1] if piece.mirrored else np.empty(0, dtype=np.int64)
     free = np.setdiff1d(found.free, held)
     stiff, mass = (each[free][:, free] for each in (found.stiff, found.mass))
-    wanted = reference.shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
+    wanted = shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
     squares, modes = eigsh(stiff, 4, mass, sigma=(2 * math.pi * wanted) ** 2)
     # the ends have modes of their own; the layer's moves the most of it to one side
     system = found.body.system

@@ -9,7 +9,6 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.mechanics import reference as closed_forms
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
@@ -24,6 +23,7 @@ from skincad.mechanics.contact.newton import (
 from skincad.mechanics.problem import Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, linear
 from skincad.mechanics.touching import check
+from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import filleted, reference, void_slots, yamada
 

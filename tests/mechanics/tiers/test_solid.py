@@ -12,7 +12,6 @@ from scipy.sparse.linalg import splu
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.mechanics import reference
 from skincad.mechanics.bodies.dissect import dissection, schur
 from skincad.mechanics.bodies.layers import graded, line
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
@@ -30,6 +29,7 @@ from skincad.mechanics.tiers.solid_level import (
     meshed_piece,
     pressed,
 )
+from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import filleted, yamada
 from tests.mechanics.designs import reference as sharp
@@ -95,7 +95,7 @@ def test_clamped_ends_are_plane_strain(film: bool) -> None:
 def test_patch_uniform_compression(order: int) -> None:
     """At nu = 0 the clamped back holds nothing sideways: the block shortens uniformly, rounding only."""
     found = coarse(block(3.0, 2.0, 0.0), order, FEW, 0.5)
-    assert found.approach == pytest.approx(reference.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
+    assert found.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
     assert found.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
 
 

@@ -18,7 +18,6 @@ from scipy.integrate import quad
 from scipy.sparse.linalg import splu
 
 from skincad.inputs.skin_tables import Plate
-from skincad.mechanics import reference
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
@@ -26,6 +25,7 @@ from skincad.mechanics.problem import Pad
 from skincad.mechanics.tiers.linear import level
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
+from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block, cylinder
 
 Array = np.ndarray
@@ -74,7 +74,7 @@ def patch(ratio: float, order: int) -> Array:
 
 
 def patch_exact(ratio: float) -> Array:
-    return np.array([np.sum(reference.uniform_stress(STRAIN, 1.0, ratio) * STRAIN) / 2 * 1.5, 0.0])
+    return np.array([np.sum(closed_forms.uniform_stress(STRAIN, 1.0, ratio) * STRAIN) / 2 * 1.5, 0.0])
 
 
 def uniform(ratio: float, gradient: Array) -> tuple[Array, Array, float]:
@@ -108,7 +108,7 @@ def uniform(ratio: float, gradient: Array) -> tuple[Array, Array, float]:
 
 def compressed(ratio: float, stretch: float) -> Array:
     """Stress on top and the largest force anywhere but on top and back."""
-    width, _ = reference.neo_hookean_compression(stretch, *reference.lame(1.0, ratio))
+    width, _ = closed_forms.neo_hookean_compression(stretch, *closed_forms.lame(1.0, ratio))
     top, rest, _ = uniform(ratio, np.diag([width - 1, stretch - 1]))
     return np.array([top[1], rest[1]])
 
@@ -139,7 +139,7 @@ ROWS: dict[str, Row] = {
         f"neo-Hookean compression nu {ratio} to {stretch:g}": Row(
             lambda ratio=ratio, stretch=stretch: compressed(ratio, stretch),
             lambda ratio=ratio, stretch=stretch: np.array(
-                [reference.neo_hookean_compression(stretch, *reference.lame(1.0, ratio))[1], 0.0]
+                [closed_forms.neo_hookean_compression(stretch, *closed_forms.lame(1.0, ratio))[1], 0.0]
             ),
             1e-7 if ratio > 0.4999 else 1e-12,
             "rounding, at nu 0.4999999 of pressures at a bulk modulus of 2e6",
@@ -151,7 +151,7 @@ ROWS: dict[str, Row] = {
         f"neo-Hookean shear by {shift:g}": Row(
             lambda shift=shift: sheared(0.499, shift),
             lambda shift=shift: np.array(
-                [reference.neo_hookean_shear(shift, reference.lame(1.0, 0.499)[0]), 0.0, 0.0]
+                [closed_forms.neo_hookean_shear(shift, closed_forms.lame(1.0, 0.499)[0]), 0.0, 0.0]
             ),
             1e-10,
             "rounding, at a bulk modulus of 170",
@@ -196,8 +196,8 @@ def ring_errors(ratio: float, order: int, refined: int) -> tuple[float, float]:
     found = ng.GridFunction(body.space)
     found.vec.FV().NumPy()[:] = at.recover(step)
     u, q = found.components
-    shear, rest = reference.lame(1.0, ratio)
-    a, b, c = reference.spinning_ring(INNER / unit, OUTER / unit, 1.0, shear, rest)
+    shear, rest = closed_forms.lame(1.0, ratio)
+    a, b, c = closed_forms.spinning_ring(INNER / unit, OUTER / unit, 1.0, shear, rest)
     square = ng.x**2 + ng.y**2
     swell = a + b / square - c * square
     turned = -2 * (b / square**2 + c)
@@ -217,7 +217,7 @@ def ring_errors(ratio: float, order: int, refined: int) -> tuple[float, float]:
 def ring_order(ratio: float, order: int, of: int) -> float:
     """Order over the last halving. Near nu = 1/2 the ring hardly moves, and errors still fall faster."""
     errors = [ring_errors(ratio, order, refined)[of] for refined in (2, 3)]
-    return reference.observed_order([1.0, 0.5], errors)
+    return closed_forms.observed_order([1.0, 0.5], errors)
 
 
 @cache
@@ -250,7 +250,7 @@ def edge_errors(order: int, sizes: tuple[float, ...]) -> list[float]:
         squares = []
         for half_width in np.linspace(0.08, 0.12, 16):
             load = math.pi * pad.young_modulus / (1 - 0.3**2) * half_width**2 / (4 * 50.0)
-            exact = reference.hertz(load, 50.0, pad.young_modulus, 0.3).elliptic(found.x)
+            exact = closed_forms.hertz(load, 50.0, pad.young_modulus, 0.3).elliptic(found.x)
             state = press(found.ridges.flexibility, found.ridges.gap, load * pad.length / found.scale)
             pressure = state.force / weight * pad.young_modulus
             squares.append(weight @ (pressure - exact) ** 2 / (weight @ exact**2))
@@ -262,9 +262,9 @@ def edge_errors(order: int, sizes: tuple[float, ...]) -> list[float]:
 def layer_errors(ratio: float) -> tuple[float, float, float]:
     """Peak pressure, approach and half-width of a cylinder on a bonded layer of thickness a / ratio."""
     thickness, radius, poisson = 1.0, 1e3 * ratio, 0.4999999
-    shear = reference.lame(0.7, poisson)[0]
+    shear = closed_forms.lame(0.7, poisson)[0]
     load = 2 * shear * ratio**5 / (15 * radius)
-    exact = reference.bonded_layer(load, radius, thickness, shear)
+    exact = closed_forms.bonded_layer(load, radius, thickness, shear)
     assert exact.half_width == pytest.approx(ratio, rel=1e-12)  # rounding
     pad = block(2 * ratio + 12 * thickness, thickness, poisson)
     pad = replace(pad, plate=Plate(shape="cylinder", radius=radius))
@@ -278,7 +278,7 @@ def layer_errors(ratio: float) -> tuple[float, float, float]:
 
 
 def layer_order(of: int) -> float:
-    return reference.observed_order([1 / 8, 1 / 16], [layer_errors(ratio)[of] for ratio in (8.0, 16.0)])
+    return closed_forms.observed_order([1 / 8, 1 / 16], [layer_errors(ratio)[of] for ratio in (8.0, 16.0)])
 
 
 ORDERS: dict[str, Order] = {
@@ -295,8 +295,8 @@ ORDERS: dict[str, Order] = {
     },
     **{
         f"clamped corner nu {ratio} order {k}": Order(
-            lambda ratio=ratio, k=k: reference.observed_order([4.0, 2.0, 1.0], corner_errors(ratio, k)),
-            2 * reference.corner_exponent(ratio),
+            lambda ratio=ratio, k=k: closed_forms.observed_order([4.0, 2.0, 1.0], corner_errors(ratio, k)),
+            2 * closed_forms.corner_exponent(ratio),
             0.03,
             "the clamped corner; towards nu = 1/2 the next exponents are near",
         )
@@ -305,7 +305,7 @@ ORDERS: dict[str, Order] = {
     },
     **{
         f"contact edge order {k}": Order(
-            lambda k=k: reference.observed_order([4.0, 2.0, 1.0], edge_errors(k, (0.04, 0.02, 0.01))),
+            lambda k=k: closed_forms.observed_order([4.0, 2.0, 1.0], edge_errors(k, (0.04, 0.02, 0.01))),
             1.0,
             0.1,
             "the pressure's root at the contact's edge",
@@ -334,31 +334,31 @@ def test_thin_layer_is_near_its_limit() -> None:
 
 def test_observed_order_of_a_power() -> None:
     sizes = np.array([1.0, 0.3, 0.1])
-    assert reference.observed_order(sizes, 7 * sizes**2.5) == pytest.approx(2.5, rel=1e-12)  # rounding
+    assert closed_forms.observed_order(sizes, 7 * sizes**2.5) == pytest.approx(2.5, rel=1e-12)  # rounding
 
 
 def test_corner_exponents_of_the_literature() -> None:
     """Williams' figure and tables since: 1 at nu 0, 0.7112 at 0.3, 0.5946 at 1/2; digits as given."""
-    found = [reference.corner_exponent(ratio) for ratio in (0.0, 0.3, 0.5)]
+    found = [closed_forms.corner_exponent(ratio) for ratio in (0.0, 0.3, 0.5)]
     assert found == pytest.approx([1.0, 0.7112, 0.5946], abs=5e-5)
 
 
 def test_neo_hookean_compression_has_the_known_limits() -> None:
     """G (l - 1 / l) without lateral coupling, G (l - l^-3) without volume change: 1e-6, K is 1e7 G there."""
     for stretch in (0.5, 0.8, 0.999, 1.5):
-        width, free = reference.neo_hookean_compression(stretch, 0.35, 0.0)
+        width, free = closed_forms.neo_hookean_compression(stretch, 0.35, 0.0)
         assert (width, free) == pytest.approx((1.0, 0.35 * (stretch - 1 / stretch)), rel=1e-12)
-        width, kept = reference.neo_hookean_compression(stretch, 0.35, 3.5e6)
+        width, kept = closed_forms.neo_hookean_compression(stretch, 0.35, 3.5e6)
         assert width * stretch == pytest.approx(1.0, rel=1e-6)
         assert kept == pytest.approx(0.35 * (stretch - stretch**-3), rel=1e-6)
 
 
-CONTACT = reference.hertz(0.3, 2.0, 0.8, 0.5)
+CONTACT = closed_forms.hertz(0.3, 2.0, 0.8, 0.5)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 1.0])
 def test_cattaneo_carries_the_tangential_load(share: float) -> None:
-    found = reference.cattaneo(CONTACT, 0.6, share * 0.6 * 0.3)
+    found = closed_forms.cattaneo(CONTACT, 0.6, share * 0.6 * 0.3)
     carried = 2 * quad(found.traction, 0.0, CONTACT.half_width, points=[found.stick])[0]
     assert carried == pytest.approx(share * 0.6 * 0.3, rel=1e-7, abs=1e-12)  # of the quadrature
     assert found.stick == pytest.approx(CONTACT.half_width * math.sqrt(1 - share), rel=1e-7, abs=1e-9)
@@ -371,7 +371,7 @@ def test_cattaneo_carries_the_tangential_load(share: float) -> None:
 def test_cattaneo_sticks_as_one_and_slips_outwards() -> None:
     """The half-plane's surface slope is a Cauchy integral of the traction (Johnson, sec. 2.6): zero where it
     sticks, of one sign on each side where it slips. 1e-5: the quadrature's, at the roots' ends."""
-    found = reference.cattaneo(CONTACT, 0.6, 0.5 * 0.6 * 0.3)
+    found = closed_forms.cattaneo(CONTACT, 0.6, 0.5 * 0.6 * 0.3)
 
     def slope(x: float) -> float:
         edge = CONTACT.half_width
@@ -387,4 +387,4 @@ def test_cattaneo_sticks_as_one_and_slips_outwards() -> None:
 
 def test_cattaneo_refuses_a_load_that_slides() -> None:
     with pytest.raises(ValueError, match="tangential load must be from 0 to"):
-        reference.cattaneo(CONTACT, 0.6, 0.19)
+        closed_forms.cattaneo(CONTACT, 0.6, 0.19)
