@@ -86,11 +86,8 @@ def slope(x: Sequence[float], y: Sequence[float]) -> float:
 def system(design: Design, fineness: float, order: int = ORDER) -> elements.Assembled:
     """Return a design's condensed stiffness."""
     pad = pad_of(design)
-    materials = {"skin": (1.0, pad.poisson_ratio)}
-    if pad.strips:
-        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
     mesh = elements.curved(triangles(pad, default_sizes(pad, fineness)), order)
-    return elements.assemble(mesh, order, materials)
+    return elements.assemble(mesh, order, pad.materials)
 
 
 def free_block(found: elements.Assembled) -> sparse.csc_matrix:

@@ -63,16 +63,15 @@ class FiniteStrain(Law):
         if asked:
             raise RefusedError(f"finite_strain is quasi-static: leave out what asks for {', '.join(asked)}")
         pad, unit = piece.pad, piece.unit
-        materials = {"skin": (1.0, pad.poisson_ratio)}
-        if pad.strips:
-            materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
         curved = elements.curved(mesh, order)
         with one_blas_thread():
             whole = dragged.dragged(
-                curved, order, materials, pad.top, unit, pad.young_modulus * unit * pad.length
+                curved, order, pad.materials, pad.top, unit, pad.young_modulus * unit * pad.length
             )
         strips = (
-            strip_stress(whole.body, order, materials, piece.slots, piece.thickness, unit) if films else None
+            strip_stress(whole.body, order, pad.materials, piece.slots, piece.thickness, unit)
+            if films
+            else None
         )
         return LargePad(whole, strips, pad.young_modulus, self.creases == "stop")
 

@@ -61,6 +61,12 @@ class Pad:
     ends: tuple[tuple[float, ...], ...] = ()
 
     @property
+    def materials(self) -> dict[str, tuple[float, float]]:
+        """Young's modulus, in the silicone's, and Poisson's ratio of each domain of the mesh."""
+        film = {"film": (self.film_modulus / self.young_modulus, self.film_ratio)} if self.strips else {}
+        return {"skin": (1.0, self.poisson_ratio), **film}
+
+    @property
     def ridges(self) -> tuple[int, ...]:
         """Numbers of the ridges that can touch, ascending."""
         found = {s.ridge for s in self.section.outline if s.kind in CONTACT_KINDS}
@@ -151,6 +157,20 @@ class Answer:
     warnings: tuple[str, ...] = ()
     fault: str = ""
     parts: RidgeModel | None = None
+
+    def widened(self, threshold: float, approach: float, share: float) -> Answer:
+        """Return the answer with larger errors: by parts of F9 and of the approach, and by `share` N."""
+
+        def wider(found: Estimate, more: float) -> Estimate:
+            return replace(found, error=None if found.error is None else found.error + more)
+
+        first, down = self.all_touch_force, self.approach
+        return replace(
+            self,
+            all_touch_force=wider(first, (first.value or 0.0) * threshold),
+            approach=wider(down, abs(down.value or 0.0) * approach),
+            ridge_force=tuple(wider(each, share) for each in self.ridge_force),
+        )
 
 
 def pad_of(design: Design) -> Pad:

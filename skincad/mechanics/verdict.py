@@ -139,15 +139,6 @@ def decided(found: ContactCheck) -> bool:
 
 def with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:
     """Add to each error what the model leaves out."""
-
-    def wider(estimate: Estimate, more: float) -> Estimate:
-        return replace(estimate, error=None if estimate.error is None else estimate.error + more)
-
-    threshold, approach, shares = found.all_touch_force, found.approach, found.ridge_force
-    mean = force / len(shares) if len(shares) > 1 else 0.0
-    return replace(
-        found,
-        all_touch_force=wider(threshold, (threshold.value or 0.0) * math.fsum(b.threshold for b in bounds)),
-        approach=wider(approach, abs(approach.value or 0.0) * math.fsum(b.approach for b in bounds)),
-        ridge_force=tuple(wider(f, mean * math.fsum(b.share for b in bounds)) for f in shares),
-    )
+    ridges = len(found.ridge_force)
+    share = (force / ridges if ridges > 1 else 0.0) * math.fsum(b.share for b in bounds)
+    return found.widened(math.fsum(b.threshold for b in bounds), math.fsum(b.approach for b in bounds), share)

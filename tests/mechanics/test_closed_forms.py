@@ -91,7 +91,7 @@ def uniform(ratio: float, gradient: Array) -> tuple[Array, Array, float]:
     displacement.Set(ng.CF(tuple(row[0] * ng.x + row[1] * ng.y for row in gradient.tolist())))
     bulk = 1 / (3 * (1 - 2 * ratio))
     pressure.Set(ng.CF(bulk * (np.linalg.det(np.eye(2) + gradient) - 1)))
-    force = neo_hooke.residual(body, np.array(state.vec.FV().NumPy()))
+    force = body.residual(np.array(state.vec.FV().NumPy()))
     vertical = body.rest.contact
     start = body.space.components[0].Range(1).start
     lift = body.rest.lift[vertical]

@@ -94,8 +94,7 @@ def small_strain(
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     (u, q), (v, r) = both.TnT()
-    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
-    bulk = mesh.MaterialCF({name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()})
+    shear, bulk = moduli(mesh, materials)
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
     form = ng.BilinearForm(both, symmetric=True, condense=condense)
     form += (
@@ -106,6 +105,13 @@ def small_strain(
     ) * ng.dx
     form.Assemble()
     return form, both
+
+
+def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
+    """Return shear and bulk modulus as NGSolve's functions of a mesh's domains."""
+    shear = {name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()}
+    bulk = {name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()}
+    return mesh.MaterialCF(shear), mesh.MaterialCF(bulk)
 
 
 def as_csr(matrix: Any) -> sparse.csr_matrix:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
-from skincad.mechanics.bodies.elements import Assembled, as_csr, outlines, with_contact
+from skincad.mechanics.bodies.elements import Assembled, as_csr, moduli, outlines, with_contact
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.problem import ContactError
 
@@ -47,12 +47,15 @@ class NeoHookeBody:
     order: Index
 
     def residual(self, state: Array) -> Array:
-        """Return `residual`."""
-        return residual(self, state)
+        """Return the energy's derivative `(n,)` by all unknowns, clamped ones included."""
+        found = _vector(self, state).CreateVector()
+        self.form.Apply(_vector(self, state), found)
+        return np.array(found.FV().NumPy())
 
     def energy(self, state: Array) -> float:
-        """Return `energy`."""
-        return energy(self, state)
+        """Return the energy per length along y; infinite where a point of the elements is inside out."""
+        value = float(self.form.Energy(_vector(self, state)))
+        return value if np.isfinite(value) else np.inf
 
     def linearised(self, state: Array, residual: Array) -> PlaneLinearised:
         """Return the tangent factorised; ContactError where it is singular."""
@@ -126,8 +129,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     u, q = both.TrialFunction()
-    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
-    bulk = mesh.MaterialCF({name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()})
+    shear, bulk = moduli(mesh, materials)
     edge = _clamped_edges(mesh, CLAMPED_EDGE)
     gradient = ng.Grad(u)
     density = strain_energy((1 - edge) * gradient, q, shear, bulk, ng.log)
@@ -198,19 +200,6 @@ def under(body: NeoHookeBody, matrix: sparse.csr_matrix, residual: Array) -> Tan
     condensed = whole.CreateVector()
     condensed.data = whole + body.form.harmonic_extension_trans * whole
     return Tangent(matrix, np.array(condensed.FV().NumPy()), body.form, whole)
-
-
-def residual(body: NeoHookeBody, state: Array) -> Array:
-    """Return the energy's derivative `(n,)` by all unknowns, clamped ones included."""
-    found = _vector(body, state).CreateVector()
-    body.form.Apply(_vector(body, state), found)
-    return np.array(found.FV().NumPy())
-
-
-def energy(body: NeoHookeBody, state: Array) -> float:
-    """Return the energy per length along y; infinite where a point of the elements is turned inside out."""
-    value = float(body.form.Energy(_vector(body, state)))
-    return value if np.isfinite(value) else np.inf
 
 
 def transferred(coarse: NeoHookeBody, state: Array, fine: NeoHookeBody) -> Array:

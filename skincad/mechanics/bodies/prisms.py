@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
-from skincad.mechanics.bodies.elements import Assembled, Sample, assemble
+from skincad.mechanics.bodies.elements import Assembled, Sample, as_csr, assemble, moduli
 from skincad.mechanics.bodies.layers import AlongY
 from skincad.mechanics.problem import ContactError
 
@@ -69,7 +69,7 @@ def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, fl
     """
     space = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     pressure = ng.L2(mesh, order=order - 1)
-    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    shear, _ = moduli(mesh, materials)
     soft = mesh.MaterialCF({name: 3 * (1 - 2 * nu) / e for name, (e, nu) in materials.items()})
     (u, v), (q, r) = space.TnT(), pressure.TnT()
     of_u, of_v = _values(u), _values(v)
@@ -103,10 +103,7 @@ def _values(u: Any) -> dict[str, Any]:
 def _matrix(form: Any, integrand: Any) -> sparse.csr_matrix:
     form += integrand * ng.dx
     form.Assemble()
-    values, columns, starts = form.mat.CSR()
-    return sparse.csr_matrix(
-        (np.array(values), np.array(columns), np.array(starts)), shape=(form.mat.height, form.mat.width)
-    )
+    return as_csr(form.mat)
 
 
 def _block_inverse(matrix: sparse.csr_matrix, blocks: list[Index]) -> sparse.csr_matrix:

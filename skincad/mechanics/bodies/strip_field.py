@@ -15,7 +15,7 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.mechanics.bodies.elements import Assembled, as_csr, small_strain, with_contact
+from skincad.mechanics.bodies.elements import Assembled, as_csr, moduli, small_strain, with_contact
 from skincad.mechanics.problem import ContactError
 from skincad.shape.cross_section import SlotPlace
 
@@ -63,7 +63,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
 
 def _stress(mesh: Any, materials: Mapping[str, tuple[float, float]], u: Any, q: Any) -> Any:
     """Stresses xx, xz, zz and yy of a state: 2 G dev(e) + q, q being the mean stress (elements.py)."""
-    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    shear, _ = moduli(mesh, materials)
     h = ng.Grad(u)
     mean = (h[0, 0] + h[1, 1]) / 3
     return ng.CF(

@@ -44,12 +44,8 @@ class MovingBody:
 def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
     """Return the matrices of netgen's mesh of a piece; `films` asks for the strips' stresses."""
     pad, unit = piece.pad, piece.unit
-    skin = (1.0, pad.poisson_ratio)
-    materials, densities = {"skin": skin}, {"skin": pad.density}
-    if pad.strips:
-        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
-        densities["film"] = pad.film_density
-    silicone = "|".join(name for name, moduli in materials.items() if moduli == skin)
+    materials, densities = pad.materials, {"skin": pad.density, "film": pad.film_density}
+    silicone = "|".join(name for name, moduli in materials.items() if moduli == materials["skin"])
     body = strip_field.body(elements.curved(mesh, order), order, materials)
     forms = _forms(body, materials, densities, silicone)
     scale = pad.young_modulus * pad.length
@@ -90,7 +86,7 @@ def _forms(
     n = space.ndof
     divergence = sparse.csr_matrix(mixed[n:, :n])
     inverse = _inverse(-mixed[n:, n:], mesh, pressures)
-    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    shear, _ = elements.moduli(mesh, materials)
     u, v = space.TnT()
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
     deviatoric = 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
@@ -132,7 +128,7 @@ def _strips(
     mesh = body.system.mesh
     film = mesh.Materials("film")
     flat = ng.L2(mesh, order=0)
-    shear = mesh.MaterialCF({name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()})
+    shear, _ = elements.moduli(mesh, materials)
     u, q, test = forms.space.TrialFunction(), forms.pressures.TrialFunction(), flat.TestFunction()
     h = ng.Grad(u)
     mean = (h[0, 0] + h[1, 1]) / 3

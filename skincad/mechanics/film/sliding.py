@@ -67,12 +67,9 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
     if asked > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
         raise SizeError("ridge.count", limit, asked, "take fewer ridges")
-    materials = {"skin": (1.0, pad.poisson_ratio)}
-    if pad.strips:
-        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
-    body = strip_field.body(curved, order, materials)
+    body = strip_field.body(curved, order, pad.materials)
     functionals = (
-        strip_field.average_rows(body, materials, piece.slots, piece.thickness, unit) if films else None
+        strip_field.average_rows(body, pad.materials, piece.slots, piece.thickness, unit) if films else None
     )
     nodes = body.system.nodes
     x, z = (nodes.position * unit).T

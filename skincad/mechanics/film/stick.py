@@ -99,9 +99,8 @@ def level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -
 def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
     clock = [perf_counter()]
     pad = piece.pad
-    stiff = pad.film_modulus / pad.young_modulus, pad.film_ratio
     curved = elements.curved(mesh, order)
-    body = strip_field.body(curved, order, {"skin": (1.0, pad.poisson_ratio), "film": stiff})
+    body = strip_field.body(curved, order, pad.materials)
     clock.append(perf_counter())
     even, odd = body.held if piece.mirrored else (np.empty(0, np.int64),) * 2
     small = condensed(body, even)

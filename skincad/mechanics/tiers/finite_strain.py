@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
@@ -64,23 +63,11 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
         )
     levels = Levels()
     found, _ = climb(pad, request, levels, "finite-strain", progress)
-    return _with_edge(replace(found, warnings=(*found.warnings, *levels.warnings())), request.force)
-
-
-def _with_edge(found: Answer, force: float) -> Answer:
-    """Add to the errors what the law at the clamped ends may change."""
-
-    def wider(estimate: Estimate, more: float) -> Estimate:
-        return replace(estimate, error=None if estimate.error is None else estimate.error + more)
-
-    threshold, approach, shares = found.all_touch_force, found.approach, found.ridge_force
-    share = 0.0 if len(shares) == 1 else EDGE_STATE * force / len(shares)
-    return replace(
-        found,
-        all_touch_force=wider(threshold, EDGE_THRESHOLD * (threshold.value or 0.0)),
-        approach=wider(approach, EDGE_STATE * (approach.value or 0.0)),
-        ridge_force=tuple(wider(f, share) for f in shares),
-    )
+    found, ridges = replace(found, warnings=(*found.warnings, *levels.warnings())), len(found.ridge_force)
+    share = (
+        EDGE_STATE * request.force / ridges if ridges > 1 else 0.0
+    )  # what the clamped ends' law may change
+    return found.widened(EDGE_THRESHOLD, EDGE_STATE, share)
 
 
 @dataclass(frozen=True)
@@ -120,14 +107,11 @@ def _level(
 ) -> tuple[_Solved, PlaneSolution]:
     unit, modulus = unit_of(pad), pad.young_modulus
     scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
-    materials = {"skin": (1.0, pad.poisson_ratio)}
-    if pad.strips:
-        materials["film"] = (pad.film_modulus / modulus, pad.film_ratio)
     clock = [perf_counter()]
     mesh = elements.curved(triangles, order) if before is None else before.mesh
     mesh.Curve(max(3, order))
     low = np.array(drops) / unit if drops else None
-    what = pressed(mesh, order, materials, pad.top / unit, low)
+    what = pressed(mesh, order, pad.materials, pad.top / unit, low)
     clock.append(perf_counter())
     guess = None if before is None else transferred(before.pad.body, before.pressed.values, what.body)
     state = at_force(what, force / scale, scale, guess)

@@ -7,7 +7,7 @@ values, the difference the error. Rungs are climbed until the asked tolerance is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -40,6 +40,7 @@ from skincad.mechanics.problem import (
     one_ridge,
     pad_of,
 )
+from skincad.mechanics.tiers.reached import relative_error, shortfalls
 
 Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
@@ -174,11 +175,11 @@ def climb(
         before = best
         climbed.append(rung)
         index += 1
-        reached = _relative_error(result, force, unit_of(pad))
+        reached = relative_error(result, force, unit_of(pad))
         if reached <= wanted or not _affordable(climbed, index, perf_counter() - began, budget):
             break
     spent = perf_counter() - began
-    warnings = tuple(_shortfalls(reached, wanted, full, spent, budget))
+    warnings = shortfalls(reached, wanted, full, spent, budget, "mesh")
     return replace(result, warnings=warnings, seconds=seconds), best
 
 
@@ -207,15 +208,6 @@ def _affordable(climbed: list[PlaneRung], following: int, spent: float, budget: 
     return budget is None or spent * (1 + price) <= budget
 
 
-def _shortfalls(
-    reached: float, wanted: float, full: str, spent: float, budget: float | None
-) -> Iterator[str]:
-    if reached > wanted > 0:
-        yield f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met{full}"
-    if budget is not None and spent > budget:
-        yield f"the cheapest mesh took {spent:.2g} s, more than the budget of {budget:g} s"
-
-
 def _first_rung(wanted: float) -> int:
     """Where to start: the rung that mostly meets the tolerance, or from the third on the one before it.
 
@@ -236,14 +228,11 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     unit, modulus = unit_of(pad), pad.young_modulus
     scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
     clock = [perf_counter()]
-    materials = {"skin": (1.0, pad.poisson_ratio)}
-    if pad.strips:
-        materials["film"] = (pad.film_modulus / modulus, pad.film_ratio)
     curved = elements.curved(mesh, order)
     contact = elements.contact_unknowns(curved, order)
     if contact > MOST_CONTACT_UNKNOWNS:
         raise _too_large(contact)
-    system = elements.assemble(curved, order, materials)
+    system = elements.assemble(curved, order, pad.materials)
     clock.append(perf_counter())
     small = condense(system.matrix, system.interior, system.contact)
     clock.append(perf_counter())
@@ -352,17 +341,6 @@ def _estimated(
         dict(seconds),
         fault=best.fault,
     )
-
-
-def _relative_error(found: Answer, force: float, unit: float) -> float:
-    """Largest relative error: of F9, of the approach, of a share against the mean share."""
-    shares = found.ridge_force
-    errors = [(shares[0].error or 0.0) * len(shares) / force]
-    errors.append((found.approach.error or 0.0) / max(abs(found.approach.value or 0.0), FLOOR * unit))
-    if found.all_touch_force.value is not None:
-        scale = max(found.all_touch_force.value, FLOOR * force)
-        errors.append((found.all_touch_force.error or 0.0) / scale)
-    return float(max(errors))
 
 
 def _add(total: dict[str, float], more: dict[str, float]) -> None:

@@ -19,7 +19,8 @@ from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, SizeError, check_pad, pad_of
+from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_pad, pad_of
+from skincad.mechanics.tiers.reached import relative_error, shortfalls
 from skincad.mechanics.tiers.solid_level import (
     Layers,
     SolidSolution,
@@ -88,17 +89,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
             break
         reached = relative_error(result, force, unit_of(pad))
     spent = perf_counter() - began
-    return replace(result, warnings=shortfalls(reached, wanted, spent, budget), seconds=seconds)
-
-
-def shortfalls(reached: float, wanted: float, spent: float, budget: float | None) -> tuple[str, ...]:
-    """Return what was asked and not kept, in words."""
-    found = []
-    if reached > wanted > 0:
-        found.append(f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met")
-    if budget is not None and spent > budget:
-        found.append(f"the cheapest solid took {spent:.2g} s, more than the budget of {budget:g} s")
-    return tuple(found)
+    return replace(result, warnings=shortfalls(reached, wanted, "", spent, budget, "solid"), seconds=seconds)
 
 
 def _climb(
@@ -148,13 +139,3 @@ def _estimated(best: SolidSolution, lower: SolidSolution, finer: SolidSolution) 
         max(c.residual for c in (best, lower, finer)),
         {},
     )
-
-
-def relative_error(found: Answer, force: float, unit: float) -> float:
-    """Return the largest relative error: of F9, of the approach, of a share against the mean share."""
-    shares, approach, threshold = found.ridge_force, found.approach, found.all_touch_force
-    errors = [(shares[0].error or 0.0) * len(shares) / force]
-    errors.append((approach.error or 0.0) / max(abs(approach.value or 0.0), FLOOR * unit))
-    if threshold.value is not None:
-        errors.append((threshold.error or 0.0) / max(threshold.value, FLOOR * force))
-    return float(max(errors))

@@ -34,7 +34,6 @@ from skincad.mechanics.tiers.solid_level import (
     coarse_sizes,
     forms_of,
     level_of,
-    materials_of,
     meshed_piece,
     timed,
 )
@@ -119,7 +118,7 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
             unknowns,
             "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
         )
-    return solid_body(forms, borders, along.order, materials_of(meshed.piece), clamped_end=clamped_end)
+    return solid_body(forms, borders, along.order, meshed.piece.materials, clamped_end=clamped_end)
 
 
 def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:

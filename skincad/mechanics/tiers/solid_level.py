@@ -99,15 +99,7 @@ def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
 
 def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
     """Return the section's integrals at an order."""
-    return prisms.section_forms(elements.curved(meshed.mesh, order), order, materials_of(meshed.piece))
-
-
-def materials_of(pad: Pad) -> dict[str, tuple[float, float]]:
-    """Return Young's modulus in E and Poisson's ratio of each domain."""
-    materials = {"skin": (1.0, pad.poisson_ratio)}
-    if pad.strips:
-        materials["film"] = (pad.film_modulus / pad.young_modulus, pad.film_ratio)
-    return materials
+    return prisms.section_forms(elements.curved(meshed.mesh, order), order, meshed.piece.materials)
 
 
 def pressed(

@@ -24,7 +24,6 @@ from skincad.mechanics.tiers.solid_level import (
     Meshed,
     coarse_sizes,
     forms_of,
-    materials_of,
     meshed_piece,
     pressed,
 )
@@ -179,7 +178,7 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
     top, half = pad.top / meshed.unit, pad.length / 2 / meshed.unit
     force = 0.05  # per length; strains of 5 %
     held = press_to(Pressed(body, top), force * half)
-    plane = press_to(newton.pressed(elements.curved(meshed.mesh, 2), 2, materials_of(pad), top), force)
+    plane = press_to(newton.pressed(elements.curved(meshed.mesh, 2), 2, pad.materials, top), force)
     assert held.approach == pytest.approx(plane.approach, rel=1e-4)
     assert np.abs(held.values[2 * body.displacements // 3 : body.displacements]).max() <= 1e-9  # u_y
 
