@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
@@ -20,7 +20,6 @@ LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse i
 LARGEST_ERROR = 0.5  # of the modulus; a wider interval says nothing of use
 FIRM = 0.05  # of the largest load, from which a row counts as one under load
 
-Array = NDArray[np.float64]
 Fit = Callable[[MaterialTest], Regression]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
@@ -23,7 +22,6 @@ from skincad.material.pad_curve import (
 )
 from skincad.material.regression import Regression, regression
 
-Array = NDArray[np.float64]
 STRIPS_KNOW = 0.1  # relative change of E that moves the curve of a pad with strips by 1e-3 (measured)
 PASSES = 4
 MARGIN = 1.25  # of the force that small strain asks for; finite strain asks for up to 15 % more

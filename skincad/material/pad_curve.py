@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Stopwatch
@@ -25,8 +25,6 @@ from skincad.mechanics.tiers import corrected, linear
 from skincad.mechanics.tiers.finite_strain import Levels
 from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
 from skincad.mechanics.validity import limits
-
-Array = NDArray[np.float64]
 
 POINTS = 80  # forces of the table, closer at the first touch
 FINE = linear.RUNGS[1]

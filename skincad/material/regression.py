@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, stats
 
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 
-Array = NDArray[np.float64]
 CONFIDENCE = 0.95
 FREE = 2.0  # degrees of freedom, at least; assumption: with one, a residual of 0.3 % would be worth 6 % of E
 MOST_CORRELATED = 0.999  # of lag 1, so that a smooth misfit keeps a finite interval

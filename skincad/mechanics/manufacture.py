@@ -10,13 +10,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.mechanics.contact.ridge_model import ridge_forces
 from skincad.mechanics.problem import FLOOR, Manufacture, RidgeModel, Spread
-
-Array = NDArray[np.float64]
 
 PARTS = 10_000  # of a pad of up to MANY ridges; of more so many fewer as pairs of ridges are more
 MANY = 32

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.inputs.skin_tables import Plate
-
-Array = NDArray[np.float64]
 
 
 def rise(plate: Plate, x: Array) -> Array:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import silicone
@@ -16,7 +14,6 @@ from skincad.inputs.skin_tables import Plate
 from skincad.shape.cross_section import CONTACT_KINDS, Section, section
 from skincad.shape.curves import Loop, Point, Segment
 
-Array = NDArray[np.float64]
 FLAT = Plate()
 FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
 PVDF_DENSITY = 1780.0  # kg/m3; source: data sheets

@@ -12,14 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 from scipy.linalg import blas, lapack
 
+from skincad.base.arrays import Array, Index
 from skincad.mechanics.problem import ContactError
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 NOT_DEFINITE = "the stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
 LEAF = 3  # triangles; smaller leaves cost more calls, larger ones more arithmetic

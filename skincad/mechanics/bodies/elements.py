@@ -15,10 +15,10 @@ from typing import Any
 import ngsolve as ng
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 from scipy import sparse
 
-Array = NDArray[np.float64]
+from skincad.base.arrays import Array, Index, Mask
+
 FINE = 16  # intervals an edge in the fine sampling of gaps
 EDGE_POINTS = np.linspace(0.0, 1.0, 9)  # of the deformed outline, on each edge
 
@@ -33,9 +33,9 @@ class Sample:
 
     rows: sparse.csr_matrix
     position: Array
-    ridge: NDArray[np.int64]
+    ridge: Index
     weight: Array
-    edge: NDArray[np.int64]
+    edge: Index
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class Assembled:
     """
 
     matrix: sparse.csr_matrix
-    interior: NDArray[np.int64]
-    contact: NDArray[np.int64]
+    interior: Index
+    contact: Index
     lift: Array
     nodes: Sample
     fine: Sample
@@ -179,7 +179,7 @@ class _Edge:
     number: int
     ridge: int
     shape: Any
-    unknowns: NDArray[np.int64]
+    unknowns: Index
 
 
 def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
@@ -191,7 +191,7 @@ def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
             yield _Edge(number, ridge, vertical.GetFE(element), unknowns)
 
 
-def _sample(mesh: Any, edges: list[_Edge], contact: NDArray[np.int64], at: Array, weights: Array) -> Sample:
+def _sample(mesh: Any, edges: list[_Edge], contact: Index, at: Array, weights: Array) -> Sample:
     """Sample every edge at the parameters `at` in (0, 1)."""
     columns, values, numbers = [], [], [edge.number for edge in edges]
     _, places, slopes = mapped(mesh, at[:, None].tolist(), ng.BND)
@@ -242,7 +242,7 @@ class Outline:
 
     rest: Array
     moved: Array
-    touches: NDArray[np.bool_]
+    touches: Mask
 
 
 def outlines(system: Assembled, values: Array) -> list[Outline]:

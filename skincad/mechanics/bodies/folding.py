@@ -10,11 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies.elements import Outline
 
-Array = NDArray[np.float64]
 THROUGH = 2e-3  # of the unit; between contact points the crown itself is up to 1e-3 above the plate
 
 

@@ -13,14 +13,13 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.elements import moduli
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, swelling
 from skincad.mechanics.bodies.strip_field import strips_of
 from skincad.shape.cross_section import SlotPlace
 
-Array = NDArray[np.float64]
 EXTRA = 2  # of the integration's order beyond twice the displacements': the integrand is no polynomial
 
 
@@ -33,8 +32,8 @@ class StripStress:
 
     moved: Any
     parts: tuple[Any, ...]
-    elements: NDArray[np.int64]
-    strip: NDArray[np.int64]
+    elements: Index
+    strip: Index
     order: int
 
     def at(self, values: Array) -> Array:
@@ -84,7 +83,7 @@ def strip_stress(
     return StripStress(moved, parts, elements, strip, 2 * order + EXTRA)
 
 
-def _directions(mesh: Any, elements: NDArray[np.int64], direction: Array) -> Any:
+def _directions(mesh: Any, elements: Index, direction: Array) -> Any:
     """Return a vector that is constant on each of the elements, `(e, 2)`, zero elsewhere."""
     components = []
     for values in direction.T:

@@ -7,11 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies.elements import lobatto
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,14 @@ from typing import Any
 import ngsolve as ng
 import numpy as np
 from netgen.meshing import NgException
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
 from skincad.mechanics.bodies.elements import Assembled, as_csr, moduli, outlines, with_contact
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.problem import ContactError
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Index = NDArray[np.int64]
 PLANE = 2  # dimensions
 CLAMPED_EDGE = 0.005  # of the height, see `body`
 SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse

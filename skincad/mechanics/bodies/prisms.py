@@ -13,16 +13,14 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
 from skincad.mechanics.bodies.elements import Assembled, Sample, as_csr, assemble, moduli
 from skincad.mechanics.bodies.layers import AlongY
 from skincad.mechanics.problem import ContactError
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 AXES = ("x", "z", "y")  # order of the displacement's components
 ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
 
@@ -40,8 +38,8 @@ class SectionForms:
     shear: dict[tuple[str, str], sparse.csr_matrix]
     volume: dict[str, sparse.csr_matrix]
     inverse: sparse.csr_matrix
-    held: NDArray[np.bool_]
-    cut: NDArray[np.bool_]
+    held: Mask
+    cut: Mask
     functions: list[Index]
     centres: Array
     plane: Assembled
@@ -115,7 +113,7 @@ def _block_inverse(matrix: sparse.csr_matrix, blocks: list[Index]) -> sparse.csr
     return sparse.csr_matrix((values, (rows.ravel(), columns.ravel())), shape=matrix.shape)
 
 
-def _on_cut(mesh: Any, space: Any, points: Array) -> NDArray[np.bool_]:
+def _on_cut(mesh: Any, space: Any, points: Array) -> Mask:
     cut = np.zeros(space.ndof, dtype=bool)
     for edge in mesh.Elements(ng.BND):
         if np.abs(points[[v.nr for v in edge.vertices], 0]).max() < ON_AXIS:
@@ -181,7 +179,7 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
 
 def free_unknowns(
     forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Return which unknowns `(component, section function, function along y)` are free, see `condensed`."""
     count, layers = forms.held.size, line.at.size
     free = ~np.tile(forms.held, 3).repeat(layers).reshape(3, count, layers)
@@ -192,7 +190,7 @@ def free_unknowns(
     return np.asarray(free)
 
 
-def fronts_of(forms: SectionForms, free: NDArray[np.bool_]) -> tuple[list[Front], Unknowns]:
+def fronts_of(forms: SectionForms, free: Mask) -> tuple[list[Front], Unknowns]:
     """Return fronts over (component, section function), contact functions last, held ones left out."""
     count = forms.held.size
     mask = free.reshape(3 * count, -1)

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 import ngsolve as ng
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies.elements import mapped
 from skincad.mechanics.bodies.prisms import SectionForms
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

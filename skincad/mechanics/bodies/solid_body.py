@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import layers, solid_law
 from skincad.mechanics.bodies.dissect import Factored, Front, Unknowns, factored
 from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
@@ -19,10 +19,6 @@ from skincad.mechanics.bodies.folding import THROUGH, fault
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.section_points import SectionPoints, section_points
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies.neo_hooke import strain_energy, swelling
-
-Array = NDArray[np.float64]
 
 # Of the bulk modulus, what acts without the pressure: in G, so that Lame's constant there is G instead of
 # -2 G/3, but at most half of it, so that nu = 0 has a pressure too. Measured on plain-ridges: it reaches 11 N

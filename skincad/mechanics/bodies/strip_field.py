@@ -13,15 +13,12 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies.elements import Assembled, as_csr, moduli, small_strain, with_contact
 from skincad.mechanics.problem import ContactError
 from skincad.shape.cross_section import SlotPlace
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
 PIECES = 2  # a triangle's edge is drawn in so many
 AREA = 1e-9  # relative; the triangles of a strip make up its area

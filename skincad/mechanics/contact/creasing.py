@@ -17,13 +17,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies import folding
 from skincad.mechanics.bodies.elements import Outline, outlines
 from skincad.mechanics.contact.dragged import Dragged, DraggedState
 
-Array = NDArray[np.float64]
 WRINKLES = 0.544
 CREASES = 0.646
 FOOT = 0.2  # of the height; below, strains at the ends of the clamped back are unbounded in any mesh

@@ -16,9 +16,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 
+from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import neo_hooke
 from skincad.mechanics.bodies.condense import factors, fill_order
 from skincad.mechanics.bodies.elements import Assembled
@@ -27,9 +27,6 @@ from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, at_rest
 from skincad.mechanics.contact.newton import RESIDUAL, ROUNDING, SHORTEST
 from skincad.mechanics.problem import ContactError
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 ITERATIONS = 40  # in one step; with a kept tangent five to ten are usual
 SLOW = 0.2  # a residual that falls less in an iteration asks for a new tangent

@@ -14,9 +14,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.contact.grip import (
     LEFT,
     OPEN,
@@ -31,9 +31,6 @@ from skincad.mechanics.contact.grip import (
     Status,
 )
 from skincad.mechanics.problem import ContactError
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 SWEEPS = 40  # with all points updated at once; five to ten are usual, beyond this it cycles
 SINGLE = 80  # with the worst point alone updated
@@ -301,7 +298,7 @@ class _Step:
         short = ROUNDING * self.length
         wrong, wanted = np.zeros(self.m), status.copy()
 
-        def mark(where: NDArray[np.bool_], amount: Array, to: Status | int) -> None:
+        def mark(where: Mask, amount: Array, to: Status | int) -> None:
             wrong[where] = amount[where]
             wanted[where] = to[where] if isinstance(to, np.ndarray) else to
 

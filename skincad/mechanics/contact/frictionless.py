@@ -10,13 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from skincad.base.arrays import Array, Mask
 from skincad.mechanics.problem import ContactError
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 SWEEPS = 60  # primal-dual sweeps; five to ten is usual, beyond this it cycles
 ROUNDING = 1e-12  # relative; what counts as zero when the active set is updated

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Mask
 from skincad.mechanics.problem import ContactError
 
-Array = NDArray[np.float64]
 Status = NDArray[np.int8]
 
 OPEN, STICK, RIGHT, LEFT = 0, 1, 2, 3  # RIGHT: slips with t to +x, as the plate drags it; LEFT to -x
@@ -66,7 +66,7 @@ class Grip:
     angle: float = 0.0  # of the plate, rad
 
     @property
-    def slips(self) -> NDArray[np.bool_]:
+    def slips(self) -> Mask:
         """Points `(m,)` that slide on the plate."""
         if self.gross:
             return np.asarray(self.status >= RIGHT)
@@ -74,7 +74,7 @@ class Grip:
         return np.asarray((self.status >= RIGHT) & (np.abs(self.slipped) > least))
 
     @property
-    def touches(self) -> NDArray[np.bool_]:
+    def touches(self) -> Mask:
         """Points `(m,)` that touch the plate."""
         return np.asarray(self.status != OPEN)
 

@@ -13,17 +13,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Mask
 from skincad.mechanics.bodies import neo_hooke
 from skincad.mechanics.bodies.elements import Assembled
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.problem import ContactError
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above

@@ -12,13 +12,11 @@ condensed model takes half a millisecond, ten thousand of these together about a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.problem import ContactError, RidgeModel
-
-Array = NDArray[np.float64]
 
 TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where the patch is small
 SWEEPS = 4000  # under a force far below what closes the gaps each sweep leaves 98 % of the error

@@ -10,15 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, sparse
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies.elements import Assembled
 from skincad.mechanics.contact.frictionless import NodalContact, Solved, press
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 LARGEST_FORCE = 1e4  # in units of E times the unit length; far beyond any small strain
 ROOT = 1e-12  # relative, of the force

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies.elements import Assembled
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Pad
-
-Array = NDArray[np.float64]
 
 
 def seen_by_plate(pad: Pad, system: Assembled, flexibility: Array, unit: float) -> Ridges:

@@ -12,16 +12,13 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Index
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.elements import as_csr
 from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.film.stick import PadPiece
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,18 +9,15 @@ tests/mechanics/dynamics/test_steps.py). Khenous, Laborde, Renard, Eur. J. Mech.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.dynamics.moving_body import MovingBody, moving
 from skincad.mechanics.dynamics.state import Half, PadEquations
 from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
 from skincad.mechanics.film.stick import PadPiece, on_whole, resolved
 from skincad.mechanics.problem import SizeError
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquations:

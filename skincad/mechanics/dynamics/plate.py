@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.contact.grip import Drive, Grip, Inert
 from skincad.mechanics.dynamics.state import Moved
 from skincad.mechanics.dynamics.time_scheme import Scheme
 
-Array = NDArray[np.float64]
 TONNE = 1e-6  # of a gram
 
 

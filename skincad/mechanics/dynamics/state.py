@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.contact.grip import Drive, Grip, at_rest
 from skincad.mechanics.dynamics.time_scheme import Matter
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 AT_REST = Matter()
 
 

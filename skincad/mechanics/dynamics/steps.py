@@ -16,9 +16,9 @@ from dataclasses import dataclass, field, replace
 from math import exp
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
@@ -28,8 +28,6 @@ from skincad.mechanics.dynamics.state import Moved, PadEquations, sum_of, unrela
 from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
 from skincad.mechanics.problem import ContactError
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 DEEPEST = 4  # times that a step is cut in two
 DIGITS = 9  # of a step's length: equal ones share a factorisation
 

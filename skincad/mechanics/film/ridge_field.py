@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import strip_field
 from skincad.mechanics.bodies.strip_field import Patch
 from skincad.mechanics.film.stick import PadPiece, StickSolution, UnderLoad
 
-Array = NDArray[np.float64]
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
 
 
@@ -27,8 +26,8 @@ class RidgeField:
     place: Array
     shift: Array
     stress: Array
-    triangles: NDArray[np.int64]
-    film: NDArray[np.bool_]
+    triangles: Index
+    film: Mask
 
 
 def ridge_field(piece: PadPiece, found: StickSolution, ridge: int, tangential: float) -> RidgeField:

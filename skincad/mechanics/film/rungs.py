@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.mechanics.bodies import elements
@@ -22,7 +22,6 @@ from skincad.mechanics.film.whole_state import collision, on_sides
 from skincad.mechanics.problem import Pad, SizeError, check_pad
 from skincad.mechanics.tiers.linear import MOST_CONTACT_UNKNOWNS
 
-Array = NDArray[np.float64]
 FIRST = (0.5, 3)  # fineness and order of the run that finds where contact ends
 TAIL = 2.0  # differences of orders; the true error is up to 1.4 of them (measured, film/test_stress.py)
 PATH = "full stick is an assumption, and depends on the path: the normal force first, then the tangential one"

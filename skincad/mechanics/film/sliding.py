@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed
@@ -23,8 +23,6 @@ from skincad.mechanics.film.stick import PadPiece, condensed, contact_rows, on_w
 from skincad.mechanics.film.whole_state import Parity, WholeState
 from skincad.mechanics.problem import Pad, SizeError
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 MOST_CONTACT_UNKNOWNS = 4000  # both components; dense blocks of 0.1 GB each
 ON_AXIS = 1e-9  # in units; points of the cut at x = 0
 
@@ -114,7 +112,7 @@ def _of_ends(pad: Pad, ridges: Index) -> Array:
     return more
 
 
-def ridges_of(piece: PadPiece, meshed: Index, left: NDArray[np.bool_]) -> Index:
+def ridges_of(piece: PadPiece, meshed: Index, left: Mask) -> Index:
     """Ridge of each point `(m,)` from that of its meshed point: the image of the last is the first."""
     numbers = np.array(piece.whole.ridges)
     at = np.searchsorted(numbers, meshed)
@@ -136,8 +134,8 @@ class WholePoints:
     `axis` those on the cut; `share` is what of a force the meshed piece bears."""
 
     of: Index
-    left: NDArray[np.bool_]
-    axis: NDArray[np.bool_]
+    left: Mask
+    axis: Mask
     share: float
 
     def spread(self, parity: int) -> sparse.csr_matrix:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed, condense
@@ -29,9 +29,6 @@ from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import ContactError, Pad
 from skincad.shape.cross_section import SlotPlace
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
 SAME = 1e-9  # of the pad's width; centres of mirrored strips agree to that
 

@@ -13,14 +13,12 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.mechanics.contact.grip import Compliant, Grip
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.sliding import Sliding
-
-Array = NDArray[np.float64]
 
 
 def turned(pad: Sliding, angle: float) -> Compliant:

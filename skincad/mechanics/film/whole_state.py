@@ -9,17 +9,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.bodies.strip_field import Patch, StripBody
 from skincad.mechanics.film.ridge_field import as_image, joined
 from skincad.mechanics.film.stick import PadPiece
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +29,8 @@ class Shown:
     place: Array
     shift: Array
     stress: Array
-    triangles: NDArray[np.int64]
-    film: NDArray[np.bool_]
+    triangles: Index
+    film: Mask
     plate: float
     angle: float
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
@@ -27,8 +27,6 @@ from skincad.mechanics.tiers.solid_level import (
     pressed,
     timed,
 )
-
-Array = NDArray[np.float64]
 
 ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)

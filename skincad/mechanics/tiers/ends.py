@@ -10,9 +10,9 @@ Against the corrected tier (yamada-2002 6, 12 and 48 mm long, plain-ridges) the 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
@@ -28,7 +28,6 @@ from skincad.mechanics.tiers.solid_level import (
     meshed_piece,
 )
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-9  # relative; what of a compliance counts as stiffer ends
 
 

@@ -16,8 +16,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
@@ -36,8 +36,6 @@ from skincad.mechanics.contact.newton import (
 )
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers.linear import PlaneSolution, climb
-
-Array = NDArray[np.float64]
 
 # Relative change by the small-strain law at the clamped ends (neo_hooke.body), taken as twice the change
 # measured without it at 4, 6 and 9 N: 5e-5 of F9, 6e-5 to 3e-4 of approach and of the mean share

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
@@ -42,7 +42,6 @@ from skincad.mechanics.problem import (
 )
 from skincad.mechanics.tiers.reached import relative_error, shortfalls
 
-Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
 MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
 MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so many were never seen

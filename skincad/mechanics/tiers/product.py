@@ -9,14 +9,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer, Request
-
-Array = NDArray[np.float64]
 
 PLANE = 0.5  # of finite strain's change in plane strain: what free ends may make of it
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
@@ -32,8 +32,6 @@ from skincad.mechanics.tiers.solid_level import (
     pressed,
     timed,
 )
-
-Array = NDArray[np.float64]
 
 DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (docs/facts.md)
 # What is left after order 3, of the difference to order 2; measured 0.15 to 0.45 on five pads (test_solid.py)

@@ -8,8 +8,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, layers, prisms
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
@@ -18,8 +18,6 @@ from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import all_touch_force
 from skincad.mechanics.contact.under_plate import seen_by_plate
 from skincad.mechanics.problem import ContactError, Pad, SizeError
-
-Array = NDArray[np.float64]
 
 MOST_UNKNOWNS = 600_000  # about 6 GB of fronts
 MOST_CONTACT = 6000  # dense blocks of 0.3 GB each

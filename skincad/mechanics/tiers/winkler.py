@@ -16,9 +16,9 @@ from collections.abc import Iterator
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
+from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
@@ -26,8 +26,6 @@ from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.tiers.winkler_error import compliances, half_widths, share_error
 from skincad.mechanics.validity import LARGEST_STRAIN, STEEPEST, plane_modulus
-
-Array = NDArray[np.float64]
 
 NODES = 10  # Gauss points along half a ridge; exact to rounding below 90 degrees
 TINY = 1e-300  # mm; the root's relative tolerance counts

@@ -19,13 +19,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
 from skincad.mechanics.plate import rise
-
-Array = NDArray[np.float64]
 
 # Half-widths against the linear tier at usual sizes, set on the variants of test_winkler.py
 # and 40 random designs (bench/error_bars.py); with the indicators below they hold on all of 36
