@@ -1,5 +1,4 @@
-"""Finite elements on the triangles; only this file, strip_field.py, moving_body.py, prisms.py,
-section_points.py and neo_hooke.py name ngsolve.
+"""Finite elements on the triangles: the small-strain stiffness, and the boundary that touches.
 
 Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
 order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric
@@ -8,7 +7,7 @@ positive definite and does not lock for nu near 0.5. Lengths are in the pad's un
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +17,7 @@ from numpy.polynomial import legendre
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.mechanics.bodies import fe
 
 FINE = 16  # intervals an edge in the fine sampling of gaps
 EDGE_POINTS = np.linspace(0.0, 1.0, 9)  # of the deformed outline, on each edge
@@ -78,7 +78,7 @@ def contact_unknowns(mesh: Any, order: int) -> int:
 def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Assembled:
     """Return the condensed small-strain stiffness in plane strain, see `small_strain`."""
     form, both = small_strain(mesh, order, materials)
-    return with_contact(as_csr(form.mat), mesh, both, order)
+    return with_contact(fe.as_csr(form.mat), mesh, both, order)
 
 
 def small_strain(
@@ -94,7 +94,7 @@ def small_strain(
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     (u, q), (v, r) = both.TnT()
-    shear, bulk = moduli(mesh, materials)
+    shear, bulk = fe.moduli(mesh, materials)
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
     form = ng.BilinearForm(both, symmetric=True, condense=condense)
     form += (
@@ -105,20 +105,6 @@ def small_strain(
     ) * ng.dx
     form.Assemble()
     return form, both
-
-
-def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
-    """Return shear and bulk modulus as NGSolve's functions of a mesh's domains."""
-    shear = {name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()}
-    bulk = {name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()}
-    return mesh.MaterialCF(shear), mesh.MaterialCF(bulk)
-
-
-def as_csr(matrix: Any) -> sparse.csr_matrix:
-    """Return a copy of NGSolve's sparse matrix."""
-    values, columns, starts = matrix.CSR()
-    shape = matrix.height, matrix.width
-    return sparse.csr_matrix((np.array(values), np.array(columns), np.array(starts)), shape=shape)
 
 
 def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) -> Assembled:
@@ -158,20 +144,6 @@ def lobatto(order: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights / 2
 
 
-def mapped(mesh: Any, at: Sequence[Sequence[float]], kind: Any) -> tuple[Any, Array, Array]:
-    """Return the points `at` `(p, d)` of all reference elements of a `kind` (ng.VOL, ng.BND) in the mesh.
-
-    They are NGSolve's own, to evaluate fields at, their places `(e, p, 2)` and how these change with the
-    reference coordinates, `(e, p, 2, d)`. An element's own map is never called: each point that it returns
-    stays in NGSolve's memory until the process ends.
-    """
-    points = mesh.MapToAllElements(ng.IntegrationRule([tuple(p) for p in at], [0.0] * len(at)), kind)
-    sides = len(at[0])
-    places = np.asarray(ng.CF((ng.x, ng.y))(points)).reshape(-1, len(at), 2)
-    slopes = np.asarray(ng.specialcf.JacobianMatrix(2, sides)(points)).reshape(-1, len(at), 2, sides)
-    return points, places, slopes
-
-
 @dataclass(frozen=True)
 class _Edge:
     """A boundary edge that may touch: its number among them, shape functions and vertical unknowns."""
@@ -194,7 +166,7 @@ def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
 def _sample(mesh: Any, edges: list[_Edge], contact: Index, at: Array, weights: Array) -> Sample:
     """Sample every edge at the parameters `at` in (0, 1)."""
     columns, values, numbers = [], [], [edge.number for edge in edges]
-    _, places, slopes = mapped(mesh, at[:, None].tolist(), ng.BND)
+    _, places, slopes = fe.mapped(mesh, at[:, None].tolist(), ng.BND)
     for edge in edges:
         local = np.searchsorted(contact, edge.unknowns)
         for t in at:
@@ -249,7 +221,7 @@ def outlines(system: Assembled, values: Array) -> list[Outline]:
     """Return the loops of the boundary under displacements `values` `(n,)`; strips are left out."""
     field = ng.GridFunction(system.space)
     field.vec.FV().NumPy()[:] = values
-    points, places, _ = mapped(system.mesh, EDGE_POINTS[:, None].tolist(), ng.BND)
+    points, places, _ = fe.mapped(system.mesh, EDGE_POINTS[:, None].tolist(), ng.BND)
     # along an edge the parameter runs from its second vertex to its first
     at_rest = places[:, ::-1]
     shift = field.components[0](points).reshape(places.shape)[:, ::-1]

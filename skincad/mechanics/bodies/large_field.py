@@ -15,7 +15,7 @@ import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array, Index
-from skincad.mechanics.bodies.elements import moduli
+from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, swelling
 from skincad.mechanics.bodies.strip_field import strips_of
 from skincad.shape.cross_section import SlotPlace
@@ -67,7 +67,7 @@ def strip_stress(
     elements, strip = strips_of(mesh, slots, thickness, unit)
     moved = ng.GridFunction(body.space)
     u, q = moved.components
-    shear, _ = moduli(mesh, materials)
+    shear, _ = fe.moduli(mesh, materials)
     h = ng.Grad(u)
     swell = swelling(h)
     stretch, mean = ng.Id(2) + h, q - 2 * shear / 3 * swell

@@ -18,8 +18,9 @@ from netgen.meshing import NgException
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
-from skincad.mechanics.bodies.elements import Assembled, as_csr, moduli, outlines, with_contact
+from skincad.mechanics.bodies.elements import Assembled, outlines, with_contact
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.problem import ContactError
 
@@ -126,7 +127,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     u, q = both.TrialFunction()
-    shear, bulk = moduli(mesh, materials)
+    shear, bulk = fe.moduli(mesh, materials)
     edge = _clamped_edges(mesh, CLAMPED_EDGE)
     gradient = ng.Grad(u)
     density = strain_energy((1 - edge) * gradient, q, shear, bulk, ng.log)
@@ -134,7 +135,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     form = ng.BilinearForm(both, symmetric=True, condense=True)
     form += ng.Variation(density.Compile() * ng.dx)
     form.AssembleLinearization(ng.GridFunction(both).vec)
-    rest = with_contact(as_csr(form.mat), mesh, both, order)
+    rest = with_contact(fe.as_csr(form.mat), mesh, both, order)
     free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
     return NeoHookeBody(mesh, both, form, rest, free, elimination)
@@ -188,7 +189,7 @@ def tangent(body: NeoHookeBody, state: Array, residual: Array) -> Tangent:
         if SINGULAR not in str(failure):
             raise
         raise ContactError("the tangent stiffness of an element is singular") from None
-    return under(body, as_csr(body.form.mat), residual)
+    return under(body, fe.as_csr(body.form.mat), residual)
 
 
 def under(body: NeoHookeBody, matrix: sparse.csr_matrix, residual: Array) -> Tangent:

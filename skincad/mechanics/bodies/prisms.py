@@ -16,13 +16,13 @@ import numpy as np
 from scipy import linalg, sparse
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
-from skincad.mechanics.bodies.elements import Assembled, Sample, as_csr, assemble, moduli
+from skincad.mechanics.bodies.elements import Assembled, Sample
 from skincad.mechanics.bodies.layers import AlongY
 from skincad.mechanics.problem import ContactError
 
 AXES = ("x", "z", "y")  # order of the displacement's components
-ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
 
 
 @dataclass(frozen=True)
@@ -67,58 +67,34 @@ def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, fl
     """
     space = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     pressure = ng.L2(mesh, order=order - 1)
-    shear, _ = moduli(mesh, materials)
+    shear, _ = fe.moduli(mesh, materials)
     soft = mesh.MaterialCF({name: 3 * (1 - 2 * nu) / e for name, (e, nu) in materials.items()})
     (u, v), (q, r) = space.TnT(), pressure.TnT()
     of_u, of_v = _values(u), _values(v)
     both = {
-        (a, b): _matrix(ng.BilinearForm(space), shear * of_v[a] * of_u[b])
+        (a, b): fe.assembled(shear * of_v[a] * of_u[b] * ng.dx, space)
         for i, a in enumerate(AXES)
         for b in AXES[i:]
     }
     mirrored = {(b, a): m.T.tocsr() for (a, b), m in both.items()}
-    volume = {a: _matrix(ng.BilinearForm(trialspace=space, testspace=pressure), r * of_u[a]) for a in AXES}
-    weight = _matrix(ng.BilinearForm(pressure), soft * q * r)
-    elements = list(mesh.Elements(ng.VOL))
-    points = np.array([v.point for v in mesh.vertices])
+    volume = {a: fe.assembled(r * of_u[a] * ng.dx, space, pressure) for a in AXES}
+    weight = fe.assembled(soft * q * r * ng.dx, pressure)
+    inside = list(mesh.Elements(ng.VOL))
     return SectionForms(
         {**mirrored, **both},
         volume,
-        _block_inverse(weight, [np.array(pressure.GetDofNrs(e)) for e in elements]),
+        fe.block_inverse(weight, mesh, pressure),
         ~np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof),
-        _on_cut(mesh, space, points),
-        [np.array(space.GetDofNrs(e), dtype=np.int64) for e in elements],
-        np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements]),
-        assemble(mesh, order, materials),
+        fe.on_cut(mesh, space),
+        [np.array(space.GetDofNrs(e), dtype=np.int64) for e in inside],
+        fe.centres(mesh, inside),
+        elements.assemble(mesh, order, materials),
     )
 
 
 def _values(u: Any) -> dict[str, Any]:
     gradient = ng.grad(u)
     return {"x": gradient[0], "z": gradient[1], "y": u}
-
-
-def _matrix(form: Any, integrand: Any) -> sparse.csr_matrix:
-    form += integrand * ng.dx
-    form.Assemble()
-    return as_csr(form.mat)
-
-
-def _block_inverse(matrix: sparse.csr_matrix, blocks: list[Index]) -> sparse.csr_matrix:
-    """Inverse of a matrix that couples the unknowns of one triangle only."""
-    index = np.array(blocks)
-    rows, columns = np.broadcast_arrays(index[:, :, None], index[:, None, :])
-    dense = np.asarray(matrix[rows.ravel(), columns.ravel()]).reshape(rows.shape)
-    values = np.linalg.inv(dense).ravel()
-    return sparse.csr_matrix((values, (rows.ravel(), columns.ravel())), shape=matrix.shape)
-
-
-def _on_cut(mesh: Any, space: Any, points: Array) -> Mask:
-    cut = np.zeros(space.ndof, dtype=bool)
-    for edge in mesh.Elements(ng.BND):
-        if np.abs(points[[v.nr for v in edge.vertices], 0]).max() < ON_AXIS:
-            cut[list(space.GetDofNrs(edge))] = True
-    return cut
 
 
 def stiffness(forms: SectionForms, line: AlongY) -> sparse.csr_matrix:

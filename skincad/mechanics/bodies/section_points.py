@@ -9,7 +9,7 @@ import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.bodies.elements import mapped
+from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.prisms import SectionForms
 
 
@@ -35,7 +35,7 @@ def section_points(forms: SectionForms, materials: Mapping[str, tuple[float, flo
     elements = list(mesh.Elements(ng.VOL))
     rule = ng.IntegrationRule(ng.TRIG, 2 * displacement.GetFE(elements[0]).order)
     at, share = [p[:2] for p in rule.points], np.array(rule.weights)
-    _, _, jacobian = mapped(mesh, at, ng.VOL)
+    _, _, jacobian = fe.mapped(mesh, at, ng.VOL)
     inverse = np.linalg.inv(jacobian)
     basis, test = [], []
     for element, to_reference in zip(elements, inverse, strict=True):

@@ -15,11 +15,11 @@ import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array, Index, Mask
-from skincad.mechanics.bodies.elements import Assembled, as_csr, moduli, small_strain, with_contact
+from skincad.mechanics.bodies import elements, fe
+from skincad.mechanics.bodies.elements import Assembled
 from skincad.mechanics.problem import ContactError
 from skincad.shape.cross_section import SlotPlace
 
-ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
 PIECES = 2  # a triangle's edge is drawn in so many
 AREA = 1e-9  # relative; the triangles of a strip make up its area
 
@@ -42,25 +42,20 @@ class StripBody:
 
 def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> StripBody:
     """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio)."""
-    form, both = small_strain(mesh, order, materials)
+    form, both = elements.small_strain(mesh, order, materials)
     space = both.components[0]
     first = [space.Range(i).start for i in (0, 1)]
-    points = np.array([v.point for v in mesh.vertices])
-    cut: set[int] = set()
-    for edge in mesh.Elements(ng.BND):
-        if np.abs(points[[v.nr for v in edge.vertices], 0]).max() < ON_AXIS:
-            cut.update(space.components[0].GetDofNrs(edge))
-    on_cut = np.array(sorted(cut), dtype=np.int64)
-    system = with_contact(as_csr(form.mat), mesh, both, order)
+    held = np.flatnonzero(fe.on_cut(mesh, space.components[0]))
+    system = elements.with_contact(fe.as_csr(form.mat), mesh, both, order)
     moved = ng.GridFunction(both)
     stress = _stress(mesh, materials, *moved.components)
     along_x = system.contact - first[1] + first[0]
-    return StripBody(system, order, form, stress, moved, along_x, (on_cut + first[0], on_cut + first[1]))
+    return StripBody(system, order, form, stress, moved, along_x, (held + first[0], held + first[1]))
 
 
 def _stress(mesh: Any, materials: Mapping[str, tuple[float, float]], u: Any, q: Any) -> Any:
     """Stresses xx, xz, zz and yy of a state: 2 G dev(e) + q, q being the mean stress (elements.py)."""
-    shear, _ = moduli(mesh, materials)
+    shear, _ = fe.moduli(mesh, materials)
     h = ng.Grad(u)
     mean = (h[0, 0] + h[1, 1]) / 3
     return ng.CF(
@@ -137,11 +132,9 @@ def average_rows(
 
 def strips_of(mesh: Any, slots: Sequence[SlotPlace], thickness: float, unit: float) -> tuple[Index, Index]:
     """Return the elements of domain `film` and the number of the strip that each lies in, both `(e,)`."""
-    elements = list(mesh.Materials("film").Elements())
-    points = np.array([v.point for v in mesh.vertices])
-    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements])
-    numbers = np.array([e.nr for e in elements], dtype=np.int64)
-    return numbers, nearest(centres * unit, slots, thickness)
+    inside = list(mesh.Materials("film").Elements())
+    numbers = np.array([e.nr for e in inside], dtype=np.int64)
+    return numbers, nearest(fe.centres(mesh, inside) * unit, slots, thickness)
 
 
 def nearest(points: Array, slots: Sequence[SlotPlace], thickness: float) -> Index:

@@ -15,8 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from skincad.base.arrays import Index
-from skincad.mechanics.bodies import elements, strip_field
-from skincad.mechanics.bodies.elements import as_csr
+from skincad.mechanics.bodies import elements, fe, strip_field
 from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.film.stick import PadPiece
 
@@ -79,11 +78,11 @@ def _forms(
 ) -> _Forms:
     mesh = body.system.mesh
     space, pressures = body.system.space.components
-    mixed = as_csr(elements.small_strain(mesh, body.order, materials, condense=False)[0].mat)
+    mixed = fe.as_csr(elements.small_strain(mesh, body.order, materials, condense=False)[0].mat)
     n = space.ndof
     divergence = sparse.csr_matrix(mixed[n:, :n])
-    inverse = _inverse(-mixed[n:, n:], mesh, pressures)
-    shear, _ = elements.moduli(mesh, materials)
+    inverse = fe.block_inverse(-mixed[n:, n:], mesh, pressures)
+    shear, _ = fe.moduli(mesh, materials)
     u, v = space.TnT()
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
     deviatoric = 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
@@ -91,27 +90,11 @@ def _forms(
         space,
         pressures,
         sparse.csr_matrix(mixed[:n, :n]),
-        _assembled(deviatoric * ng.dx(definedon=mesh.Materials(silicone)), space),
-        _assembled(mesh.MaterialCF(dict(densities)) * ng.InnerProduct(u, v) * ng.dx, space),
+        fe.assembled(deviatoric * ng.dx(definedon=mesh.Materials(silicone)), space),
+        fe.assembled(mesh.MaterialCF(dict(densities)) * ng.InnerProduct(u, v) * ng.dx, space),
         divergence,
         sparse.csr_matrix(inverse @ divergence),
     )
-
-
-def _assembled(form: Any, trial: Any, test: Any = None) -> sparse.csr_matrix:
-    whole = ng.BilinearForm(trial) if test is None else ng.BilinearForm(trialspace=trial, testspace=test)
-    whole += form
-    whole.Assemble()
-    return as_csr(whole.mat)
-
-
-def _inverse(matrix: sparse.csr_matrix, mesh: Any, pressures: Any) -> sparse.csr_matrix:
-    """The inverse of a matrix over discontinuous pressures: one block a triangle."""
-    unknowns = np.array([pressures.GetDofNrs(element) for element in mesh.Elements(ng.VOL)])
-    rows, columns = np.broadcast_arrays(unknowns[:, :, None], unknowns[:, None, :])
-    blocks = np.asarray(matrix[rows.ravel(), columns.ravel()]).reshape(rows.shape)
-    index = rows.ravel(), columns.ravel()
-    return sparse.csr_matrix((np.linalg.inv(blocks).ravel(), index), shape=matrix.shape)
 
 
 def _strips(
@@ -125,14 +108,14 @@ def _strips(
     mesh = body.system.mesh
     film = mesh.Materials("film")
     flat = ng.L2(mesh, order=0)
-    shear, _ = elements.moduli(mesh, materials)
+    shear, _ = fe.moduli(mesh, materials)
     u, q, test = forms.space.TrialFunction(), forms.pressures.TrialFunction(), flat.TestFunction()
     h = ng.Grad(u)
     mean = (h[0, 0] + h[1, 1]) / 3
     parts = 2 * (h[0, 0] - mean), h[0, 1] + h[1, 0], 2 * (h[1, 1] - mean), -2 * mean
     inside = ng.dx(definedon=film)
-    by_element = [_assembled(shear * each * test * inside, forms.space, flat) for each in parts]
-    volumetric = _assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
+    by_element = [fe.assembled(shear * each * test * inside, forms.space, flat) for each in parts]
+    volumetric = fe.assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
     sums = _by_strip(piece, body, list(film.Elements()), flat)
     count = len(piece.slots)
     order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
@@ -143,8 +126,7 @@ def _strips(
 
 def _by_strip(piece: PadPiece, body: StripBody, elements_: list[Any], flat: Any) -> sparse.csr_matrix:
     """Matrix `(strips, unknowns of flat)` that averages over each strip what was integrated by element."""
-    points = np.array([v.point for v in body.system.mesh.vertices])
-    centres = np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in elements_])
+    centres = fe.centres(body.system.mesh, elements_)
     strip = strip_field.nearest(centres * piece.unit, piece.slots, piece.thickness)
     areas = np.array([slot.depth * piece.thickness for slot in piece.slots]) / piece.unit**2
     column = np.array([flat.GetDofNrs(e)[0] for e in elements_])

@@ -1,0 +1,77 @@
+"""What every body asks of NGSolve: moduli by domain, matrices, and places in the mesh.
+
+Lengths are in the pad's unit, stresses in E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from scipy import sparse
+
+from skincad.base.arrays import Array, Mask
+
+ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
+
+
+def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
+    """Return shear and bulk modulus as NGSolve's functions of a mesh's domains."""
+    shear = {name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()}
+    bulk = {name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()}
+    return mesh.MaterialCF(shear), mesh.MaterialCF(bulk)
+
+
+def assembled(form: Any, trial: Any, test: Any = None) -> sparse.csr_matrix:
+    """Return the matrix of an integrand over a space, or over trial and test functions' spaces."""
+    whole = ng.BilinearForm(trial) if test is None else ng.BilinearForm(trialspace=trial, testspace=test)
+    whole += form
+    whole.Assemble()
+    return as_csr(whole.mat)
+
+
+def block_inverse(matrix: sparse.csr_matrix, mesh: Any, pressures: Any) -> sparse.csr_matrix:
+    """Return the inverse of a matrix over discontinuous pressures: one block a triangle."""
+    unknowns = np.array([pressures.GetDofNrs(element) for element in mesh.Elements(ng.VOL)])
+    rows, columns = np.broadcast_arrays(unknowns[:, :, None], unknowns[:, None, :])
+    blocks = np.asarray(matrix[rows.ravel(), columns.ravel()]).reshape(rows.shape)
+    index = rows.ravel(), columns.ravel()
+    return sparse.csr_matrix((np.linalg.inv(blocks).ravel(), index), shape=matrix.shape)
+
+
+def centres(mesh: Any, triangles: Sequence[Any]) -> Array:
+    """Return the mean of each triangle's corners `(t, 2)`."""
+    points = np.array([v.point for v in mesh.vertices])
+    return np.array([points[[v.nr for v in e.vertices]].mean(axis=0) for e in triangles])
+
+
+def on_cut(mesh: Any, space: Any) -> Mask:
+    """Return which unknowns of a scalar space lie on x = 0."""
+    found, points = np.zeros(space.ndof, dtype=bool), np.array([v.point for v in mesh.vertices])
+    for edge in mesh.Elements(ng.BND):
+        if np.abs(points[[v.nr for v in edge.vertices], 0]).max() < ON_AXIS:
+            found[list(space.GetDofNrs(edge))] = True
+    return found
+
+
+def as_csr(matrix: Any) -> sparse.csr_matrix:
+    """Return a copy of NGSolve's sparse matrix."""
+    values, columns, starts = matrix.CSR()
+    shape = matrix.height, matrix.width
+    return sparse.csr_matrix((np.array(values), np.array(columns), np.array(starts)), shape=shape)
+
+
+def mapped(mesh: Any, at: Sequence[Sequence[float]], kind: Any) -> tuple[Any, Array, Array]:
+    """Return the points `at` `(p, d)` of all reference elements of a `kind` (ng.VOL, ng.BND) in the mesh.
+
+    They are NGSolve's own, to evaluate fields at, their places `(e, p, 2)` and how these change with the
+    reference coordinates, `(e, p, 2, d)`. An element's own map is never called: each point that it returns
+    stays in NGSolve's memory until the process ends.
+    """
+    points = mesh.MapToAllElements(ng.IntegrationRule([tuple(p) for p in at], [0.0] * len(at)), kind)
+    sides = len(at[0])
+    places = np.asarray(ng.CF((ng.x, ng.y))(points)).reshape(-1, len(at), 2)
+    slopes = np.asarray(ng.specialcf.JacobianMatrix(2, sides)(points)).reshape(-1, len(at), 2, sides)
+    return points, places, slopes
