@@ -20,15 +20,13 @@ MOST_CORRELATED = 0.999  # of lag 1, so that a smooth misfit keeps a finite inte
 class Regression:
     """Parameters `(p,)` and the half-widths `(p,)` of their 95 % intervals; `rms` in the measured unit.
 
-    `residual` `(n,)` is the model less what was measured, `correlation` that of successive ones,
-    `independent` how many rows they are worth.
+    `residual` `(n,)` is the model less what was measured, `correlation` that of successive ones.
     """
 
     values: Array
     half_width: Array
     rms: float
     correlation: float
-    independent: float
     residual: Array
 
 
@@ -54,7 +52,7 @@ def regression(model: Callable[[Array], Array], start: Array, measured: Array) -
     quantile = stats.t.ppf((1 + CONFIDENCE) / 2, independent - p)
     rms = float(np.sqrt(np.mean(found.fun**2)))
     width = np.asarray(quantile * spread)
-    return Regression(found.x, width, rms, correlation, float(independent), np.asarray(found.fun))
+    return Regression(found.x, width, rms, correlation, np.asarray(found.fun))
 
 
 def _lag_one(residuals: Array) -> float:

@@ -204,6 +204,13 @@ def one_ridge(pad: Pad) -> Pad:
     return replace(pad, section=Section((*crest, *base)), strips=(), voids=())
 
 
+def check_flat(plate: Plate, tier: str, other: str) -> None:
+    """Raise InputError for a plate that a tier does not know; `other` is the tier to take."""
+    if plate.shape != "flat":
+        rule = f"must be 'flat' for the {tier} tier"
+        raise InputError("contact.plate.shape", rule, plate.shape, f"take the {other} tier")
+
+
 def check_pad(pad: Pad) -> None:
     """Raise InputError for a pad that no tier can solve."""
     if not 0 <= pad.poisson_ratio <= 0.4999999:

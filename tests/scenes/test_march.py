@@ -28,9 +28,7 @@ TIMES = np.linspace(0.0, 1.0, 5)
 def block() -> CondensedPad:
     """One point on springs of 0.25 and 0.1 mm/N."""
     one, none = np.ones(1), np.zeros(1)
-    pad = Sliding(
-        np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1, 0.0
-    )
+    pad = Sliding(np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1)
     return condensed(pad)
 
 

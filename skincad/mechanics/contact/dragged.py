@@ -37,14 +37,12 @@ GROWN = 1e3  # a residual that has grown so much leads nowhere
 class Tangential:
     """The body linearised: `factor` over `order`, contact unknowns last; `compliance` `(2 m, 2 m)` mm/N.
 
-    `negative` counts the tangent's negative eigenvalues, the plate away and loads fixed. `solved` remembers
-    the contact's factorisations.
+    `solved` remembers the contact's factorisations.
     """
 
     matrix: sparse.csr_matrix
     factor: Any
     compliance: Array
-    negative: int
     solved: dict[bytes, Any] = field(default_factory=dict)
 
 
@@ -146,7 +144,7 @@ def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
         raise ContactError("the tangent stiffness is singular")
     by_point = np.asarray(pad.rows @ inverse.T)
     compliance = (by_point / pivots[-k:]) @ by_point.T * (pad.unit / pad.scale)
-    found = Tangential(matrix, factor, compliance, int(np.count_nonzero(pivots < 0)))
+    found = Tangential(matrix, factor, compliance)
     pad.kept.append(found)
     return found
 
@@ -208,7 +206,7 @@ def _dissipated(before: Grip, after: Grip) -> float:
 
 def _rest(pad: Dragged) -> tuple[Tangential, Array]:
     zero = np.zeros(pad.body.free.size)
-    return Tangential(pad.rest.matrix, None, np.zeros((2 * pad.gap.size,) * 2), 0), zero
+    return Tangential(pad.rest.matrix, None, np.zeros((2 * pad.gap.size,) * 2)), zero
 
 
 def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[Grip, GrossSlip | None]:

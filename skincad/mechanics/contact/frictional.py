@@ -164,7 +164,7 @@ class _Step:
                         return float(np.sign(missing)), sweep + 1
                     continue
             if not wrong.any():
-                return self._accepted(trial, status, sweep + 1, all_slip), sweep + 1
+                return self._accepted(trial, status, all_slip), sweep + 1
             single = single or sweep >= SWEEPS or status.tobytes() in seen
             seen.add(status.tobytes())
             status = status.copy()
@@ -319,7 +319,7 @@ class _Step:
         mark(~closed & (w < -short), -w / self.length, forced if all_slip else closing)
         return wrong, wanted
 
-    def _accepted(self, trial: _Trial, status: Status, sweeps: int, all_slip: float) -> Grip:
+    def _accepted(self, trial: _Trial, status: Status, all_slip: float) -> Grip:
         """Measure every condition against its scale; refuse what is not met."""
         residual = self._residual(trial, status, all_slip)
         if not residual <= ACCEPTED:
@@ -332,7 +332,7 @@ class _Step:
         slipped = np.where(status >= RIGHT, trial.moved, 0.0)
         p, t = np.maximum(trial.p, 0.0), trial.t
         gross, angle = bool(all_slip), self.drive.angle
-        return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, sweeps, gross, angle)
+        return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, gross, angle)
 
     def _residual(self, trial: _Trial, status: Status, all_slip: float) -> float:
         p, t = trial.p, trial.t

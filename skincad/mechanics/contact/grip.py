@@ -50,7 +50,7 @@ class Inert:
 class Grip:
     """A contact state: forces `normal`, `tangential` `(m,)` N on the skin (compression, to +x), `anchor`
     `(m,)` mm and `status` `(m,)`, the plate's `approach` and `travel`, mm. `slipped` `(m,)` is what each
-    point slid in the step, mm; `residual` the largest relative violation; `sweeps` what the step took.
+    point slid in the step, mm; `residual` the largest relative violation.
     """
 
     normal: Array
@@ -61,7 +61,6 @@ class Grip:
     approach: float
     travel: float
     residual: float
-    sweeps: int = 0
     gross: bool = False  # all that touches slips, the last point having just begun
     angle: float = 0.0  # of the plate, rad
 

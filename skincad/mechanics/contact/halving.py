@@ -27,12 +27,13 @@ def halved(
     middle = between(start, end)
     first = halved(skin, before, start, middle, cone, deepest - 1)
     second = halved(skin, first, middle, end, cone, deepest - 1)
-    return replace(
-        second,
-        slipped=first.slipped + second.slipped,
-        residual=max(first.residual, second.residual),
-        sweeps=first.sweeps + second.sweeps,
-    )
+    return joined(first, second)
+
+
+def joined(first: Grip, second: Grip) -> Grip:
+    """Return the state at the end of two steps as that of one."""
+    slipped, residual = first.slipped + second.slipped, max(first.residual, second.residual)
+    return replace(second, slipped=slipped, residual=residual)
 
 
 def between(a: Drive, b: Drive) -> Drive:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from skincad.mechanics.contact.dragged import Dragged, DraggedState, newton
 from skincad.mechanics.contact.grip import Cone, Drive, GrossSlip
-from skincad.mechanics.contact.halving import between
+from skincad.mechanics.contact.halving import between, joined
 from skincad.mechanics.problem import ContactError
 
 DEEPEST = 5  # halvings of a step
@@ -111,14 +111,9 @@ def _cut(
 
 
 def _joined(first: DraggedState, second: DraggedState) -> DraggedState:
-    contact = replace(
-        second.grip,
-        slipped=first.grip.slipped + second.grip.slipped,
-        residual=max(first.grip.residual, second.grip.residual),
-    )
     return replace(
         second,
-        grip=contact,
+        grip=joined(first.grip, second.grip),
         dissipated=first.dissipated + second.dissipated,
         residual=max(first.residual, second.residual),
         iterations=first.iterations + second.iterations,

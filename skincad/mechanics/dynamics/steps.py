@@ -22,7 +22,7 @@ from skincad.base.arrays import Array
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
-from skincad.mechanics.contact.halving import between
+from skincad.mechanics.contact.halving import between, joined
 from skincad.mechanics.dynamics.plate import TONNE, carried, pushed_plate, rubbed, work_done
 from skincad.mechanics.dynamics.state import Moved, PadEquations, sum_of, unrelaxed
 from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
@@ -71,15 +71,9 @@ class Dynamics:
                 raise
         first = self._cut(state, between(state.drive, drive), dt / 2, cone, deepest - 1)
         second = self._cut(first, drive, dt / 2, cone, deepest - 1)
-        both = replace(
-            second.grip,
-            slipped=first.grip.slipped + second.grip.slipped,
-            residual=max(first.grip.residual, second.grip.residual),
-            sweeps=first.grip.sweeps + second.grip.sweeps,
-        )
         return replace(
             second,
-            grip=both,
+            grip=joined(first.grip, second.grip),
             friction=first.friction + second.friction,
             viscous=first.viscous + second.viscous,
             work=first.work + second.work,

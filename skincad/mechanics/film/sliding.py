@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 from scipy import sparse
@@ -34,8 +33,7 @@ class Sliding:
     `compliance` `(2 m, 2 m)`: displacements in x, then in z, under forces in x, then in z. `gap` `(m,)` from
     the plate to the points when it first touches. `strips` `(strips, 3, 2 m)`: mean stress across the film,
     along it in the section and along y, per N; the strips in the order of the section's slots, none where
-    they were not asked. `back_solve` is the seconds of one solve with the factorisation, to compare with;
-    `whole` tells the whole pad's state from these forces.
+    they were not asked. `whole` tells the whole pad's state from these forces.
     """
 
     compliance: Array
@@ -45,7 +43,6 @@ class Sliding:
     weight: Array
     strips: Array
     unknowns: int
-    back_solve: float
     whole: WholeState | None = None
 
 
@@ -74,16 +71,13 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
     lay = layout(x, piece.mirrored, ON_AXIS * unit)
     compliance = np.zeros((2 * lay.of.size, 2 * lay.of.size))
     strips = np.zeros((len(piece.whole.section.slots) if films else 0, 3, 2 * lay.of.size))
-    seconds, solved = 0.0, []
+    solved = []
     for parity, held in parities(piece, body):
         small = condensed(body, held)
         rows, spread = contact_rows(body, small), lay.spread(parity)
         solved.append(Parity(small, rows, spread))
         own = rows @ np.asarray(rows @ small.flexibility).T
         compliance += spread.T @ np.asarray(spread.T @ (own + own.T)).T / (2 * lay.share)
-        began = perf_counter()
-        small.solve(body.system.lift)
-        seconds = perf_counter() - began
         if functionals is not None:
             stress = _stress_rows(piece, functionals, small, rows, parity)
             strips += np.asarray((stress.reshape(-1, rows.shape[0]) @ spread).reshape(strips.shape))
@@ -98,7 +92,6 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
         nodes.weight[lay.of] * unit * np.where(lay.axis & piece.mirrored, 2.0, 1.0),
         strips / (unit * pad.length),
         body.system.unknowns,
-        seconds,
         WholeState(piece, body, tuple(solved)),
     )
 

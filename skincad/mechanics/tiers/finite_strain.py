@@ -34,7 +34,7 @@ from skincad.mechanics.contact.newton import (
     press_until_all_touch,
     pressed,
 )
-from skincad.mechanics.problem import Answer, Pad, Request, pad_of
+from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
 from skincad.mechanics.tiers.linear import PlaneSolution, climb
 
 # Relative change by the small-strain law at the clamped ends (neo_hooke.body), taken as twice the change
@@ -54,11 +54,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     `tol` and `budget` as in the linear tier. Raises InputError for a force beyond the model's range. Where
     the force at which all touch is beyond it, that value is None and a warning says so.
     """
-    if pad.plate.shape != "flat":
-        remedy = "take the linear tier"
-        raise InputError(
-            "contact.plate.shape", "must be 'flat' for the finite-strain tier", pad.plate.shape, remedy
-        )
+    check_flat(pad.plate, "finite-strain", "linear")
     levels = Levels()
     found, _ = climb(pad, request, levels, "finite-strain", progress)
     found, ridges = replace(found, warnings=(*found.warnings, *levels.warnings())), len(found.ridge_force)

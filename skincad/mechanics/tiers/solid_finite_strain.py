@@ -15,15 +15,14 @@ from time import perf_counter
 import numpy as np
 
 from skincad.base.blas import one_blas_thread
-from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import layers
 from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
-from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.newton import Pressed
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
-from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_pad
+from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad
 from skincad.mechanics.tiers import solid
 from skincad.mechanics.tiers.corrected import ORDER, Errors, changed, plain_pad
 from skincad.mechanics.tiers.finite_strain import all_touch, at_force
@@ -66,13 +65,7 @@ def answer(
     beyond the model's range; where F9 is beyond it, it is None and a warning says so.
     """
     began = perf_counter()
-    if design.contact.plate.shape != "flat":
-        raise InputError(
-            "contact.plate.shape",
-            "must be 'flat' for the solid-finite-strain tier",
-            design.contact.plate.shape,
-            "take the solid tier",
-        )
+    check_flat(design.contact.plate, "solid-finite-strain", "solid")
     if progress:
         progress("solid-finite-strain tier: coarse solid, small and finite strain")
     spent: dict[str, float] = {}
@@ -125,42 +118,22 @@ def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, f
     what = Pressed(body, meshed.whole.top / meshed.unit)
     # N on the whole pad that are a force of 1 on the piece
     scale = meshed.whole.young_modulus * meshed.unit**2 * (4 if meshed.mirrored else 2)
-    small = timed(seconds, "small strain", lambda: _at_rest(meshed, what, body, force / scale, scale))
+
+    def found(state: NodalContact, approach: float, first: float | None, residual: float) -> SolidSolution:
+        nodes, unknowns = body.rest.nodes, int(body.free.sum())
+        return level_of(meshed, nodes, body.along, state, approach, first, scale, unknowns, residual)
+
+    def at_rest() -> SolidSolution:  # the small-strain answer of the same body: its tangent at rest
+        rest = np.zeros(body.free.size)
+        ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, what.top)
+        state = press(ridges.flexibility, ridges.gap, force / scale)
+        first = all_touch_force(ridges, force / scale)
+        return found(state, state.approach, first, state.residual)
+
+    small = timed(seconds, "small strain", at_rest)
     state = timed(seconds, "newton", lambda: at_force(what, force / scale, scale))
     touching, beyond = timed(seconds, "threshold", lambda: all_touch(what, state, scale))
     one = state.ridges.numbers.size == 1  # it touches at once
     threshold = touching.force if touching else (0.0 if one else None)
     residual = max(max(s.residual, s.contact.residual) for s in (state, touching) if s)
-    finite = level_of(
-        meshed,
-        body.rest.nodes,
-        body.along,
-        state.contact,
-        state.approach,
-        threshold,
-        scale,
-        int(body.free.sum()),
-        residual,
-    )
-    return Strains(small, finite, beyond)
-
-
-def _at_rest(
-    meshed: Meshed, what: Pressed[SolidBody], body: SolidBody, force: float, scale: float
-) -> SolidSolution:
-    """The small-strain answer of the same body: its tangent at rest."""
-    rest = np.zeros(body.free.size)
-    ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, what.top)
-    found = press(ridges.flexibility, ridges.gap, force)
-    threshold, unknowns = all_touch_force(ridges, force), int(body.free.sum())
-    return level_of(
-        meshed,
-        body.rest.nodes,
-        body.along,
-        found,
-        found.approach,
-        threshold,
-        scale,
-        unknowns,
-        found.residual,
-    )
+    return Strains(small, found(state.contact, state.approach, threshold, residual), beyond)

@@ -25,7 +25,7 @@ def stiff_circle() -> CondensedPad:
     x, gap = RADIUS * np.sin(angle), 2 * RADIUS * np.sin(angle / 2) ** 2
     none = np.zeros((0, 3, 2 * x.size))
     ridge = np.ones(x.size, dtype=np.int64)
-    return condensed(Sliding(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1, 0.0))
+    return condensed(Sliding(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
 
 
 def marched(model: CondensedPad, drives: list[Drive], cone: Cone) -> list[Grip]:
