@@ -10,36 +10,31 @@ from scipy.signal import butter, lfilter
 from threadpoolctl import threadpool_limits
 
 from bench.measure import best
-from skincad.circuit.closed_form import exact_response
 from skincad.circuit.low_pass import band_limited
-from skincad.circuit.model import constants, load_circuit, noise_sources
-from skincad.circuit.network import response
+from skincad.circuit.model import circuit_network, load_circuit
 from skincad.circuit.noise import noise_samples
 from skincad.circuit.resample import recorded
-from skincad.circuit.separate import separated, separator
+from skincad.circuit.response import response
 from skincad.circuit.state import run, stepper
 from skincad.scenes.slip import at_rest, detector, fed
 
 
 def main() -> None:
     """Print the table."""
-    circuit = load_circuit("yamada-2002")
-    c, sources = constants(circuit), noise_sources(circuit)
+    network = circuit_network(load_circuit("yamada-2002"))
     numerator, denominator = butter(4, 0.1)
     print(f"{'what':42} {'points':>8} {'s':>7} {'lfilter, s':>10} {'ratio':>7}")
     for points in (100_000, 1_000_000):
-        charge = c.d33 * np.random.default_rng(1).standard_normal(points).cumsum()
+        charge = network.charge * np.random.default_rng(1).standard_normal(points).cumsum()
         frequency = np.geomspace(10.0, 20_000.0, points)
-        step, apart = stepper(c, 1e5), separator(c, 1e5, 1e-5, 1e-6, 5e3)
+        step = stepper(network, 1e5)
         unit = best(lambda x=charge: lfilter(numerator, denominator, x))
         works = {
-            "loop equations, batched 4 x 4": lambda f=frequency: response(c, f),
-            "node equations in closed form": lambda f=frequency: exact_response(c, f),
+            "response by the node equations": lambda f=frequency: response(network, f),
             "time response, exact first-order hold": lambda q=charge, s=step: run(s, q),
             "recording at 650 Hz": lambda q=charge: recorded(q, 1e5, 650.0),
             "low-pass, with rate and jerk": lambda q=charge: band_limited(np.arange(q.size) / 1e5, q, 5e3),
-            "rate and jerk apart, by the observer": lambda q=charge, s=apart: separated(s, q),
-            "noise samples": lambda n=points: noise_samples(c, sources, 1e5, n, seed=1),
+            "noise samples": lambda n=points: noise_samples(network, 1e5, n, seed=1),
         }
         for name, work in works.items():
             spent = best(work)
@@ -47,7 +42,7 @@ def main() -> None:
     felt, feels = charge[:, None, None] * np.ones((1, 2, 2)), detector(1e5, 5e3, 1e-12)
     spent = best(lambda: fed(feels, at_rest(feels, 2), felt))
     print(f"{'detector of two ridges':42} {felt.shape[0]:8d} {spent:7.3f} {unit:10.4f} {spent / unit:7.1f}")
-    spent = best(lambda: stepper(c, 1e5))
+    spent = best(lambda: stepper(network, 1e5))
     print(f"{'its step, once a circuit and rate':42} {'':8} {spent:7.3f}")
 
 

@@ -19,7 +19,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from threadpoolctl import threadpool_limits
 
-from skincad.circuit.model import constants, load_circuit, noise_sources
+from skincad.circuit.model import circuit_network, load_circuit
 from skincad.effects.piezo import Chain, fitted, strip_charges
 from skincad.inputs.catalog import template_names
 from skincad.scenes import simulation
@@ -103,25 +103,22 @@ def cases(name: str, settings: Sequence[str]) -> list[Case]:
     made = []
     for circuit in CIRCUITS:
         own = fitted(load_circuit(circuit), scene.design)
-        chain = Chain.of(constants(own), time, scene.readout.bandwidth_Hz)
+        chain = Chain.of(circuit_network(own), time, scene.readout.bandwidth_Hz)
         charges = strip_charges(own, scene.design, stress)
         outputs = [[chain.output(charges[:, 2 * (r - 1) + side]) for side in (0, 1)] for r in RIDGES]
         made.append(
             Case(
                 name, time, np.moveaxis(np.array(outputs), 2, 0), chain, circuit,
-                chain.noise_rms(constants(own), noise_sources(own)),
-                [found.runs[r - 1] for r in RIDGES], found.gross_slip_step,
+                chain.noise_rms(), [found.runs[r - 1] for r in RIDGES], found.gross_slip_step,
             )
         )  # fmt: skip
     return made
 
 
-def noises(case: Case, circuit: str) -> np.ndarray:
+def noises(case: Case) -> np.ndarray:
     """Return `(RUNS, n, ridges, 2)` V of noise."""
-    own = fitted(load_circuit(circuit), load_scene("hold").design)
-    c, sources = constants(own), noise_sources(own)
     shape = (RUNS, len(RIDGES), 2)
-    drawn = [case.chain.noise(c, sources, (seed, ridge, side)) for seed, ridge, side in np.ndindex(shape)]
+    drawn = [case.chain.noise((seed, ridge, side)) for seed, ridge, side in np.ndindex(shape)]
     return np.moveaxis(np.array(drawn).reshape(*shape, -1), 3, 1)
 
 
@@ -179,7 +176,7 @@ def main(arguments: list[str]) -> None:
     )
     pool: dict[tuple[str, float], tuple[list[float], list[float]]] = {}
     for case in told:
-        drawn = noises(case, case.circuit)
+        drawn = noises(case)
         print(row(case, "noiseless", [alarms(case)]))
         print(row(case, f"{RUNS} noises", [alarms(case, noise) for noise in drawn]))
         if case.circuit == CIRCUITS[0]:

@@ -19,7 +19,7 @@ from bench.campaign.strategies import numbers
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import Table, table_of
 from skincad.circuit.bode import gain
-from skincad.circuit.model import Circuit, constants, noise_sources
+from skincad.circuit.model import Circuit, circuit_network
 from skincad.effects import EFFECTS, effect
 from skincad.effects.piezo import Chain
 from skincad.inputs.catalog import overridden, read_table, template_text
@@ -73,9 +73,8 @@ def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
     """What a circuit tells, and what it makes of a film's charge in a scene."""
     circuit = Circuit(**tables)
     told = gain(circuit).as_json()
-    chain = Chain.of(constants(circuit), np.linspace(0.0, 0.1, 11), 50.0)
-    noise = chain.noise_rms(constants(circuit), noise_sources(circuit))
-    return {**told, "noise": noise, "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist()}
+    chain = Chain.of(circuit_network(circuit), np.linspace(0.0, 0.1, 11), 50.0)
+    return {**told, "noise": chain.noise_rms(), "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist()}
 
 
 def design_told(tables: dict[str, Any]) -> dict[str, Any]:

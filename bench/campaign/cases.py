@@ -175,7 +175,7 @@ def circuit_figures(case: Case) -> Figures:
     from bench.campaign import rational
     from skincad.circuit.bode import gain, indenter_response
     from skincad.circuit.model import Circuit
-    from skincad.circuit.network import decibels
+    from skincad.circuit.response import decibels
 
     circuit = Circuit(**case.tables)
     found = gain(circuit)

@@ -13,11 +13,13 @@ from skincad.base.errors import InputError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
-from skincad.circuit.closed_form import exact_response
-from skincad.circuit.model import Circuit, Indenter, constants
-from skincad.circuit.network import Complex, Constants, Real, decibels
+from skincad.circuit.constants import Constants
+from skincad.circuit.elements import Complex, Network, Real
+from skincad.circuit.model import Circuit, Indenter, constants, noise_sources
 from skincad.circuit.resample import PASS
+from skincad.circuit.response import decibels, response
 from skincad.circuit.slopes import Slopes, fit_slopes
+from skincad.circuit.topologies import network
 
 COLUMNS = ("frequency_Hz", "gain_dB")
 
@@ -58,6 +60,11 @@ class CircuitGain(Result):
         middle = float(np.sqrt(self.frequency[0] * high))
         return middle, float(np.interp(np.log(middle), np.log(self.frequency), self.gain))
 
+    @property
+    def network(self) -> Network:
+        """The elements whose gain it is."""
+        return network(self.constants, noise_sources(self.circuit), self.circuit.amplifier.topology)
+
     def as_json(self) -> dict[str, Any]:
         """Return the contract's keys; with measured data also `calibration`."""
         found: dict[str, Any] = {
@@ -87,20 +94,21 @@ def gain(
     With a CSV of columns frequency_Hz and gain_dB the network is calibrated to it first; the film's d33
     stays, since the level is free. Raises InputError for unusable input.
     """
-    watch, sweep = Stopwatch(progress), circuit.sweep
+    watch, sweep, amplifier = Stopwatch(progress), circuit.sweep, circuit.amplifier
     given = None
-    if measured is not None and circuit.amplifier.feedback_capacitance:
-        rule = "must be 0 F where constants are calibrated to a measured curve"
-        value = circuit.amplifier.feedback_capacitance
-        raise InputError("amplifier.feedback_capacitance", rule, value, "take the paper's network")
     if measured is not None:
+        papers = {"topology": "inverting", "feedback_capacitance": 0.0}
+        for key, wanted in papers.items():
+            if (value := getattr(amplifier, key)) != wanted:
+                rule = f"must be {wanted or '0 F'} where constants are calibrated to a measured curve"
+                raise InputError(f"amplifier.{key}", rule, value, "take the paper's network")
         with watch.stage("calibrating"):
             given = _measured(circuit, measured)
     c = given.calibration.constants if given else constants(circuit)
     with watch.stage("sweeping"):
         frequency = np.geomspace(sweep.low, sweep.high, sweep.points)
         with np.errstate(all="ignore"):  # constants so far apart that they overflow are refused below
-            ratio = exact_response(c, frequency)  # the 4x4 system loses all digits where A is near Ropo / Rf
+            ratio = response(network(c, topology=amplifier.topology), frequency)
         if circuit.indenter:
             ratio = ratio * indenter_response(circuit.indenter, frequency)
         if not (np.isfinite(ratio).all() and np.abs(ratio).min() > 0):

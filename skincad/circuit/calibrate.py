@@ -13,8 +13,10 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.circuit.closed_form import exact_response
-from skincad.circuit.network import Constants, Real, checked_frequencies, decibels
+from skincad.circuit.constants import Constants
+from skincad.circuit.elements import Real
+from skincad.circuit.response import checked_frequencies, decibels, response
+from skincad.circuit.topologies import network
 
 FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", "feedback_capacitance"))
 PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2
@@ -113,7 +115,7 @@ def calibrate(
     low, high = _limits(largest_ratio)
 
     def misfit(point: Real) -> Real:
-        rest = decibels(exact_response(_constants(point, d33), frequency)) - gain
+        rest = decibels(response(network(_constants(point, d33)), frequency)) - gain
         return np.asarray(rest - rest.mean())
 
     draw = np.random.default_rng(seed)
@@ -127,7 +129,7 @@ def calibrate(
     near = NEAR * (high - low)
     held = (best.x - low < near) | (high - best.x < near)
     found = _constants(best.x, d33)
-    rest = decibels(exact_response(found, frequency)) - gain
+    rest = decibels(response(network(found), frequency)) - gain
     return Calibration(
         found,
         _rms(best.fun),
@@ -165,7 +167,7 @@ def _between(c: Constants, frequency: Real, gain: Real) -> float:
     fine = np.sort([*np.geomspace(low, high, 10 * frequency.size), *resonances])
     order = np.argsort(frequency)
     wanted = np.interp(np.log(fine), np.log(frequency[order]), gain[order])
-    rest = decibels(exact_response(c, fine)) - wanted
+    rest = decibels(response(network(c), fine)) - wanted
     return _rms(rest - rest.mean())
 
 

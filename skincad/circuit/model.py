@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Document, Table, quantity
+from skincad.circuit.constants import Constants, NoiseSources
+from skincad.circuit.elements import Network
 from skincad.circuit.film import capacitance
-from skincad.circuit.network import Constants
-from skincad.circuit.noise import NoiseSources
+from skincad.circuit.topologies import TOPOLOGIES, network
 from skincad.inputs.catalog import overridden, read_table
 
 PICO = 1e-12
@@ -54,8 +55,9 @@ class Motional(Table):
 
 
 class Amplifier(Table):
-    """The inverting amplifier behind the film, by the sums that the loop equations know."""
+    """The amplifier behind the film, by the sums that the paper's loop equations know."""
 
+    topology: str = Field(default="inverting", description=f"one of {', '.join(TOPOLOGIES)}", max_length=64)
     series_resistance: float = quantity("ohm", "R1 + R2, from film to input", gt=0.0, le=1e12)
     input_resistance: float = quantity("ohm", "Ropi, from input to ground", gt=0.0, le=1e16)
     input_capacitance: float = quantity("F", "Copi, from input to ground", gt=0.0, le=1e-6)
@@ -66,11 +68,18 @@ class Amplifier(Table):
         "F", "beside R3 + R4, of a charge amplifier; 0: none", ge=0.0, le=1e-3, default=0.0
     )
 
+    @field_validator("topology")
+    @classmethod
+    def _known(cls, topology: str) -> str:
+        if topology not in TOPOLOGIES:
+            raise InputError("", "no such topology", topology, did_you_mean(topology, TOPOLOGIES))
+        return topology
+
     @model_validator(mode="after")
     def _no_short(self) -> Self:
-        for key, resistance in self:
-            if key.endswith("resistance") and resistance < SHORT:
-                raise InputError(key, f"must be at least {SHORT:g} ohm", resistance)
+        for key, value in self:
+            if key.endswith("resistance") and value < SHORT:
+                raise InputError(key, f"must be at least {SHORT:g} ohm", value)
         return self
 
 
@@ -158,30 +167,22 @@ def load_circuit(source: str | Path, settings: list[str] | tuple[str, ...] = ())
 
 def constants(circuit: Circuit) -> Constants:
     """Return the network's constants in SI: Cpvd is the film's capacitance and the cable's."""
-    film, motional, amplifier = circuit.film, circuit.motional, circuit.amplifier
+    film, motional = circuit.film, circuit.motional
     return Constants(
         d33=film.d33 * PICO,
         capacitance=capacitance(film.area, film.thickness, film.permittivity) + circuit.cable.capacitance,
-        motional_resistance=motional.resistance,
-        motional_inductance=motional.inductance,
-        motional_capacitance=motional.capacitance,
-        series_resistance=amplifier.series_resistance,
-        input_resistance=amplifier.input_resistance,
-        input_capacitance=amplifier.input_capacitance,
-        feedback_resistance=amplifier.feedback_resistance,
-        output_resistance=amplifier.output_resistance,
-        gain=amplifier.gain,
-        feedback_capacitance=amplifier.feedback_capacitance,
+        **{f"motional_{key}": value for key, value in motional},
+        **{key: value for key, value in circuit.amplifier if key != "topology"},
     )
 
 
 def noise_sources(circuit: Circuit) -> NoiseSources:
     """Return what a circuit's film and amplifier add in noise; the lead has no loss."""
-    film, noise = circuit.film, circuit.noise
-    return NoiseSources(
-        temperature=noise.temperature,
-        voltage_density=noise.voltage_density,
-        current_density=noise.current_density,
-        loss_tangent=film.loss_tangent,
-        film_capacitance=capacitance(film.area, film.thickness, film.permittivity),
-    )
+    film = circuit.film
+    own = capacitance(film.area, film.thickness, film.permittivity)
+    return NoiseSources(**dict(circuit.noise), loss_tangent=film.loss_tangent, film_capacitance=own)
+
+
+def circuit_network(circuit: Circuit) -> Network:
+    """Return the elements of a circuit's film and amplifier, with their noise."""
+    return network(constants(circuit), noise_sources(circuit), circuit.amplifier.topology)

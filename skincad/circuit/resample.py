@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import firwin, kaiserord, resample_poly
 
 from skincad.base.errors import InputError
-from skincad.circuit.network import Real
+from skincad.circuit.elements import Real
 
 PASS = 0.8  # of the Nyquist frequency: kept within 0.01 %; from there to Nyquist the filter falls
 ATTENUATION = 80.0  # dB beyond the Nyquist frequency: what folds back is below 1e-4

@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.circuit.network import Real
+from skincad.circuit.elements import Real
 
 GRID = 200  # corners that are tried before the best is refined
 EDGE = 0.1  # of the span in log f: nearer to an end a corner has no line of its own to stand on

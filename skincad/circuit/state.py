@@ -1,81 +1,125 @@
 """The network in time: state equations, their exact step for piecewise linear charge, and the output.
 
-States: the film's voltage less its charge's share, the motional current and capacitor voltage, the input
-node's voltage, and with a feedback capacitor its voltage. The film's charge is the input, so that no
+States: the capacitors' voltages and the inductors' currents. The film's charge is the input, so that no
 derivative is taken. Exact first-order hold by the matrix exponential (Van Loan 1978): stable at any step for
 any passive network, however stiff.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
-from scipy.linalg import schur
+from numpy.typing import NDArray
+from scipy.linalg import matrix_balance, schur
 from scipy.signal import lfilter
 
 from skincad.base.errors import InputError, RefusedError
+from skincad.circuit.elements import (
+    LOAD,
+    OUT,
+    Capacitor,
+    Complex,
+    Inductor,
+    Network,
+    Real,
+    Resistor,
+    Source,
+    equations,
+)
 from skincad.circuit.exponential import exponential
-from skincad.circuit.network import Complex, Constants, Real
 
+Exact = NDArray[Any]  # of fractions
 ROUNDING = 1e-12  # of a step's largest factor above 1
 
 
 @dataclass(frozen=True)
 class StateSpace:
-    """x' = a x + b q, vout = c x: a `(n, n)` 1/s, b and c `(n,)`; q the charge in C, vout in V. n is 4, or 5
-    with a feedback capacitor."""
+    """x' = a x + b q, vout = c x + d q: a `(n, n)` 1/s, b, c `(n,)`; q the charge in C, vout in V.
+
+    `rest` `(n,)` is the state that a charge of 1 C leaves when it has stood for ever.
+    """
 
     a: Real
     b: Real
     c: Real
+    d: float
+    rest: Real
 
 
 @dataclass(frozen=True)
 class Stepper:
-    """One exact step in a triangular basis: z+ = step z + now q + then q+; vout = Re(out z)."""
+    """One exact step in a triangular basis: z+ = step z + now q + then q+; vout = Re(out z) + through q."""
 
     rate: float  # Hz
     step: Complex  # (n, n), upper triangular
     now: Complex  # (n,)
     then: Complex  # (n,)
     out: Complex  # (n,)
+    through: float
     rest: Complex  # (n,), the state at rest under a charge of 1 C
 
 
-def state_space(c: Constants) -> StateSpace:
-    """Return the network's state equations."""
-    cp, co, r12 = c.capacitance, c.input_capacitance, c.series_resistance
-    leak, lm = _leak(c), c.motional_inductance
-    a = np.array(
-        [
-            [-1 / (r12 * cp), -1 / cp, 0.0, 1 / (r12 * cp)],
-            [1 / lm, -c.motional_resistance / lm, -1 / lm, 0.0],
-            [0.0, 1 / c.motional_capacitance, 0.0, 0.0],
-            [1 / (r12 * co), 0.0, 0.0, -(1 / r12 + leak) / co],
-        ]
-    )
-    b = np.array([-1 / (r12 * cp), 1 / lm, 0.0, 1 / (r12 * co)]) / cp
-    if not c.feedback_capacitance:
-        behind = c.feedback_resistance + c.output_resistance
-        factor = (c.gain * c.feedback_resistance - c.output_resistance) / behind  # vout / vd of (9)
-        return StateSpace(a, b, np.array([0.0, 0.0, 0.0, factor]))
-    # the feedback's current is ((1 + A) vd - vf) / Ropo; vout = vf - vd
-    cf, ro = c.feedback_capacitance, c.output_resistance
-    a = np.pad(a, (0, 1))
-    a[3, 4] = 1 / (ro * co)
-    a[4, 3], a[4, 4] = (1 + c.gain) / (ro * cf), -(1 / ro + 1 / c.feedback_resistance) / cf
-    return StateSpace(a, np.append(b, 0.0), np.array([0.0, 0.0, 0.0, -1.0, 1.0]))
+def state_space(network: Network) -> StateSpace:
+    """Return the network's state equations, exact but for one rounding each; in fractions until then."""
+    stores = [i for i, e in enumerate(network.elements) if isinstance(e, Capacitor | Inductor)]
+    voltage, flow = _by_states(network, stores)
+    charge = Fraction(network.charge)
+    flow /= np.array([[Fraction(network.elements[i].value)] for i in stores])
+    flow[:, -1] /= charge
+    voltage[-1] /= charge
+    at_rest = flow.copy()
+    at_rest[:, -1] *= -1
+    rest = _solved(at_rest)
+    try:
+        x, y = flow.astype(float), voltage.astype(float)
+        return StateSpace(x[:, :-1], x[:, -1], y[:-1], float(y[-1]), rest[:, 0].astype(float))
+    except OverflowError:
+        raise RefusedError("the network's constants are too far apart for double precision") from None
 
 
-def _leak(c: Constants) -> float:
-    """The input node's conductance by its own resistance and the amplifier's feedback, S."""
-    back = c.output_resistance + (0.0 if c.feedback_capacitance else c.feedback_resistance)
-    return 1 / c.input_resistance + (1 + c.gain) / back
+def _by_states(network: Network, stores: list[int]) -> tuple[Exact, Exact]:
+    """The output `(k + 1,)` and what fills each store `(k, k + 1)`, A or V, by states and last the load."""
+    found = equations(network.wiring)
+    n, k = len(found.nodes), len(stores)
+    # unknown: nodes' voltages and the flows of the stores; given: the states and the load
+    whole = np.zeros((n + k, n + 2 * k + 1), int) * Fraction(1)
+    whole[range(n), range(n)] += found.held
+    whole[found.nodes.index(LOAD), -1] = Fraction(-1)
+    for i, e in enumerate(network.elements):
+        value, own = Fraction(e.value), n + stores.index(i) if i in stores else 0
+        if isinstance(e, Source):
+            whole[:n, :n] += found.part(i, e.a) * value
+        elif isinstance(e, Resistor):
+            whole[:n, :n] += found.part(i, None) / value
+        else:
+            current, given = (own, own + k) if isinstance(e, Capacitor) else (own + k, own)
+            whole[:n, current] += ~found.held * found.across[i]
+            whole[own, :n] += found.across[i]
+            whole[own, given] -= 1
+    whole[:, n + k :] *= -1
+    solved = _solved(whole)
+    return solved[found.nodes.index(OUT)], solved[n:]
 
 
-def stepper(c: Constants, rate: float) -> Stepper:
+def _solved(rows: Exact) -> Exact:
+    """Gauss and Jordan's elimination of `(n, n + m)`: any pivot that is not 0 will do."""
+    rows, count = rows.copy(), len(rows)
+    for k in range(count):
+        pivots = np.flatnonzero(rows[k:, k])
+        if not pivots.size:
+            raise RefusedError("the network has no state equations: a loop of capacitors, or a loose node")
+        rows[[k, k + pivots[0]]] = rows[[k + pivots[0], k]]
+        rows[k] /= rows[k, k]
+        for i in np.flatnonzero(rows[:, k]):
+            if i != k:
+                rows[i] -= rows[i, k] * rows[k]
+    return np.asarray(rows[:, count:])
+
+
+def stepper(network: Network, rate: float) -> Stepper:
     """Return the exact step of the network at `rate` Hz.
 
     Raises InputError for a rate that is not above 0, RefusedError where the step cannot be had in double
@@ -83,10 +127,10 @@ def stepper(c: Constants, rate: float) -> Stepper:
     """
     if not (np.isfinite(rate) and rate > 0):
         raise InputError("rate", "must be above 0 Hz and finite", rate)
-    system, size = state_space(c), sizes(c)
-    order = size.size
+    system = state_space(network)
+    order, size = system.b.size, sizes(system, rate)
     whole = np.zeros((order + 2, order + 2))
-    with np.errstate(over="ignore"):  # the exponential refuses what is not finite
+    with np.errstate(over="ignore", invalid="ignore"):  # the exponential refuses what is not finite
         whole[:order, :order] = system.a * size[None, :] / size[:, None] / rate
         whole[:order, order] = system.b / size / rate
     whole[order, order + 1] = 1.0
@@ -95,27 +139,27 @@ def stepper(c: Constants, rate: float) -> Stepper:
     if not np.abs(np.diag(triangle)).max() <= 1.0 + ROUNDING:
         raise RefusedError(f"the network's step at {rate:g} Hz grows: its constants are too far apart")
     back, slope = basis.conj().T, powers[:order, order + 1]
-    rest = np.zeros(order)
-    rest[0] = -1 / c.capacitance  # no voltage: the state takes the charge's off
     return Stepper(
         rate,
         triangle,
         back @ (powers[:order, order] - slope),
         back @ slope,
         (system.c * size) @ basis,
-        back @ (rest / size),
+        system.d,
+        back @ (system.rest / size),
     )
 
 
-def sizes(c: Constants) -> Real:
-    """The states' units, so that all are of one size: those of equal energy, and of the input its share.
+def sizes(system: StateSpace, rate: float) -> Real:
+    """The states' units in which all are of one size in a step, seen from the charge and by the output too.
 
-    In these the lossless part of the network only turns the state, and rounding stays relative.
+    In these rounding stays relative: at most 3e-10 of the output, for 63 networks whose rates lie up to 1e10
+    apart; in units of equal energy 6e-9 (measured against 150 digits).
     """
-    current = np.sqrt(c.capacitance / c.motional_inductance)
-    voltage = np.sqrt(c.capacitance / c.motional_capacitance)
-    sizes = [1.0, current, voltage, 1 / (1 + c.series_resistance * _leak(c))]
-    return np.array([*sizes, *([np.sqrt(c.capacitance / cf)] if (cf := c.feedback_capacitance) else [])])
+    step, push = system.a / rate, system.b[:, None] / rate
+    whole = np.block([[step, push], [system.c[None, :], np.zeros((1, 1))]])
+    units = matrix_balance(whole, permute=False, separate=True)[1][0]
+    return np.asarray(units[:-1] / units[-1])
 
 
 def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, Complex]:
@@ -128,29 +172,15 @@ def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, C
     charge = _checked(charge)
     if state is None:
         state = s.rest * charge[0]
-    found = recursion(s.step, lambda k: s.now[k] * charge[:-1] + s.then[k] * charge[1:], state, charge.size)
-    return np.asarray((s.out @ found).real), found[:, -1].copy()
-
-
-def recursion(step: Complex, forced: Callable[[int], Complex], state: Complex, count: int) -> Complex:
-    """Return z `(n, count)` of z+ = step z + forcing from `state` `(n,)`; `forced` gives a row's.
-
-    A triangular step is n scalar recursions, the last state first.
-    """
-    found = np.empty((state.size, count), complex)
-    for k in range(state.size - 1, -1, -1):
-        forcing = forced(k)
+    found = np.empty((state.size, charge.size), complex)
+    for k in range(state.size - 1, -1, -1):  # triangular: each state by those after it
+        forcing = s.now[k] * charge[:-1] + s.then[k] * charge[1:]
         for j in range(k + 1, state.size):
-            forcing = forcing + step[k, j] * found[j, :-1]
+            forcing = forcing + s.step[k, j] * found[j, :-1]
         found[k, 0] = state[k]
-        pole = step[k, k]
+        pole = s.step[k, k]
         found[k, 1:] = lfilter([1.0], [1.0, -pole], forcing, zi=[pole * state[k]])[0]
-    return found
-
-
-def output(c: Constants, charge: Real, rate: float) -> Real:
-    """Return the output `(n,)` V for a charge `(n,)` C sampled at `rate` Hz, at rest before."""
-    return run(stepper(c, rate), charge)[0]
+    return np.asarray((s.out @ found).real + s.through * charge), found[:, -1].copy()
 
 
 def _checked(charge: Real) -> Real:

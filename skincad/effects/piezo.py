@@ -21,11 +21,11 @@ from pydantic import Field
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
-from skincad.circuit.film import charge
+from skincad.circuit.elements import Network
+from skincad.circuit.film import capacitance, charge
 from skincad.circuit.low_pass import band_limited, corner, delay
-from skincad.circuit.model import Circuit, constants, load_circuit, noise_sources
-from skincad.circuit.network import Constants
-from skincad.circuit.noise import NoiseSources, noise_samples, total_density
+from skincad.circuit.model import Circuit, circuit_network, constants, load_circuit
+from skincad.circuit.noise import noise_samples, total_density
 from skincad.circuit.resample import PASS
 from skincad.circuit.state import Stepper, run, stepper
 from skincad.effects.kinds import Reader, Reading, Watched
@@ -80,24 +80,24 @@ class Piezo(Reader):
         circuit = fitted(load_circuit(self.circuit), watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None
         recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
-        c, sources = constants(circuit), noise_sources(circuit)
+        film = circuit.film
         stress = np.array([reading.films for reading in readings])
         charges = strip_charges(circuit, watched.design, stress)
-        chain = Chain.of(c, time, watched.bandwidth)
-        noise = chain.noise_rms(c, sources)
+        chain = Chain.of(circuit_network(circuit), time, watched.bandwidth)
+        noise = chain.noise_rms()
         told, ratio = {}, {}
         for ridge in watched.ridges:
             one, other = (chain.output(charges[:, 2 * (ridge - 1) + side]) for side in (0, 1))
             ratio[str(ridge)] = _decibels(float(np.std(one - other)), math.sqrt(2) * noise)  # two amplifiers
             if self.noise_seed is not None:
-                one = one + chain.noise(c, sources, (self.noise_seed, ridge, 1))
-                other = other + chain.noise(c, sources, (self.noise_seed, ridge, 2))
+                one = one + chain.noise((self.noise_seed, ridge, 1))
+                other = other + chain.noise((self.noise_seed, ridge, 2))
             told[str(ridge)] = {"S1": one.tolist(), "S2": other.tolist(), "pair": (one - other).tolist()}
         return {
             "output_V": told,
             "circuit": circuit.name,
             "sampling_Hz": recorder,
-            "film_capacitance_F": sources.film_capacitance,
+            "film_capacitance_F": capacitance(film.area, film.thickness, film.permittivity),
             "output_noise_V_rms": noise,
             "signal_to_noise_dB": ratio,
             "warnings": _warnings(circuit.name, recorder, watched),
@@ -146,19 +146,20 @@ def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
 class Chain:
     """Low-pass and network behind a march of `count` entries, `fine` steps of the network in one of it."""
 
+    network: Network
     step: Stepper
     bandwidth: float
     count: int
     fine: int
 
     @classmethod
-    def of(cls, c: Constants, time: Array, bandwidth: float) -> Chain:
+    def of(cls, network: Network, time: Array, bandwidth: float) -> Chain:
         """Return the chain; the low-pass is exact, and the network's steps are short against its time."""
         count = time.size
         length = float(time[1] - time[0]) if count > 1 else 1.0
         wanted = math.ceil(corner(bandwidth) * length / FINE)
         fine = max(1, min(wanted, MOST_STEPS, MOST_SAMPLES // count))
-        return cls(stepper(c, fine / length), bandwidth, count, fine)
+        return cls(network, stepper(network, fine / length), bandwidth, count, fine)
 
     def output(self, charges: Array) -> Array:
         """Return the output `(count,)` V of charges `(count,)` C, at rest before."""
@@ -168,11 +169,11 @@ class Chain:
             :: self.fine
         ]
 
-    def noise(self, c: Constants, sources: NoiseSources, seed: tuple[int, ...]) -> Array:
+    def noise(self, seed: tuple[int, ...]) -> Array:
         """Return noise `(count,)` V behind the low-pass; raises RefusedError where that takes too long to
         settle."""
         size = max(2, (self.count - 1) * self.fine + 1)
-        sample = noise_samples(c, sources, self.step.rate, size, seed)
+        sample = noise_samples(self.network, self.step.rate, size, seed)
         # periodic: a lead-in of its own end lets the low-pass settle
         lead = math.ceil(SETTLED * delay(self.bandwidth) * self.step.rate)
         if lead > MOST_LEAD:
@@ -183,12 +184,12 @@ class Chain:
         behind = band_limited(at / self.step.rate, sample[at % size], self.bandwidth).value
         return behind[lead :: self.fine][: self.count]
 
-    def noise_rms(self, c: Constants, sources: NoiseSources) -> float:
+    def noise_rms(self) -> float:
         """Return the noise behind the low-pass, V rms, from one period of the record up to half the rate."""
         low = self.step.rate / max(2, (self.count - 1) * self.fine + 1)
         frequency = np.geomspace(low, self.step.rate / 2, 4000)
         passed = (1 + (2 * np.pi * frequency / corner(self.bandwidth)) ** 2) ** -2
-        return math.sqrt(float(np.trapezoid(total_density(c, sources, frequency) * passed, frequency)))
+        return math.sqrt(float(np.trapezoid(total_density(self.network, frequency) * passed, frequency)))
 
 
 def _decibels(signal: float, noise: float) -> float | None:

@@ -74,7 +74,7 @@ def files(found: CircuitGain) -> dict[str, Writer]:
     sweep = found.circuit.sweep
     written = {
         "gain.csv": text(lambda: gain_csv(found)),
-        "netlist.cir": text(lambda: netlist(found.constants, found.name, sweep.low, sweep.high)),
+        "netlist.cir": text(lambda: netlist(found.network, found.name, sweep.low, sweep.high)),
         **{name: picture(draw) for name, draw in figures(found).items()},
     }
     return {**written, "calibrated.toml": text(lambda: calibrated_toml(found))} if found.measured else written
@@ -103,6 +103,6 @@ def calibrated_toml(found: CircuitGain) -> str:
     data["film"] = {**data["film"], "area": area, "d33": c.d33 / PICO}
     data["cable"] = {"capacitance": max(0.0, c.capacitance - own)}
     data["motional"] = {key: getattr(c, f"motional_{key}") for key in data["motional"]}
-    data["amplifier"] = {key: getattr(c, key) for key in data["amplifier"]}
+    data["amplifier"] = {key: getattr(c, key, value) for key, value in data["amplifier"].items()}
     head = f"# {found.name}, calibrated to a measured curve: {fit.rms:.2g} dB rms\n"
     return head + tomlkit.dumps(data)

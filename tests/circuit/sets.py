@@ -1,11 +1,13 @@
-"""Random constants within the calibration's bounds."""
+"""Random constants within the calibration's bounds, and a network's output from rest."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from skincad.circuit.calibrate import BOUNDS
-from skincad.circuit.network import Constants
+from skincad.circuit.constants import Constants
+from skincad.circuit.elements import Network
+from skincad.circuit.state import run, stepper
 
 
 def random_sets(count: int, seed: int = 6) -> list[Constants]:
@@ -16,3 +18,8 @@ def random_sets(count: int, seed: int = 6) -> list[Constants]:
         values["motional_capacitance"] *= values["capacitance"]
         sets.append(Constants(d33=-33e-12, **values))
     return sets
+
+
+def output(network: Network, charge: np.ndarray, rate: float) -> np.ndarray:
+    """Return the output `(n,)` V for a charge `(n,)` C sampled at `rate` Hz, at rest before."""
+    return run(stepper(network, rate), charge)[0]

@@ -18,10 +18,11 @@ from skincad.circuit.calibrate import (
     calibrate,
     paper_target,
 )
-from skincad.circuit.closed_form import exact_response
+from skincad.circuit.constants import Constants
 from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.network import Constants, decibels
+from skincad.circuit.response import decibels
 from skincad.circuit.slopes import fit_slopes
+from tests.circuit.paper import exact_response
 
 
 def misfit(c: Constants) -> float:

@@ -11,17 +11,20 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.bode import gain
-from skincad.circuit.closed_form import exact_response
-from skincad.circuit.model import constants, load_circuit
+from skincad.circuit.constants import Constants
+from skincad.circuit.model import circuit_network, constants, load_circuit
 from skincad.circuit.netlist import element_lines
-from skincad.circuit.network import Constants, decibels, response
-from skincad.circuit.state import output, run, state_space, stepper
-from tests.circuit.sets import random_sets
+from skincad.circuit.response import decibels, response
+from skincad.circuit.state import run, state_space, stepper
+from skincad.circuit.topologies import network
+from tests.circuit.paper import exact_response, loop_response
+from tests.circuit.sets import output, random_sets
 from tests.circuit.spice import needs_ngspice, vectors
 
 BAND = np.geomspace(10.0, 20_000.0, 33)
 CIRCUIT = load_circuit("charge-amplifier")
 C = constants(CIRCUIT)
+NETWORK = circuit_network(CIRCUIT)
 TAU = C.feedback_resistance * C.feedback_capacitance
 
 
@@ -35,33 +38,34 @@ def test_loop_node_and_state_equations_agree_on_200_random_sets() -> None:
     jw = 2j * np.pi * BAND
     for c in sets_with_capacitor(200):
         exact = exact_response(c, BAND)
-        assert np.abs(decibels(response(c, BAND) / exact)).max() < 1e-7
-        s = state_space(c)
+        assert np.abs(decibels(loop_response(c, BAND) / exact)).max() < 1e-7
+        np.testing.assert_allclose(response(network(c), BAND), exact, rtol=1e-12)
+        s = state_space(network(c))
         found = np.array([s.c @ np.linalg.solve(p * np.eye(5) - s.a, s.b * c.d33) for p in jw])
         np.testing.assert_allclose(found, exact, rtol=1e-5)
 
 
 @needs_ngspice
 def test_spices_gain_and_transient(tmp_path: Path) -> None:
-    lines = ["Vload load 0 DC 0 AC 1", *element_lines(C)]
+    lines = ["Vload load 0 DC 0 AC 1", *element_lines(NETWORK)]
     found = vectors(tmp_path, lines, "ac dec 10 0.01 20000", ["v(vout)"])
-    ratio = response(C, found["frequency"].real) / found["v(vout)"]
+    ratio = response(NETWORK, found["frequency"].real) / found["v(vout)"]
     assert np.abs(ratio - 1).max() < 1e-7  # 1e-6 dB
     (tmp_path / "out.raw").unlink()
     time = np.arange(4001) * 1e-6
     load = np.sin(np.pi * np.clip(time / 2e-3, 0.0, 1.0)) ** 2
     points = " ".join(f"{t!r} {x!r}" for t, x in zip(time.tolist(), load.tolist(), strict=True))
-    lines = [f"Vload load 0 PWL({points})", *element_lines(C), ".options method=trap"]
+    lines = [f"Vload load 0 PWL({points})", *element_lines(NETWORK), ".options method=trap"]
     found = vectors(tmp_path, lines, "tran 1e-6 4e-3 0 1e-7", ["v(vout)"])
     theirs = np.interp(time, found["time"], found["v(vout)"])
-    ours = output(C, C.d33 * load, 1e6)
+    ours = output(NETWORK, C.d33 * load, 1e6)
     assert np.abs(ours - theirs).max() < 1e-4 * np.abs(ours).max()
 
 
 def test_a_step_of_charge_is_held_and_fades_with_the_feedbacks_time() -> None:
     charge = np.r_[0.0, np.full(20_000, 1e-12)]
     time = np.arange(charge.size) * 1e-4
-    found, _ = run(stepper(C, 1e4), charge)
+    found, _ = run(stepper(NETWORK, 1e4), charge)
     exact = 1e-12 / C.feedback_capacitance * np.exp(-time / TAU)
     # 1e-3: the film's own branch and the amplifier's gain of 1e5 take a share; half a step of 1e-4 s of 1 s
     assert np.abs(found[10:] - exact[10:]).max() < 1e-3 * exact[0]
@@ -72,7 +76,7 @@ def test_the_drift_on_a_hold_is_what_the_feedbacks_time_says(resistance: float) 
     """Of a load put on in 10 ms and held for 0.4 s, as in the scene `hold`."""
     c = replace(C, feedback_resistance=resistance)
     time = np.arange(0.0, 0.41, 1e-3)
-    found = output(c, 1e-12 * np.clip(time / 0.01, 0.0, 1.0), 1e3)
+    found = output(network(c), 1e-12 * np.clip(time / 0.01, 0.0, 1.0), 1e3)
     tau = resistance * c.feedback_capacitance
     # the charge came evenly over 0.01 s; 1e-4: a gain of 1e5 and an input of 1e12 ohm
     exact = 1e-12 / c.feedback_capacitance * tau / 0.01 * -math.expm1(-0.01 / tau) * math.exp(-0.4 / tau)
@@ -82,8 +86,8 @@ def test_the_drift_on_a_hold_is_what_the_feedbacks_time_says(resistance: float) 
 def test_it_follows_the_stress_where_the_transimpedance_follows_its_rate() -> None:
     time = np.arange(0.0, 0.02, 1e-5)
     stress = np.sin(2 * np.pi * 100.0 * time) ** 2
-    found = output(C, stress * C.d33, 1e5)
-    rate = output(constants(load_circuit("transimpedance")), stress * C.d33, 1e5)
+    found = output(NETWORK, stress * C.d33, 1e5)
+    rate = output(circuit_network(load_circuit("transimpedance")), stress * C.d33, 1e5)
     assert np.corrcoef(found, stress)[0, 1] < -0.999  # d33 is below 0
     # the half period has as many rises as falls
     assert abs(np.corrcoef(rate, stress)[0, 1]) < 0.2
@@ -101,9 +105,9 @@ def test_its_low_cut_off_is_found() -> None:
 
 def test_without_the_capacitor_it_is_the_paper_s_network() -> None:
     plain = constants(load_circuit("charge-amplifier", ["amplifier.feedback_capacitance=0.0"]))
-    assert state_space(plain).a.shape == (4, 4)
+    assert state_space(network(plain)).a.shape == (4, 4)
     nearly = replace(plain, feedback_capacitance=1e-18)  # 1e10 ohm and 1e-18 F: 16 MHz
-    ratio = exact_response(nearly, BAND) / exact_response(plain, BAND)
+    ratio = response(network(nearly), BAND) / response(network(plain), BAND)
     assert np.abs(ratio - 1).max() < 2e-3
 
 

@@ -10,51 +10,53 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.circuit.closed_form import exact_response
-from skincad.circuit.model import constants, load_circuit
+from skincad.circuit.elements import Network
+from skincad.circuit.model import circuit_network, constants, load_circuit
 from skincad.circuit.netlist import element_lines
-from skincad.circuit.network import Constants
-from skincad.circuit.state import output, run, state_space, stepper
-from tests.circuit.sets import random_sets
+from skincad.circuit.response import response
+from skincad.circuit.state import run, state_space, stepper
+from skincad.circuit.topologies import network
+from tests.circuit.paper import exact_response
+from tests.circuit.sets import output, random_sets
 from tests.circuit.spice import needs_ngspice, vectors
 
-NAMES = ("yamada-2002", "transimpedance", "charge-amplifier")
+NAMES = ("yamada-2002", "transimpedance", "charge-amplifier", "voltage-follower")
 
 
 @pytest.fixture(params=NAMES)
-def c(request: pytest.FixtureRequest) -> Constants:
-    return constants(load_circuit(request.param))
+def c(request: pytest.FixtureRequest) -> Network:
+    return circuit_network(load_circuit(request.param))
 
 
-def pulse(time: np.ndarray, c: Constants) -> np.ndarray:
+def pulse(time: np.ndarray, c: Network) -> np.ndarray:
     """Charge of 1 N that rises smoothly, then falls."""
-    return c.d33 * np.sin(np.pi * np.clip(time / 2e-3, 0.0, 1.0)) ** 2
+    return c.charge * np.sin(np.pi * np.clip(time / 2e-3, 0.0, 1.0)) ** 2
 
 
 def test_state_equations_have_the_frequency_response_on_200_random_sets() -> None:
     """Solved at jw: rows differ by up to 1e16, hence 1e-6 and not 1e-12."""
     jw = 2j * np.pi * np.geomspace(10.0, 20_000.0, 13)
     for c in random_sets(200):
-        s = state_space(c)
+        s = state_space(network(c))
         found = np.array([s.c @ np.linalg.solve(p * np.eye(4) - s.a, s.b * c.d33) for p in jw])
         np.testing.assert_allclose(found, exact_response(c, jw.imag / (2 * np.pi)), rtol=1e-6)
 
 
-def sine_gain(c: Constants, frequency: float, per_period: int) -> complex:
+def sine_gain(c: Network, frequency: float, per_period: int) -> complex:
     """The response to a sampled sine over the frequency response; the window keeps slow transients out."""
     rate, periods, seen = frequency * per_period, 60, 20 * per_period
     time = np.arange(per_period * periods) / rate
-    found = output(c, c.d33 * np.sin(2 * np.pi * frequency * time), rate)[-seen:]
+    found = output(c, c.charge * np.sin(2 * np.pi * frequency * time), rate)[-seen:]
     window = 1 - np.cos(2 * np.pi * np.arange(seen) / seen)
     size = 2j * np.mean(window * found * np.exp(-2j * np.pi * frequency * time[-seen:]))
-    return complex(size / exact_response(c, np.array([frequency]))[0])
+    return complex(size / response(c, np.array([frequency]))[0])
 
 
-def images(c: Constants, frequency: float, per_period: int, count: int = 3000) -> complex:
+def images(c: Network, frequency: float, per_period: int, count: int = 3000) -> complex:
     """The same ratio by Poisson's sum: straight lines between samples hold every image of the sine."""
     order = np.arange(-count, count + 1)
     f = frequency * (1 + order * per_period)
-    gain = exact_response(c, np.abs(f))
+    gain = response(c, np.abs(f))
     gain = np.where(f < 0, gain.conj(), gain)
     weight = (np.sin(np.pi / per_period) / (np.pi * f / (frequency * per_period))) ** 2
     return complex((weight * gain).sum() / gain[count])
@@ -63,13 +65,13 @@ def images(c: Constants, frequency: float, per_period: int, count: int = 3000) -
 @pytest.mark.parametrize("per_period", [1000, 4000])
 @pytest.mark.parametrize("frequency", [200.0, 1200.0, 7000.0])
 def test_a_steady_sine_has_the_frequency_response_with_its_images(
-    c: Constants, frequency: float, per_period: int
+    c: Network, frequency: float, per_period: int
 ) -> None:
     # 2e-6: what the sum leaves out beyond 3000 images
     assert abs(sine_gain(c, frequency, per_period) / images(c, frequency, per_period) - 1) < 2e-6
 
 
-def test_at_fine_steps_it_is_the_frequency_response(c: Constants) -> None:
+def test_at_fine_steps_it_is_the_frequency_response(c: Network) -> None:
     """The images vanish as the step's square: 16 times less at a quarter of the step, from 1e-3 on."""
     sizes = [abs(abs(sine_gain(c, 1200.0, n)) - 1) for n in (300, 1200)]
     assert sizes[0] < 1e-3
@@ -82,17 +84,17 @@ def test_it_is_late_by_half_a_sample_where_the_output_follows_the_rate() -> None
 
     At 20 Hz, where a sample is a hundred times the amplifier's own time.
     """
-    c = constants(load_circuit("transimpedance"))
+    c = circuit_network(load_circuit("transimpedance"))
     coarse, fine = (np.angle(sine_gain(c, 20.0, n)) for n in (500, 1000))
     assert coarse == pytest.approx(-np.pi / 500, rel=0.02)  # the amplifier's own time
     assert fine == pytest.approx(coarse / 2, rel=0.02)
 
 
 @needs_ngspice
-def test_time_response_and_spices_transient_agree(tmp_path: Path, c: Constants) -> None:
+def test_time_response_and_spices_transient_agree(tmp_path: Path, c: Network) -> None:
     time = np.arange(4001) * 1e-6
     charge = pulse(time, c)
-    points = " ".join(f"{t!r} {q / c.d33!r}" for t, q in zip(time.tolist(), charge.tolist(), strict=True))
+    points = " ".join(f"{t!r} {q / c.charge!r}" for t, q in zip(time.tolist(), charge.tolist(), strict=True))
     lines = [
         f"Vload load 0 PWL({points})", *element_lines(c),
         ".options method=trap",
@@ -104,7 +106,7 @@ def test_time_response_and_spices_transient_agree(tmp_path: Path, c: Constants) 
     assert np.abs(ours - theirs).max() < 1e-4 * np.abs(ours).max()
 
 
-def test_coarse_and_fine_steps_of_the_same_piecewise_linear_charge_agree(c: Constants) -> None:
+def test_coarse_and_fine_steps_of_the_same_piecewise_linear_charge_agree(c: Network) -> None:
     """The step is exact: ten steps of a tenth are one step, to rounding by the network's stiffness."""
     coarse = pulse(np.arange(41) * 1e-4, c)
     fine = np.interp(np.arange(401), np.arange(0, 401, 10), coarse)
@@ -112,7 +114,7 @@ def test_coarse_and_fine_steps_of_the_same_piecewise_linear_charge_agree(c: Cons
     assert np.abs(one - ten).max() < 1e-8 * np.abs(one).max()
 
 
-def test_in_pieces_as_at_once(c: Constants) -> None:
+def test_in_pieces_as_at_once(c: Network) -> None:
     charge = pulse(np.arange(1000) * 4e-6, c) + 1e-12
     s = stepper(c, 2.5e5)
     whole, last = run(s, charge)
@@ -123,7 +125,7 @@ def test_in_pieces_as_at_once(c: Constants) -> None:
     np.testing.assert_array_equal(end, last)
 
 
-def test_one_sample_at_a_time_as_at_once(c: Constants) -> None:
+def test_one_sample_at_a_time_as_at_once(c: Network) -> None:
     charge = pulse(np.arange(50) * 1e-5, c)
     s = stepper(c, 1e5)
     whole, _ = run(s, charge)
@@ -135,9 +137,9 @@ def test_one_sample_at_a_time_as_at_once(c: Constants) -> None:
     np.testing.assert_allclose(seen, whole, rtol=0, atol=1e-14 * np.abs(whole).max())
 
 
-def test_at_rest_under_a_constant_charge_nothing_comes_out(c: Constants) -> None:
+def test_at_rest_under_a_constant_charge_nothing_comes_out(c: Network) -> None:
     moving = output(c, pulse(np.arange(1000) * 1e-5, c), 1e5)
-    still = output(c, np.full(1000, c.d33), 1e5)
+    still = output(c, np.full(1000, c.charge), 1e5)
     assert np.abs(still).max() < 1e-9 * np.abs(moving).max()  # rounding of the film's 1 / Cpvd
 
 
@@ -145,7 +147,7 @@ def test_at_rest_under_a_constant_charge_nothing_comes_out(c: Constants) -> None
 def test_stiff_constants_stay_stable_at_any_step(rate: float) -> None:
     """A step of charge dies out: the last tenth of a long record is below the first."""
     for c in random_sets(30):
-        s = stepper(c, rate)
+        s = stepper(network(c), rate)
         assert np.abs(np.diag(s.step)).max() <= 1.0 + 1e-12
         found, _ = run(s, np.r_[0.0, np.full(2000, c.d33)])
         assert np.isfinite(found).all()
@@ -155,16 +157,16 @@ def test_stiff_constants_stay_stable_at_any_step(rate: float) -> None:
 def test_what_no_double_can_hold_is_refused() -> None:
     c = replace(constants(load_circuit("yamada-2002")), input_capacitance=1e-300)
     with pytest.raises(RefusedError, match="too long"):
-        stepper(c, 1e5)
+        stepper(network(c), 1e5)
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf])
-def test_a_bad_rate_is_told(c: Constants, rate: float) -> None:
+def test_a_bad_rate_is_told(c: Network, rate: float) -> None:
     with pytest.raises(InputError, match="rate: must be above 0 Hz"):
         stepper(c, rate)
 
 
 @pytest.mark.parametrize("charge", [[], [0.0, np.nan], [[0.0]]])
-def test_a_bad_charge_is_told(c: Constants, charge: list[float]) -> None:
+def test_a_bad_charge_is_told(c: Network, charge: list[float]) -> None:
     with pytest.raises(InputError, match="charge: must be a row"):
         output(c, np.array(charge), 1e5)

@@ -1,0 +1,176 @@
+"""The amplifiers as lists of elements: each by every way, the follower by hand, and what cannot be."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.constants import Boltzmann
+
+from skincad.base.errors import InputError, RefusedError
+from skincad.circuit.bode import gain
+from skincad.circuit.constants import Constants, NoiseSources
+from skincad.circuit.elements import Capacitor, Network, Resistor, Source
+from skincad.circuit.model import circuit_network, constants, load_circuit
+from skincad.circuit.netlist import element_lines
+from skincad.circuit.noise import noise_density, total_density
+from skincad.circuit.response import response
+from skincad.circuit.state import state_space
+from skincad.circuit.topologies import TOPOLOGIES, network
+from tests.circuit.paper import angular, motional_impedance
+from tests.circuit.sets import output, random_sets
+from tests.circuit.spice import needs_ngspice, vectors
+
+BAND = np.geomspace(10.0, 20_000.0, 33)
+CIRCUIT = load_circuit("voltage-follower")
+C = constants(CIRCUIT)
+AMPLIFIER = NoiseSources(293.0, 1e-8, 1e-15, 0.02, 1e-11)
+
+
+def follower_response(c: Constants, frequency: np.ndarray) -> np.ndarray:
+    """Solved by hand: the input's divider, and a gain of A / (1 + A)."""
+    jw = angular(frequency)
+    film = jw * c.capacitance + 1 / motional_impedance(c, jw)
+    node = jw * c.input_capacitance + 1 / c.input_resistance
+    return np.asarray(jw * c.d33 / (film + node + film * node * c.series_resistance) * c.gain / (1 + c.gain))
+
+
+def test_the_follower_is_its_closed_form_on_200_random_sets() -> None:
+    for c in random_sets(200):
+        found = response(network(c, topology="follower"), BAND)
+        # 1e-12: some ten factors a product
+        np.testing.assert_allclose(found, follower_response(c, BAND), rtol=1e-12)
+
+
+@pytest.mark.parametrize("topology", TOPOLOGIES)
+def test_state_equations_have_the_response_of_the_elements(topology: str) -> None:
+    """Solved at jw: rows differ by up to 1e16, hence 1e-5 and not 1e-12."""
+    for c in random_sets(50):
+        for capacitance in (0.0, 1e-11):
+            elements = network(replace(c, feedback_capacitance=capacitance), topology=topology)
+            s = state_space(elements)
+            one = np.eye(s.b.size)
+            found = [s.c @ np.linalg.solve(p * one - s.a, s.b * c.d33) + s.d * c.d33 for p in angular(BAND)]
+            np.testing.assert_allclose(found, response(elements, BAND), rtol=1e-5)
+
+
+def way(network: Network, node: str) -> np.ndarray:
+    """The output by 1 A into a node: a load of 1 through a resistance next to which all others are none."""
+    huge = Resistor("Rhuge", "load", node, 1e25)
+    silent = [replace(e, value=0.0) if e.name == "Epv" else e for e in network.elements]
+    return response(Network((*silent, huge), 1.0), BAND) * huge.value
+
+
+@pytest.mark.parametrize("topology", TOPOLOGIES)
+@pytest.mark.parametrize("gain", [5.0, 1e5])
+def test_each_noise_source_goes_the_way_of_a_current_in_its_place(topology: str, gain: float) -> None:
+    c = replace(C, gain=gain, output_resistance=5e3, feedback_capacitance=1e-11)
+    quiet = network(c, topology=topology)
+    found = noise_density(network(c, AMPLIFIER, topology), BAND)
+    held, thermal = {e.a for e in quiet.elements if isinstance(e, Source)}, 4 * Boltzmann * 293.0
+    exact = {}
+    for e in quiet.elements:
+        if isinstance(e, Resistor | Capacitor):
+            a, b = (way(quiet, node) if node not in {*held, "0"} else 0.0 for node in (e.a, e.b))
+            loss = 2 * np.pi * BAND * 1e-11 * 0.02
+            density = 1 / e.value if isinstance(e, Resistor) else loss
+            exact[e.name] = thermal * density * np.abs(a - b) ** 2
+    eamp = next(e for e in quiet.elements if isinstance(e, Source) and e.name == "Eamp")
+    for node in {eamp.plus, eamp.minus} - {"0"}:
+        exact[f"Eamp current into {node}"] = 1e-30 * np.abs(way(quiet, node)) ** 2
+    # 1 V more at the input, and no load elsewhere
+    shifted = [replace(e, value=0.0) if e.name == "Epv" else e for e in quiet.elements if e is not eamp]
+    seen = (Source("Eneg", "neg", "load", "0", -1.0), Source("Eseen", "seen", eamp.plus, "neg", 1.0))
+    loud = response(Network((*shifted, *seen, replace(eamp, plus="seen")), 1.0), BAND)
+    exact["Eamp voltage"] = 1e-16 * np.abs(loud) ** 2
+    for name, density in found.items():
+        # 1e-9: what a node of 1e9 ohm leaves beside 1e25
+        np.testing.assert_allclose(density, exact[name.removesuffix(" loss")], rtol=1e-9, err_msg=name)
+    assert len(found) == sum(isinstance(e, Resistor) for e in quiet.elements) + 3 + (topology == "follower")
+
+
+def test_the_followers_noise_by_hand_in_its_band() -> None:
+    """Its own voltage noise and that of the feedback's resistor come out as they are."""
+    found = noise_density(network(C, AMPLIFIER, "follower"), np.array([1000.0]))
+    # 1e-4: a gain of 1e5
+    assert found["Eamp voltage"][0] == pytest.approx(1e-16, rel=1e-4)
+    assert found["R34"][0] == pytest.approx(4 * Boltzmann * 293.0 * C.feedback_resistance, rel=1e-4)
+
+
+@needs_ngspice
+def test_the_followers_gain_noise_and_transient_are_spices(tmp_path: Path) -> None:
+    elements = network(C, NoiseSources(293.15), "follower")
+    lines = ["Vload load 0 DC 0 AC 1", *element_lines(elements), ".options temp=20 method=trap"]
+    found = vectors(tmp_path, lines, "ac dec 10 0.05 20000", ["v(vout)"])
+    ratio = response(elements, found["frequency"].real) / found["v(vout)"]
+    assert np.abs(ratio - 1).max() < 1e-7  # 1e-6 dB
+    (tmp_path / "out.raw").unlink()
+    found = vectors(tmp_path, lines, "noise v(vout) Vload dec 10 10 20000", ["onoise_spectrum"])
+    ours = np.sqrt(total_density(elements, found["frequency"]))
+    # SPICE's Boltzmann constant differs from CODATA's in the sixth digit
+    np.testing.assert_allclose(ours, found["onoise_spectrum"], rtol=2e-5)
+    (tmp_path / "out.raw").unlink()
+    time = np.arange(4001) * 1e-6
+    load = np.sin(np.pi * np.clip(time / 2e-3, 0.0, 1.0)) ** 2
+    points = " ".join(f"{t!r} {x!r}" for t, x in zip(time.tolist(), load.tolist(), strict=True))
+    lines[0] = f"Vload load 0 PWL({points})"
+    found = vectors(tmp_path, lines, "tran 1e-6 4e-3 0 1e-7", ["v(vout)"])
+    theirs = np.interp(time, found["time"], found["v(vout)"])
+    ours = output(elements, C.d33 * load, 1e6)
+    assert np.abs(ours - theirs).max() < 1e-4 * np.abs(ours).max()
+
+
+def test_the_followers_low_cut_off_and_level() -> None:
+    found = gain(CIRCUIT)
+    # the motional branch is a capacitor too, far below its resonance
+    whole = C.capacitance + C.motional_capacitance + C.input_capacitance
+    corner = 1 / (2 * math.pi * C.input_resistance * whole)
+    assert found.slopes.cutoff.value == pytest.approx(corner, abs=found.slopes.cutoff.error)
+    middle = int(np.argmin(np.abs(found.frequency - 500.0)))
+    # 1e-3: one hundredth of the corner's frequency squared, and a gain of 1e5
+    assert found.gain[middle] == pytest.approx(20 * math.log10(abs(C.d33) / whole), abs=1e-3)
+
+
+def test_a_step_of_charge_is_the_capacitors_voltage_and_fades_by_the_bias_resistor() -> None:
+    whole = C.capacitance + C.motional_capacitance + C.input_capacitance
+    found = output(circuit_network(CIRCUIT), np.r_[0.0, np.full(2000, 1e-12)], 1e5)
+    exact = 1e-12 / whole * np.exp(-np.arange(2001) * 1e-5 / (C.input_resistance * whole))
+    # 1e-3: half a step of 1e-5 s of 33 ms, the branch's ringing, a gain of 1e5
+    assert np.abs(found[1500:] - exact[1500:]).max() < 1e-3 * exact[0]
+
+
+def test_what_an_output_follows_at_once_goes_through() -> None:
+    """A divider of two resistors: no state but the film's, and the charge's share comes without delay."""
+    divider = Network(
+        (
+            Source("Epv", "pv", "load", "0", 2.0),
+            Capacitor("C", "pv", "film", 1e-9),
+            Resistor("R", "film", "0", 1e6),
+            Source("Evout", "vout", "film", "0", 1.0),
+        ),
+        1.0,
+    )
+    s = state_space(divider)
+    assert (s.a.item(), s.b.item(), s.c.item(), s.d) == pytest.approx((-1e3, 2e3, -1.0, 2.0))
+    assert s.rest.item() == pytest.approx(2.0)
+    found = output(divider, np.r_[np.zeros(1), np.ones(50)], 1e5)
+    assert found[-1] == pytest.approx(2.0 * 100 * -math.expm1(-1e-2) * math.exp(-49e-2), rel=1e-9)
+
+
+def test_a_loop_of_capacitors_and_sources_is_refused() -> None:
+    loop = (Source("Epv", "pv", "load", "0", 1.0), Capacitor("C", "pv", "vout", 1e-9))
+    with pytest.raises(RefusedError, match="a loop of capacitors"):
+        state_space(Network((*loop, Capacitor("D", "vout", "0", 1e-9)), 1.0))
+
+
+def test_an_unknown_topology_is_told_with_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"amplifier.topology: no such topology.*did you mean 'follower'"):
+        load_circuit("transimpedance", ["amplifier.topology=folower"])
+
+
+def test_a_follower_is_not_calibrated_to_a_curve() -> None:
+    with pytest.raises(InputError, match=r"amplifier.topology: must be inverting where constants"):
+        gain(CIRCUIT, "measured.csv")
