@@ -97,8 +97,7 @@ def gain(
     watch, sweep, amplifier = Stopwatch(progress), circuit.sweep, circuit.amplifier
     given = None
     if measured is not None:
-        papers = {"topology": "inverting", "feedback_capacitance": 0.0}
-        for key, wanted in papers.items():
+        for key, wanted in (("topology", "inverting"), ("feedback_capacitance", 0.0)):
             if (value := getattr(amplifier, key)) != wanted:
                 rule = f"must be {wanted or '0 F'} where constants are calibrated to a measured curve"
                 raise InputError(f"amplifier.{key}", rule, value, "take the paper's network")

@@ -7,7 +7,7 @@ static capacitance and a series R-L-C (motional) branch.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 
 from skincad.base.errors import InputError
 
@@ -45,16 +45,13 @@ class Constants:
     feedback_capacitance: float = 0.0  # F, beside R3 + R4; none in the paper
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for name, value in asdict(self).items():
             if not math.isfinite(value):
-                raise InputError(field.name, "must be a finite number", value)
-            if field.name == "d33" and value == 0:
-                raise InputError(field.name, "must not be 0", value)
-            if field.name == "feedback_capacitance" and value < 0:
-                raise InputError(field.name, "must not be below 0", value)
-            if field.name not in ("d33", "feedback_capacitance") and value <= 0:
-                raise InputError(field.name, "must be above 0", value)
+                raise InputError(name, "must be a finite number", value)
+            rules = {"d33": (value != 0, "not be 0"), "feedback_capacitance": (value >= 0, "not be below 0")}
+            kept, rule = rules.get(name, (value > 0, "be above 0"))
+            if not kept:
+                raise InputError(name, f"must {rule}", value)
 
     def as_json(self) -> dict[str, float]:
         """Return the constants by name, the unit as suffix."""

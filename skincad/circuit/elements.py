@@ -38,10 +38,9 @@ class Resistor(_Between):
 
 @dataclass(frozen=True)
 class Capacitor(_Between):
-    """In F. The dielectric loss of `lossy` F of it counts in the noise only."""
+    """In F. `loss`, F times the loss tangent, counts in the noise only."""
 
-    lossy: float = 0.0
-    loss_tangent: float = 0.0
+    loss: float = 0.0
 
 
 class Inductor(_Between):

@@ -40,9 +40,9 @@ def _sources(network: Network, frequency: Real) -> Iterator[tuple[str, Drive, Re
         both = [(node, sign) for node, sign in ((e.a, 1), (e.b, -1)) if node not in held]
         if isinstance(e, Resistor):
             yield e.name, tuple((node, 1 << i, sign) for node, sign in both), thermal * e.value
-        elif isinstance(e, Capacitor) and e.loss_tangent:
-            loss = 2 * np.pi * frequency * e.lossy * e.loss_tangent  # S
-            yield f"{e.name} loss", tuple((node, 0, sign) for node, sign in both), thermal * loss
+        elif isinstance(e, Capacitor) and e.loss:
+            conductance = 2 * np.pi * frequency * e.loss
+            yield f"{e.name} loss", tuple((node, 0, sign) for node, sign in both), thermal * conductance
 
 
 def total_density(network: Network, frequency: Real) -> Real:

@@ -31,12 +31,11 @@ class Recording:
     warnings: tuple[str, ...]
 
 
-def recorded(signal: Real, rate: float, wanted: float, band: float | None = None) -> Recording:
+def recorded(signal: Real, rate: float, wanted: float) -> Recording:
     """Return a signal `(n,)` at `rate` Hz as a recording at `wanted` Hz.
 
     A linear-phase FIR low-pass (Kaiser window, 80 dB, passband 0.8 of the new Nyquist frequency) without
-    delay: it looks ahead, so no detector may use it. Each end holds its last value. `band` is what the reader
-    needs to see, Hz: InputError when the new Nyquist frequency lies under it. Also raises InputError for
+    delay: it looks ahead, so no detector may use it. Each end holds its last value. Raises InputError for
     rates that are not above 0, go up, or whose ratio has no small numerator.
     """
     signal = np.asarray(signal, float)
@@ -47,9 +46,6 @@ def recorded(signal: Real, rate: float, wanted: float, band: float | None = None
             raise InputError(key, "must be above 0 Hz and finite", value)
     if wanted > rate:
         raise InputError("sampling.rate", f"must be at most {rate:g} Hz, the signal's", wanted)
-    if band is not None and wanted < 2 * band:
-        rule = f"must be at least {2 * band:g} Hz, twice the band to be seen"
-        raise InputError("sampling.rate", rule, wanted, "sample faster, or ask for a lower band")
     passband = PASS * wanted / 2
     lost = power_above(signal, rate, passband)
     note = f"{lost:.0%} of the signal's power lies above {passband:.4g} Hz, which {wanted:g} Hz does not show"

@@ -1,7 +1,8 @@
 """The amplifiers: each a function from constants to the list of elements behind the film.
 
 A new one is a function here and its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film`
-(the film's electrode) and `vout` are given; capacitors and sources alone must not close a loop.
+(the film's electrode) and `vout` are given; capacitors and sources alone must not close a loop. An amplifier
+of finite bandwidth is its gain, 1 ohm, gain / (2 pi bandwidth) F to ground, and a source of 1 behind them.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def network(c: Constants, n: NoiseSources = SILENT, topology: str = "inverting")
     """
     film = (
         Source("Epv", "pv", "load", "0", c.d33 / c.capacitance),
-        Capacitor("Cpvd", "pv", "film", c.capacitance, n.film_capacitance, n.loss_tangent),
+        Capacitor("Cpvd", "pv", "film", c.capacitance, n.film_capacitance * n.loss_tangent),
         Resistor("Rmot", "film", "m1", c.motional_resistance),
         Inductor("Lmot", "m1", "m2", c.motional_inductance),
         Capacitor("Cmot", "m2", "0", c.motional_capacitance),

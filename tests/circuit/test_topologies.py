@@ -92,6 +92,32 @@ def test_each_noise_source_goes_the_way_of_a_current_in_its_place(topology: str,
     assert len(found) == sum(isinstance(e, Resistor) for e in quiet.elements) + 3 + (topology == "follower")
 
 
+def test_an_amplifier_of_finite_bandwidth_is_four_elements() -> None:
+    """The closed form with A / (1 + jf A / bandwidth) for A, at each frequency; the 1 ohm is not heard."""
+    bandwidth = 1e6
+    slow = []
+    for e in network(C, AMPLIFIER).elements:
+        if e.name == "Eamp":
+            pole = Capacitor("Cpole", "pole", "0", C.gain / (2 * np.pi * bandwidth))
+            slow += [replace(e, a="fast"), Resistor("Rpole", "fast", "pole", 1.0), pole]
+            slow.append(Source("Eslow", "amp", "pole", "0", 1.0))
+        else:
+            slow.append(e)
+    found = response(Network(tuple(slow), C.d33), BAND)
+    gains = C.gain / (1 + 1j * BAND * C.gain / bandwidth)
+    jw = angular(BAND)
+    film, behind = (
+        jw * C.capacitance + 1 / motional_impedance(C, jw),
+        C.feedback_resistance + C.output_resistance,
+    )
+    node = jw * C.input_capacitance + 1 / C.input_resistance + (1 + gains) / behind
+    vd = jw * C.d33 / (film + node + film * node * C.series_resistance)
+    exact = vd * (gains * C.feedback_resistance - C.output_resistance) / behind
+    np.testing.assert_allclose(found, exact, rtol=1e-12)
+    noise = noise_density(Network(tuple(slow), C.d33), BAND)
+    assert (noise["Rpole"] < 1e-6 * noise["Eamp voltage"]).all()
+
+
 def test_the_followers_noise_by_hand_in_its_band() -> None:
     """Its own voltage noise and that of the feedback's resistor come out as they are."""
     found = noise_density(network(C, AMPLIFIER, "follower"), np.array([1000.0]))
