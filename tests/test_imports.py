@@ -91,7 +91,6 @@ def imported(tree: ast.Module, known: set[str]) -> set[str]:
     return found & known
 
 
-@pytest.mark.xfail(strict=True, reason="inputs/guards.py and design.py, whose tables are about to be split")
 def test_no_modules_import_each_other() -> None:
     trees = modules()
     arrows = {name: imported(tree, set(trees)) - {name} for name, tree in trees.items()}
@@ -101,7 +100,6 @@ def test_no_modules_import_each_other() -> None:
         pytest.fail(" <- ".join(circle.args[1]))
 
 
-@pytest.mark.xfail(strict=True, reason="Mold and Step of solids/mold.py, about to be renamed")
 def test_a_class_name_means_one_thing() -> None:
     defined = Counter(
         node.name
