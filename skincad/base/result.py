@@ -16,7 +16,7 @@ Writer = Callable[[Path], None]
 LONGEST_REPR = 200  # letters: a line of a console, not a page
 
 
-class Shown(Protocol):
+class Presenter(Protocol):
     """A module of outputs/ that shows one kind of result."""
 
     COMMAND: str  # whose manifest lists the files
@@ -43,27 +43,27 @@ class Result(ABC):
     def as_json(self) -> dict[str, Any]:
         """Return the object that `--json` prints: numbers with their unit in the key, errors beside them."""
 
-    def shown(self) -> Shown:
+    def presenter(self) -> Presenter:
         """Return the module that shows results of this kind."""
-        return cast(Shown, import_module(self.shown_by))
+        return cast(Presenter, import_module(self.shown_by))
 
     def files(self) -> dict[str, Writer]:
         """Return name -> writer; a writer takes the path to write to. `skincad.write` writes them all."""
-        return self.shown().files(self)
+        return self.presenter().files(self)
 
     def figures(self) -> dict[str, Figure]:
         """Return all matplotlib figures by name, drawn now."""
-        return {name: draw() for name, draw in self.shown().figures(self).items()}
+        return {name: draw() for name, draw in self.presenter().figures(self).items()}
 
     def figure(self, name: str | None = None) -> Figure:
         """Return the matplotlib figure of this name, the first one if None; KeyError lists the names."""
-        draws = self.shown().figures(self)
+        draws = self.presenter().figures(self)
         if not draws or (name is not None and name not in draws):
             raise KeyError(f"no figure {name or 'here'}; there are: {', '.join(draws) or 'none'}")
         return draws[name or next(iter(draws))]()
 
     def __str__(self) -> str:
-        return "\n".join(self.shown().lines(self))
+        return "\n".join(self.presenter().lines(self))
 
     def __repr__(self) -> str:
         text = f"<{type(self).__name__} {str(self).partition(chr(10))[0]}"
@@ -72,7 +72,7 @@ class Result(ABC):
     def _repr_html_(self) -> str:
         """The words, and the first figure, for a notebook."""
         words = f"<pre>{html.escape(str(self))}</pre>"
-        if not self.shown().figures(self):
+        if not self.presenter().figures(self):
             return words
         picture = io.BytesIO()
         self.figure().savefig(picture, format="png")

@@ -48,12 +48,12 @@ def write(
     kind is replaced. Raises InputError, with nothing changed, for a folder that cannot take the files, holds
     other things, or a file that was changed since it was written; RefusedError for numbers not finite.
     """
-    shown, target, files = result.shown(), Path(folder), result.files()
+    presenter, target, files = result.presenter(), Path(folder), result.files()
     chosen = {name: files[name] for name in of_formats(files, formats)}
-    ready(target, shown.COMMAND, chosen)
+    ready(target, presenter.COMMAND, chosen)
     strict_json(result.as_json())  # before anything is written
     watch = Stopwatch(progress)
-    with replaced(target, shown.COMMAND, shown.manifest(result)) as staging:
+    with replaced(target, presenter.COMMAND, presenter.manifest(result)) as staging:
         for name, writer in chosen.items():
             with watch.stage("picture" if _ending(name) in PICTURES else "files"):
                 writer(staging / name)

@@ -73,7 +73,7 @@ def test_write_writes_the_files_and_their_manifest(
 ) -> None:
     result = results[kind]
     written = skincad.write(result, tmp_path / "out")
-    manifest = f"{result.shown().COMMAND}.json"
+    manifest = f"{result.presenter().COMMAND}.json"
     assert {p.name for p in (tmp_path / "out").iterdir()} == {*result.files(), manifest}
     assert [name for name, _ in written.files] == sorted(result.files())
     assert str(tmp_path / "out") in str(written)
