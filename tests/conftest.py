@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -75,7 +79,50 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
                 terminalreporter.write_line(f"{report.nodeid}: {text}")
 
 
-def run_skincad(*arguments: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+@contextmanager
+def _caught(name: str) -> Iterator[io.BufferedRandom]:
+    """A standard stream into a file, by its descriptor too: C libraries print there."""
+    before, number = getattr(sys, name), ("stdin", "stdout", "stderr").index(name)
+    before.flush()
+    kept = os.dup(number)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), number)
+        setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8", errors="backslashreplace"))
+        try:
+            yield file
+        finally:
+            getattr(sys, name).close()
+            setattr(sys, name, before)
+            os.dup2(kept, number)
+            os.close(kept)
+
+
+def run_skincad(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command line in this process: what it prints, its status, its files, and no second of imports.
+
+    What is the process's own (descriptors, signals, limits, environment) is `skincad_process`'s.
+    """
+    from skincad.cli import main
+
+    with (
+        chdir(cwd),
+        pytest.MonkeyPatch.context() as patch,
+        _caught("stderr") as err,
+        _caught("stdout") as out,
+    ):
+        patch.setattr(sys, "argv", ["skincad", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for file in (out, err):
+            file.seek(0)
+        return subprocess.CompletedProcess(
+            arguments, int(end.value.code or 0), out.read().decode(), err.read().decode()
+        )
+
+
+def skincad_process(*arguments: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run the command line in its own process, as a user does."""
     return subprocess.run(
         [sys.executable, "-m", "skincad", *arguments],

@@ -1,4 +1,4 @@
-"""The command line as a user meets it: in its own process."""
+"""The command line as a user meets it; in its own process where what is shown is the process's."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import run_skincad
+from tests.conftest import run_skincad, skincad_process
 
 CHECK_KEYS = {
     "name",
@@ -36,7 +36,7 @@ PART_KEYS = {"name", "volume_mm3", "area_mm2", "faces", "valid", "watertight", "
 
 
 def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -> None:
-    done = run_skincad("make", "yamada-2002", "--json", cwd=tmp_path)
+    done = skincad_process("make", "yamada-2002", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     assert result.keys() >= MAKE_KEYS
@@ -50,7 +50,7 @@ def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path)
 
 
 def test_check_prints_the_contracts_json(tmp_path: Path) -> None:
-    done = run_skincad("check", "yamada-2002", "--json", "--tier", "winkler", cwd=tmp_path)
+    done = skincad_process("check", "yamada-2002", "--json", "--tier", "winkler", cwd=tmp_path)
     result = json.loads(done.stdout)
     assert result.keys() >= CHECK_KEYS
     assert result["all_touch_force_N"].keys() == {"value", "error"}
@@ -79,7 +79,7 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
         ("one", {"PYTHONHASHSEED": "1", "OPENBLAS_NUM_THREADS": "1"}),
         ("two", {"PYTHONHASHSEED": "2", "OPENBLAS_NUM_THREADS": "2"}),
     ):
-        done = run_skincad("make", "yamada-2002", "-o", name, cwd=tmp_path, **environment)
+        done = skincad_process("make", "yamada-2002", "-o", name, cwd=tmp_path, **environment)
         assert done.returncode == 0, done.stderr
     for path in (tmp_path / "one").iterdir():
         assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
@@ -203,7 +203,7 @@ def test_ctrl_c_exits_with_130_and_leaves_no_half_result(tmp_path: Path) -> None
 def test_version_and_help(tmp_path: Path) -> None:
     import skincad
 
-    assert run_skincad("--version", cwd=tmp_path).stdout == f"skincad {skincad.__version__}\n"
+    assert skincad_process("--version", cwd=tmp_path).stdout == f"skincad {skincad.__version__}\n"
     text = run_skincad("--help", cwd=tmp_path).stdout
     assert all(word in text for word in ("templates", "new", "make", "check"))
 
@@ -216,6 +216,6 @@ def test_templates_are_listed_with_what_they_are_for(tmp_path: Path) -> None:
 
 
 def test_no_colour_and_no_bar_off_a_terminal(tmp_path: Path) -> None:
-    done = run_skincad("check", "plain-ridges", cwd=tmp_path)
+    done = skincad_process("check", "plain-ridges", cwd=tmp_path)
     assert done.stderr == ""
     assert "\x1b" not in done.stdout

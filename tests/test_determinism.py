@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from tests.conftest import run_skincad
+from tests.conftest import skincad_process
 
 JOBS = {
     "make": ("make", "yamada-2002"),
@@ -31,7 +31,7 @@ SAME = 1e-6
 
 
 def run(job: str, folder: str, cwd: Path, **environment: str) -> Path:
-    done = run_skincad(*JOBS[job], "-o", folder, cwd=cwd, **environment)
+    done = skincad_process(*JOBS[job], "-o", folder, cwd=cwd, **environment)
     assert done.returncode == 0, done.stderr
     return cwd / folder
 

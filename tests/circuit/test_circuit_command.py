@@ -15,7 +15,7 @@ from skincad.base.errors import InputError
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
 from skincad.inputs.catalog import template_names
-from tests.conftest import run_skincad
+from tests.conftest import run_skincad, skincad_process
 
 KEYS = {
     "name",
@@ -38,7 +38,7 @@ def write_curve(path: Path, level: float = 0.0) -> None:
 
 
 def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -> None:
-    done = run_skincad("circuit", "yamada-2002", "--json", cwd=tmp_path)
+    done = skincad_process("circuit", "yamada-2002", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     found = json.loads(done.stdout)

@@ -20,7 +20,7 @@ from skincad.scenes import climb, on_mesh
 from skincad.scenes.levels import LEVELS, Level
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, simulate
-from tests.conftest import run_skincad
+from tests.conftest import run_skincad, skincad_process
 
 KEYS = {
     "name",
@@ -315,7 +315,7 @@ def test_nothing_of_an_effect_left_out_is_imported() -> None:
 
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> None:
-    done = run_skincad(
+    done = skincad_process(
         *("simulate", "yamada-2002-press-and-pull", "--set", "history.steps=20", "--json"),
         *("--at", "10", "--set", "readout.bandwidth_Hz=40.0", "--budget", "0.1"),
         *(("--gif",) if whole else ("--set", "readout.frames=3")),
