@@ -19,8 +19,9 @@ from skincad.effects import EFFECTS
 from skincad.scenes import climb, on_mesh
 from skincad.scenes.levels import LEVELS, Level
 from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, simulate
+from skincad.scenes.simulation import Simulation, at_level, simulate
 from tests.conftest import run_skincad, skincad_process
+from tests.small_scene import THIRD, small_scene
 
 KEYS = {
     "name",
@@ -45,6 +46,11 @@ KEYS = {
     "warnings",
 }
 SLIP = "yamada-2002-slip"
+# a third of the ridges: about a third of the forces
+PULL = (
+    *("history.normal_force_N=[0.0, 1.3, 1.3]", "history.tangential_force_N=[0.0, 0.0, 0.3]"),
+    "readout.ridges=[1, 2, 3]",
+)
 
 
 def on(level: Level, scene: str, *overrides: str) -> Simulation:
@@ -211,6 +217,7 @@ def test_rolling_raises_no_event() -> None:
     assert found.read["events"] == []
 
 
+@pytest.mark.slow
 def test_rolling_fast_raises_no_gross_slip_and_no_false_alarm() -> None:
     """A hundred times as fast, above the noise. A ridge that lifts off does slip, and may be told."""
     fast = (
@@ -227,8 +234,9 @@ def test_rolling_fast_raises_no_gross_slip_and_no_false_alarm() -> None:
     assert found.energy["imbalance"] < 1e-3
 
 
-def test_same_input_same_bits() -> None:
-    one, other = (on(LEVELS[0], SLIP, "history.steps=60") for _ in range(2))
+def test_same_input_same_bits(tmp_path: Path) -> None:
+    scene = small_scene(tmp_path, "yamada-2002-press-and-pull", *PULL, "history.steps=60")
+    one, other = (at_level(scene, LEVELS[0]) for _ in range(2))
     assert (one.march.column("films") == other.march.column("films")).all()
 
 
@@ -296,7 +304,7 @@ def test_nothing_of_an_effect_left_out_is_imported() -> None:
         "    global marched\n"
         "    marched = modules()\n"
         "simulate(load_scene('yamada-2002-press', ['effects.film=none', 'effects.friction=none',"
-        " 'history.steps=1', 'readout.ridges=[]']), tick=tick)\n"
+        " 'history.steps=1', 'readout.ridges=[]']), budget=1e-3, tick=tick)\n"
         "print(*(m for m in marched if m.startswith('skincad.effects.')))\n"
         "print(*(modules() - marched))\n"
         "print(*{m.split('.')[0] for m in sys.modules} & {'OCP', 'cadquery', 'matplotlib'})\n"
@@ -315,8 +323,13 @@ def test_nothing_of_an_effect_left_out_is_imported() -> None:
 
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> None:
+    """The paper's skin among the slow tests, three of its ridges here."""
+    name = "yamada-2002-press-and-pull"
+    if not whole:
+        small_scene(tmp_path, name, *PULL)  # its files
+        small = ("--set", "skin=small.toml", *(text for each in PULL for text in ("--set", each)))
     done = skincad_process(
-        *("simulate", "yamada-2002-press-and-pull", "--set", "history.steps=20", "--json"),
+        *("simulate", *((name,) if whole else ("scene.toml", *small)), "--set", "history.steps=20", "--json"),
         *("--at", "10", "--set", "readout.bandwidth_Hz=40.0", "--budget", "0.1"),
         *(("--gif",) if whole else ("--set", "readout.frames=3")),
         cwd=tmp_path,
@@ -324,7 +337,7 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout).keys() >= KEYS
     assert done.stderr == ""
-    folder = tmp_path / "out" / "yamada-2002-press-and-pull"
+    folder = tmp_path / "out" / name
     names = {"signals.csv", "signals.png", "simulate.json", "section-0010.png", "section.gif"}
     assert {p.name for p in folder.iterdir()} == names
     assert (folder / "section.gif").stat().st_size < 2_000_000  # the issue's
@@ -337,13 +350,16 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     assert len(rows) == 22
     assert (folder / "signals.png").read_bytes().startswith(b"\x89PNG")
     # again, over its own earlier result
-    again = run_skincad("simulate", "hold", "--set", "history.steps=4", "-o", str(folder), cwd=tmp_path)
+    scene = ("hold",) if whole else ("scene.toml", *small)
+    again = run_skincad("simulate", *scene, "--set", "history.steps=4", "-o", str(folder), cwd=tmp_path)
     assert again.returncode == 0, again.stderr
-    assert again.stdout.startswith("hold: 4 steps.")
+    assert again.stdout.startswith(f"{'hold' if whole else name}: 4 steps.")
 
 
 @pytest.mark.parametrize("whole_first", [False, True])
-def test_ctrl_c_leaves_what_is_done(whole_first: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_leaves_what_is_done(
+    whole_first: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(climb, "LEVELS", LEVELS[:2])
     stages: list[str] = []
 
@@ -353,14 +369,16 @@ def test_ctrl_c_leaves_what_is_done(whole_first: bool, monkeypatch: pytest.Monke
         if len(stages) == 1 + whole_first and step == 3:
             raise KeyboardInterrupt
 
-    scene = load_scene("yamada-2002-press", ["history.steps=5"])
+    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     found = simulate(scene, tick=tick, partial=True)
     assert found.march.interrupted
     assert found.as_json()["steps"] == (5 if whole_first else 3)
 
 
 @pytest.mark.parametrize("moment", [0, pytest.param(3, marks=pytest.mark.slow)])
-def test_ctrl_c_between_two_meshes_or_in_the_second(moment: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_between_two_meshes_or_in_the_second(
+    moment: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What the first mesh gave is there for who asks for it; a Python caller gets the interrupt."""
     monkeypatch.setattr(climb, "LEVELS", LEVELS[:2])
     stages: set[str] = set()
@@ -370,7 +388,7 @@ def test_ctrl_c_between_two_meshes_or_in_the_second(moment: int, monkeypatch: py
         if len(stages) == 2 and step == moment:
             raise KeyboardInterrupt
 
-    scene = load_scene("yamada-2002-press", ["history.steps=5"])
+    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     found = simulate(scene, tick=tick, partial=True)
     assert found.march.interrupted
     assert found.as_json()["steps"] == 5
@@ -380,7 +398,7 @@ def test_ctrl_c_between_two_meshes_or_in_the_second(moment: int, monkeypatch: py
 
 
 def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(climb, "LEVELS", LEVELS[:2])
     meshed, most = on_mesh._meshed, 1
@@ -391,7 +409,7 @@ def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
         return meshed(part, level, meshes)
 
     monkeypatch.setattr(on_mesh, "_meshed", without)
-    scene = load_scene("yamada-2002-press", ["history.steps=5"])
+    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     found = simulate(scene)
     assert found.as_json()["steps"] == 5
     assert any("a finer mesh is refused" in w and "needs more memory" in w for w in found.warnings)
