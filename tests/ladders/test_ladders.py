@@ -200,6 +200,7 @@ def test_more_steps_find_the_signal(slipped: Ladder) -> None:
     assert len([r for r in slipped.trials if r.model == "mesh"]) == 1
 
 
+@pytest.mark.slow
 def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     small_ladders(monkeypatch)
     found = slip.ladder(plain, 1, None)
@@ -207,7 +208,7 @@ def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: py
     assert "travel" in found.measures[0].what
 
 
-QUICK = ("film", "friction", "piezo", "small_strain")
+QUICK = ("film", "friction")
 
 
 @pytest.mark.parametrize("named", [QUICK, pytest.param(tuple(EFFECTS), marks=pytest.mark.slow)])

@@ -62,7 +62,10 @@ def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> Moved:
     return replace(rest, u=u, grip=held, pulled=pad.pad.stiff @ u, plate=plate, drive=drive)
 
 
-@pytest.mark.parametrize("damped", [0.5, 0.8, 1.0])
+DAMPED = [pytest.param(0.5, marks=pytest.mark.slow), 0.8, pytest.param(1.0, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("damped", DAMPED)
 def test_an_oscillator_with_friction_loses_2_mu_n_by_k_each_half_swing_and_then_sticks(damped: float) -> None:
     """From 1 mm on k = 1 N/mm, mu N = 0.12 N: turns at -0.76, 0.52, -0.28, 0.04, and rests there.
 
@@ -172,10 +175,10 @@ def smooth_error(matter: Matter, steps: int) -> float:
 @pytest.mark.parametrize(
     "matter",
     [
-        Matter(1.0, 0.3),
+        pytest.param(Matter(1.0, 0.3), marks=pytest.mark.slow),
         Matter(0.8, 0.3),
-        Matter(0.0, 0.3),
-        Matter(0.8, 0.3, 1e-4),
+        pytest.param(Matter(0.0, 0.3), marks=pytest.mark.slow),
+        pytest.param(Matter(0.8, 0.3, 1e-4), marks=pytest.mark.slow),
         Matter(0.8, 0.3, 0.0, ((0.5, 1e-3), (0.4, 2e-4))),
         Matter(rate=3e-4),
     ],
@@ -229,6 +232,7 @@ def struck_error(steps: int) -> float:
     return abs(float(state.plate[0, 0]) - float(wanted))
 
 
+@pytest.mark.slow
 def test_the_order_that_impacts_leave() -> None:
     """2 still, within 0.2: without mass a point meets the plate without a jump, the force grows from 0."""
     counts = [113, 226, 452, 904, 1808]
@@ -237,8 +241,8 @@ def test_the_order_that_impacts_leave() -> None:
     assert order == pytest.approx(2.0, abs=0.2)
 
 
-@pytest.mark.parametrize("damped", [0.5, 0.8, 1.0])
-@pytest.mark.parametrize("steps", [800, 3200])
+@pytest.mark.parametrize("damped", DAMPED)
+@pytest.mark.parametrize("steps", [800, pytest.param(3200, marks=pytest.mark.slow)])
 def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -> None:
     """v0 exp(-z t / m) until the wave is back from the clamped end, z the bar's impedance.
 
@@ -403,6 +407,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
     assert state.viscous > 0
 
 
+@pytest.mark.slow
 def test_slow_motion_is_the_quasi_static_one() -> None:
     """Over 10 s, 1e4 swings of the pad, with damping: forces as of the condensed pad, to 1e-4."""
     pad, (_, _, small) = pad_in_motion()[0], meshed()
@@ -419,6 +424,7 @@ def test_slow_motion_is_the_quasi_static_one() -> None:
     assert state.grip.tangential == pytest.approx(resting.tangential, abs=1e-4 * largest)
 
 
+@pytest.mark.slow
 def test_the_half_and_the_whole_agree() -> None:
     """A flat block that is swayed and pressed: split by symmetry, and on a mesh of all of it; 2 %: the
     meshes differ, and kinetic energy is what is left of a ringing that dies."""

@@ -96,6 +96,7 @@ class TestTheTemplates:
             assert not any("is not met" in w for w in each.warnings)
 
 
+@pytest.mark.slow
 def test_outer_ridges_lean() -> None:
     """Ridge 3's difference in S1 without any pull. The prototype had 29 %, on a mesh not graded to the films'
     corners: order 2 so gives 10 %, order 4 53 %, graded 60.7 %."""
@@ -105,6 +106,7 @@ def test_outer_ridges_lean() -> None:
     assert found("yamada-2002")[0].lean_share(5).value <= ROUNDING
 
 
+@pytest.mark.slow
 def test_what_full_stick_takes_for_granted_is_said() -> None:
     normal, pulled, twice = found("yamada-2002")
     assert not any("stick" in w or "tension" in w for w in normal.warnings)
@@ -276,6 +278,7 @@ def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SlotPlace, thickne
     return total / (thickness * slot.depth) * pad.young_modulus
 
 
+@pytest.mark.slow
 def test_similar_skins_have_similar_stress() -> None:
     """Lengths times 2 and moduli by 4 leave every force as it is, so stresses are a quarter."""
     small = three()

@@ -29,6 +29,7 @@ def test_shares_sum_to_the_force() -> None:
     assert [bound.effect for bound in found.left_out] == ["finite strain"]
 
 
+@pytest.mark.slow
 def test_small_fillets_leave_the_change_alone() -> None:
     """What a sharp section spares: the change of approach and F9 differ by less than half their error."""
     with_fillets = corrected.free_ends(pad_of(filleted()), 4.0, {})
@@ -38,6 +39,7 @@ def test_small_fillets_leave_the_change_alone() -> None:
     assert ratios[0][1] == pytest.approx(ratios[1][1], rel=corrected.THRESHOLD_ERROR / 2)
 
 
+@pytest.mark.slow
 def test_finer_layers_change_less_than_the_error() -> None:
     pad = pad_of(reference())
     few, many = (
@@ -91,7 +93,9 @@ def test_a_long_pad_is_hardly_changed() -> None:
     assert 1.0 < ends.solid.approach / ends.plane.approach < 1.01
 
 
-@pytest.mark.parametrize("force", [1e-3, 1.0, 20.0])
+@pytest.mark.parametrize(
+    "force", [pytest.param(1e-3, marks=pytest.mark.slow), 1.0, pytest.param(20.0, marks=pytest.mark.slow)]
+)
 def test_any_force(force: float) -> None:
     found = corrected.answer(filleted(), Request(force, tol=0.05))
     assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(force, rel=1e-9)
@@ -103,6 +107,7 @@ def test_one_ridge_needs_no_force() -> None:
     assert found.all_touch_force.value == 0.0
 
 
+@pytest.mark.slow
 def test_a_tolerance_below_the_changes_error_is_said() -> None:
     found = check(reference(), tier="corrected", tol=4e-3)
     assert any("the asked 0.004 is not met" in w for w in found.warnings)
@@ -119,6 +124,7 @@ def test_a_part_measured_as_designed_is_corrected_as_designed() -> None:
     assert part.approach.value == pytest.approx(made.approach.value, rel=corrected.APPROACH_ERROR / 2)
 
 
+@pytest.mark.slow
 def test_a_lower_crest_delays_the_touch_with_free_ends_too() -> None:
     design = reference()
     drops = (0.01, *(0.0,) * 8)
@@ -132,6 +138,7 @@ def test_a_lower_crest_delays_the_touch_with_free_ends_too() -> None:
     assert delay[1] == pytest.approx(delay[0], rel=0.15)  # free ends soften the pad, nearly alike everywhere
 
 
+@pytest.mark.slow
 def test_a_shaped_plate_is_corrected() -> None:
     tilted = reference().with_(contact={"plate": {"shape": "tilted", "tilt": 0.3}})
     plane, ends = (tier.answer(tilted, Request(4.0, 0.05)) for tier in (linear, corrected))
