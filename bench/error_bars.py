@@ -15,6 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from bench.campaign.random_designs import drawn
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
@@ -25,7 +26,6 @@ from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, finite_strain, linear, solid, winkler
 from skincad.mechanics.tiers.linear import RUNGS, level
 from skincad.mechanics.validity import beyond_small_strain
-from tests.random_designs import drawn
 
 STRAINS = 0.003, 0.05  # of ridges that share the force evenly
 TOPS = 10  # every tenth seed is held against the top rung too

@@ -1,6 +1,6 @@
 """Random valid sections without a mold, by rule: `python -m bench.table_molds [count]`.
 
-Sections are drawn far wider than tests.random_designs draws them, and nothing of the mold but its process is
+Sections are drawn far wider than by random_designs, and nothing of the mold but its process is
 given: what is refused here is refused by a value that nobody wrote. No CAD kernel, no finite elements.
 """
 
@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from bench.campaign.random_designs import Dice
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import silicones
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
 from skincad.shape.cross_section import section
 from skincad.solids.mold import mold
-from tests.random_designs import Dice
 
 COUNT = 2000
 

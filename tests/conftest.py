@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass
@@ -69,6 +71,22 @@ def make_into(design: Design, folder: Path) -> Made:
 @pytest.fixture(scope="session")
 def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> Made:
     return make_into(yamada, tmp_path_factory.mktemp("made") / "yamada-2002")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Quick files first, then dear ones by `seconds.toml`, the longest first, that the workers end together;
+    slow tests likewise."""
+    known = tomllib.loads((Path(__file__).parent / "seconds.toml").read_text())
+
+    def seconds(item: pytest.Item) -> float:
+        name = re.split(r"[@\[]", item.nodeid.removeprefix("tests/"))[0]  # no parameters, no worker's group
+        if item.get_closest_marker("slow"):
+            return known["slow"].get(name, 0.0)
+        return known["fast"].get(name.partition("::")[0], 0.0)
+
+    slow = {item: bool(item.get_closest_marker("slow")) for item in items}
+    # of slow ones the short and unknown come last; of the fast files the unknown, which are quick, come first
+    items.sort(key=lambda item: (slow[item], not slow[item] and seconds(item) > 0, -seconds(item)))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

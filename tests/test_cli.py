@@ -32,6 +32,7 @@ CHECK_KEYS = {
     "seconds",
     "warnings",
 }
+THREE = ("--set", "ridge.count=3", "--set", "skin.width=5.0")
 Run = Callable[..., subprocess.CompletedProcess[str]]
 MAKE_KEYS = {"name", "passed", "files", "parts", "findings", "check", "seconds"}
 PART_KEYS = {"name", "volume_mm3", "area_mm2", "faces", "valid", "watertight", "deviation_mm"}
@@ -40,7 +41,7 @@ PART_KEYS = {"name", "volume_mm3", "area_mm2", "faces", "valid", "watertight", "
 @pytest.mark.parametrize(
     ("run", "arguments"),
     [
-        (run_skincad, ("plain-ridges", "--tier", "winkler")),
+        (run_skincad, ("plain-ridges", *THREE, "--set", "contact.force=1.3")),
         pytest.param(skincad_process, ("yamada-2002",), marks=pytest.mark.slow),
     ],
 )
@@ -227,6 +228,6 @@ def test_templates_are_listed_with_what_they_are_for(tmp_path: Path) -> None:
 
 
 def test_no_colour_and_no_bar_off_a_terminal(tmp_path: Path) -> None:
-    done = skincad_process("check", "plain-ridges", "--tol", "0.3", cwd=tmp_path)
+    done = skincad_process("check", "plain-ridges", *THREE, "--tol", "0.3", cwd=tmp_path)
     assert done.stderr == ""
     assert "\x1b" not in done.stdout

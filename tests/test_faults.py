@@ -78,7 +78,7 @@ def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("job", "times"), [("make", 22), ("simulate", 14), ("circuit", 14)])
+@pytest.mark.parametrize(("job", "times"), [("make", 9), ("simulate", 9), ("circuit", 12)])
 def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
     results = [dict(whole(job, other)[0]) for other in (False, True)]
     seconds = whole(job, True)[1]

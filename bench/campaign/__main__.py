@@ -122,13 +122,13 @@ class Campaign:
 
 def preloaded() -> None:
     """Import what the cases need, once, before any of them forks."""
+    import bench.campaign.soundness  # noqa: F401
     import skincad.circuit.bode
     import skincad.mechanics.film.sliding
     import skincad.mechanics.tiers.linear
     import skincad.mechanics.touching
     import skincad.scenes.simulation
     import skincad.solids.occ  # noqa: F401
-    import tests.soundness  # noqa: F401
 
 
 def main() -> int:

@@ -88,7 +88,7 @@ def solid_figures(case: Case) -> Figures:
 
 def mold_figures(case: Case) -> Figures:
     """All parts of the mold, exact and as meshes, closed and while it opens: what is wrong with them."""
-    from tests.soundness import faults
+    from bench.campaign.soundness import faults
 
     return {"faults": list(faults(case.design, **case.arguments))}
 

@@ -1,6 +1,6 @@
 """Hypothesis strategies of cases: designs that hang together, with values at and next to the limits.
 
-`tests.random_designs` says how the keys of a design hang together; here its dice are Hypothesis's, which
+`random_designs` says how the keys of a design hang together; here its dice are Hypothesis's, which
 shrinks, and some keys are put on a limit of their own field, one float beside it, or a power of ten.
 """
 
@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 from pydantic import BaseModel
 
+from bench.campaign import random_designs
 from bench.campaign.cases import Case
 from skincad.base.tables import Table, table_of
 from skincad.circuit.model import Circuit
 from skincad.inputs.design import Design
-from tests import random_designs
 
 NEVER = {"name", "process", "end_plate_process", "lid_process"}
 MOST_RIDGES = 25  # of what is solved: a pad of hundreds is the catalogue's

@@ -11,7 +11,8 @@ from tests.consumers import Job
 
 
 def _marks(name: str) -> list[pytest.MarkDecorator]:
-    return [] if name == "yamada-2002" else [pytest.mark.slow]
+    together = pytest.mark.xdist_group(name)  # a template is made once, by the worker that looks at it
+    return [together] if name == "yamada-2002" else [together, pytest.mark.slow]
 
 
 @pytest.fixture(scope="session", params=[pytest.param(name, marks=_marks(name)) for name in template_names()])

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import cadquery as cq
 
+from bench.campaign.poured_by_solids import Box, Kit, poured_by_solids
 from skincad.inputs.catalog import silicone
 from skincad.solids.mold import mold
 from tests.consumers import Job
-from tests.poured_by_solids import Box, Kit, poured_by_solids
 
 SHARE = 1e-3  # asked: the sheet agrees with the solids to 0.1 %
 COLOUR = 1e-6  # STEP's digits

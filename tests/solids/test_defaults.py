@@ -9,6 +9,7 @@ from itertools import islice
 import pytest
 
 import skincad
+from bench.campaign.soundness import faults
 from bench.table_molds import refusals, sections
 from skincad.base.errors import InputError
 from skincad.fabrication.sheet import casting_sheet
@@ -16,7 +17,6 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.mold import ClosedMold, mold
-from tests.soundness import faults
 
 FEW, MANY = 120, 2000
 RESCUED = 24  # of them are built

@@ -5,7 +5,7 @@ ridges press one base, and where those that carry nothing yet hold up the base r
 too stiff where a tip is touched on a part of its crown or on one edge. In the usual range the constants
 calibrated there are the larger, beyond it these indicators.
 
-The indicators' constants were set against the linear tier on 81 pads of tests/random_designs.py (`wide`,
+The indicators' constants were set against the linear tier on 81 pads of bench/campaign (`wide`,
 seeds 0 to 80; F9 from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times), on 11 of
 plain-ridges with 12 to 60 ridges (base 0.03 to 1.2 widths thick, nu 0.3 to 0.4999), and, what idle ridges do
 to the shares, on seeds 1000 to 1099. Judged on 100 others (seeds 2000 to 2099) the bars hold the approach of

@@ -32,6 +32,7 @@ from skincad.shape.curves import Point
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import yamada
 
+pytestmark = pytest.mark.xdist_group("film stress")  # found() is shared
 OFF = 0.5  # of the thickness, from a film to the contour around it
 ROUNDING = 1e-9  # the issue's; the halves share one solution, so only sums are rounded
 

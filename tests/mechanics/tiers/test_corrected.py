@@ -13,6 +13,7 @@ from tests.mechanics.tiers.test_solid import assert_inside, refined
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("refined solid")
 def test_refined_solid_lies_inside() -> None:
     found = corrected.answer(reference(), Request(4.0))
     assert_inside(found, refined())

@@ -159,6 +159,7 @@ def test_layers_integrate_polynomials() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("refined solid")
 def test_free_ends_as_in_the_facts() -> None:
     """docs/facts.md: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; two meshes: 1 %."""
     found = refined()
@@ -213,6 +214,7 @@ def test_bonded_strips_hold_the_ends() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("refined solid")
 def test_answer_holds_the_refined_solution_and_its_residual() -> None:
     found, exact = solid.solve(pad_of(sharp()), Request(4.0)), refined()
     assert not found.warnings

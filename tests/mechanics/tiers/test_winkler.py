@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.campaign.random_designs import wide
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Request
 from skincad.mechanics.tiers import linear, winkler, winkler_error
 from skincad.mechanics.touching import check
 from tests.mechanics.designs import BARE, linear_check, reference, yamada
-from tests.random_designs import wide
 
 VARIANTS = {
     "reference": {},

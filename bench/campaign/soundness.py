@@ -1,4 +1,4 @@
-"""What is wrong with a random design: `python -m tests.soundness [first [last]]`, seeds of random_designs.
+"""What is wrong with a random design: `python -m bench.campaign.soundness [first [last]]`, by seeds.
 
 `faults` builds it all: exact solids against formulas, print meshes, interference closed and while opening,
 findings, casting sheet. The contact check is left out: it sees no part, and costs most.
@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from manifold3d import Manifold
 
+from bench.campaign.poured_by_solids import Kit, poured_by_solids
+from bench.campaign.random_designs import drawn
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
@@ -25,8 +27,6 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
 from skincad.solids.mold import ClosedMold, mold
-from tests.poured_by_solids import Kit, poured_by_solids
-from tests.random_designs import drawn
 
 CHORD = 2e-3  # mm, asked of the print meshes
 OF_DESIGN = {

@@ -1,4 +1,7 @@
-"""Five hundred random designs: every part sound, every failure told with the design that shows it."""
+"""A hundred random designs: every part sound, every failure told with the design that shows it.
+
+All five hundred, or any others: `python -m bench.campaign.soundness [first [last]]`.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +9,14 @@ from collections.abc import Callable
 
 import pytest
 
+from bench.campaign import soundness
+from bench.campaign.random_designs import drawn
+from bench.campaign.soundness import outcome, summary
 from skincad.inputs.design import Design
 from skincad.solids.mold import ClosedMold
-from tests import soundness
-from tests.random_designs import drawn
-from tests.soundness import outcome, summary
 
-SEEDS = 500
-CHUNKS = 10  # shared out to the processes
+SEEDS = 100
+CHUNKS = 4  # shared out to the processes
 
 
 @pytest.mark.slow
