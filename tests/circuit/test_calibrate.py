@@ -96,6 +96,7 @@ def test_open_combinations_do_not_change_the_curve(shipped: Constants) -> None:
     assert np.std(after - before) < 0.1  # OPEN, over half a factor e
 
 
+@pytest.mark.slow
 def test_known_constants_curve_is_found_again() -> None:
     """A curve of the network itself, at another level: nothing is left over."""
     known = constants(load_circuit("yamada-2002", ["motional.resistance=50000.0"]))

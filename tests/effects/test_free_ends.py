@@ -24,6 +24,7 @@ def shares(found: object) -> np.ndarray:
     return np.array([state.normal[ridge == r].sum() for r in np.unique(ridge)])
 
 
+@pytest.mark.slow
 def test_approach_and_shares_are_the_corrected_tiers(tmp_path: Path) -> None:
     scene = small_scene(tmp_path, *PRESS, ENDS)
     plane, found = at_level(small_scene(tmp_path, *PRESS), LEVELS[1]), at_level(scene, LEVELS[1])

@@ -173,6 +173,7 @@ def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
         assert state.dissipated >= -1e-9 * largest * length
 
 
+@pytest.mark.slow
 def test_what_the_plate_does_is_stored_or_dissipated() -> None:
     """Trapezoids: the missing work falls at least as the step, from 0.7 % at six steps of pulling."""
     what, missing = three()[1], []
