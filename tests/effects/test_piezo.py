@@ -21,7 +21,7 @@ from skincad.effects.piezo import Piezo, electrode, fitted, strip_charges
 from skincad.fabrication.pattern import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
 from skincad.outputs.simulations import write_table
-from skincad.scenes import simulation
+from skincad.scenes import climb
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, simulate
@@ -161,7 +161,7 @@ def test_one_entry_is_at_rest() -> None:
 @cache
 def pressed() -> Simulation:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulation, "LEVELS", (replace(LEVELS[0]),))
+        patch.setattr(climb, "LEVELS", (replace(LEVELS[0]),))
         settings = ["effects.piezo.circuit=transimpedance", "history.steps=12", "readout.bandwidth_Hz=50.0"]
         return simulate(load_scene("yamada-2002-press", settings))
 
