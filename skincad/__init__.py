@@ -15,6 +15,7 @@ from skincad.base.version import __version__ as __version__
 if TYPE_CHECKING:
     from skincad.base.errors import InputError as InputError
     from skincad.base.errors import RefusedError as RefusedError
+    from skincad.base.errors import UnclearError as UnclearError
     from skincad.base.estimate import Estimate as Estimate
     from skincad.circuit.bode import gain as gain
     from skincad.circuit.model import Circuit as Circuit
@@ -42,6 +43,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "Estimate": "base.estimate:Estimate",
     "InputError": "base.errors:InputError",
     "RefusedError": "base.errors:RefusedError",
+    "UnclearError": "base.errors:UnclearError",
     "Scene": "scenes.scene:Scene",
     "accuracy": "ladders.climbing:accuracy",
     "check": "mechanics.touching:check",

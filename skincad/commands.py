@@ -120,7 +120,7 @@ def make(
         typer.Option(
             "--format",
             metavar="KIND",
-            help="Only these files: step stl 3mf dxf svg png md html toml; repeat for several.",
+            help="Only files of this kind, as step, stl or 3mf; repeat for several.",
         ),
     ] = [],  # noqa: B006
     strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,

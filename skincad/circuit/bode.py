@@ -55,9 +55,12 @@ class CircuitGain(Result):
 
     @property
     def mid_band(self) -> tuple[float, float]:
-        """The middle, on a logarithmic scale, of the band up to the cut-off, Hz, and the gain there, dB."""
-        high = self.slopes.cutoff.value or self.circuit.sweep.fit_high
-        middle = float(np.sqrt(self.frequency[0] * high))
+        """The logarithmic middle of the flatter side of the cut-off, Hz, and the gain there, dB."""
+        slopes, ends = self.slopes, [float(self.frequency[0]), self.circuit.sweep.fit_high]
+        if slopes.cutoff.value is not None:
+            below, above = (abs(slope.value or 0.0) for slope in (slopes.below, slopes.above))
+            ends[1 if below <= above else 0] = slopes.cutoff.value
+        middle = float(np.sqrt(ends[0] * ends[1]))
         return middle, float(np.interp(np.log(middle), np.log(self.frequency), self.gain))
 
     @property
