@@ -17,8 +17,8 @@ import numpy as np
 
 from bench.campaign.random_designs import drawn
 from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.left_out import free_ends
@@ -82,7 +82,7 @@ class Outcome:
 
 def force_of(design: Design, seed: int) -> float:
     """Return the force, N, at which the design is asked."""
-    stuff, ridge = silicone(design.material), design.ridge
+    stuff, ridge = silicone(design), design.ridge
     plane = stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
     area = ridge.count * (ridge.root_width + ridge.tip_width) / 2 * design.skin.length
     low, high = np.log(STRAINS)

@@ -17,9 +17,9 @@ import numpy as np
 
 from bench.campaign.random_designs import Dice
 from skincad.base.errors import InputError
-from skincad.inputs.catalog import silicones
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
+from skincad.inputs.silicone import silicones
 from skincad.shape.cross_section import section
 from skincad.solids.mold import mold
 

@@ -38,6 +38,20 @@ def _names(kind: str) -> Any:
     return complete
 
 
+def _starts(incomplete: str) -> list[str]:
+    """What completes the name of what `new` starts from."""
+    from skincad.outputs.newfile import starts
+
+    return [name for name in starts() if name.startswith(incomplete)]
+
+
+def _kinds(incomplete: str) -> list[str]:
+    """What completes a kind of what ships."""
+    from skincad.outputs.lists import LISTS
+
+    return [kind for kind in LISTS if kind.startswith(incomplete)]
+
+
 def _source(metavar: str, kind: str) -> Any:
     text = "A template's name or a TOML file."
     return typer.Argument(metavar=metavar, help=text, autocompletion=_names(kind))
@@ -55,6 +69,10 @@ SetOption = Annotated[
 PrinterOption = Annotated[
     Path | None,
     typer.Option("--printer", metavar="FILE", help="A TOML file of your own processes: a printer.toml."),
+]
+SiliconesOption = Annotated[
+    Path | None,
+    typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones: a lab.toml."),
 ]
 OutOption = Annotated[
     Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default out/<name>.")
@@ -82,26 +100,41 @@ def root(
 
 
 @app.command()
-def templates(as_json: JsonOption = False) -> None:
-    """List the designs and scenes that ship with skincad."""
-    from skincad.inputs.catalog import KINDS, template_names, template_text
+def templates(
+    kind: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="KIND",
+            help="Only these: designs, scenes, circuits, silicones, processes.",
+            autocompletion=_kinds,
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List what ships with skincad: designs, scenes, circuits, silicones and processes.
 
-    rows = [
-        f"{kind[:-1]:8} {name:22} {template_text(name, kind).splitlines()[0].lstrip('# ')}"
-        for kind in KINDS
-        for name in template_names(kind)
-    ]
-    _print({kind: template_names(kind) for kind in KINDS}, as_json, "\n".join(rows))
+    With KIND, silicones and processes come with their values, ranges and sources.
+    """
+    from skincad.outputs.lists import listed
+
+    data, lines = listed(kind)
+    _print(data, as_json, "\n".join(lines))
 
 
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="The TOML file to write.")],
     template: Annotated[
-        str, typer.Option("--template", metavar="NAME", help="Start from this design.")
-    ] = "yamada-2002",
+        str,
+        typer.Option(
+            "--template",
+            metavar="NAME",
+            help="Start from this design, scene or circuit; or silicones, processes: a table of your own.",
+            autocompletion=_starts,
+        ),
+    ] = "designs/yamada-2002",
 ) -> None:
-    """Write a commented design to edit, and its JSON schema.
+    """Write a commented design, scene or circuit to edit, and its JSON schema.
 
     An editor that knows the schema completes and checks the file.
     """
@@ -125,6 +158,7 @@ def make(
     ] = [],  # noqa: B006
     strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
     printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Make skin and mold, check both, and write all files.
@@ -135,7 +169,7 @@ def make(
     from skincad.outputs.makes import COMMAND, names
     from skincad.outputs.making import STAGES
 
-    design = skincad.load(source, settings, printer=printer)
+    design = skincad.load(source, settings, printer=printer, silicones=silicones)
     target = folder or Path("out") / design.name
     ready(target, COMMAND, of_formats(names(design), formats))
     with stage_bar(len(STAGES)) as progress:
@@ -169,6 +203,7 @@ def check(
         ),
     ] = "auto",
     printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
     stress: Annotated[
         Path | None,
         typer.Option("--stress", metavar="PNG", help="Draw the stress at S1 and S2 of each ridge."),
@@ -189,7 +224,7 @@ def check(
         raise InputError("tangential", "needs --stress", tangential, "name the picture with --stress")
     if stress is not None:
         checked_fresh(stress, ".png", "stress")
-    design = skincad.load(source, settings, printer=printer)
+    design = skincad.load(source, settings, printer=printer, silicones=silicones)
     if stress is not None:
         from skincad.mechanics.film.stress import check_request
 
@@ -248,6 +283,7 @@ def circuit(
 def simulate(
     source: Annotated[str, _source("SCENE", "scenes")],
     settings: SetOption = [],  # noqa: B006
+    silicones: SiliconesOption = None,
     tol: Annotated[
         float | None,
         typer.Option("--tol", metavar="REL", help="Relative error of the differential stress to meet."),
@@ -268,7 +304,7 @@ def simulate(
     """
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
     try:
-        scene = skincad.load_scene(source, [*settings, *drawn])
+        scene = skincad.load_scene(source, [*settings, *drawn], silicones=silicones)
     except InputError as failure:
         if not (at and failure.key.startswith("readout.steps")):
             raise
@@ -298,6 +334,7 @@ def accuracy(
             help="Only these: tessellation, contact, circuit, slip, effects; repeat for several.",
         ),
     ] = [],  # noqa: B006
+    silicones: SiliconesOption = None,
     repeats: Annotated[
         int, typer.Option("--repeats", metavar="N", help="Runs of each setting; the median counts.")
     ] = 3,
@@ -311,7 +348,7 @@ def accuracy(
     from skincad.outputs.accuracies import COMMAND, names
     from skincad.outputs.delivery import ready
 
-    design = skincad.load(source, settings)
+    design = skincad.load(source, settings, silicones=silicones)
     target = folder or Path("out") / design.name
     ready(target, COMMAND, names(ladders))
     with stage_bar(1) as progress:
@@ -332,6 +369,7 @@ def fit_material(
         str | None, typer.Option("--design", metavar="DESIGN", help="The pad that a flat plate pressed.")
     ] = None,
     settings: SetOption = [],  # noqa: B006
+    silicones: SiliconesOption = None,
     up_to: Annotated[
         float | None,
         typer.Option(
@@ -355,10 +393,10 @@ def fit_material(
     """
     from skincad.base.freshfile import checked_fresh
 
-    for name, given in (("settings", settings), ("copy", copy)):
+    for name, given in (("settings", settings), ("silicones", silicones), ("copy", copy)):
         if given and design is None:
             raise InputError(name, "needs --design", remedy="name the design with --design")
-    loaded = skincad.load(design, settings) if design else None
+    loaded = skincad.load(design, settings, silicones=silicones) if design else None
     if copy is not None:
         checked_fresh(copy, ".toml", "copy")
     with stage_bar(6) as progress:
@@ -369,7 +407,8 @@ def fit_material(
     if copy is not None and design is not None:
         from skincad.outputs.designcopy import write_with_modulus
 
-        write_with_modulus(copy, design, settings, found.ranged, f"measured: {found.kind} test {file.name}")
+        said = f"measured: {found.kind} test {file.name}"
+        write_with_modulus(copy, design, settings, found.ranged, said, silicones)
         written = f"\nwritten to {copy}"
     _print({**found.as_json(), "file": str(copy) if copy else None}, as_json, f"{found}{written}")
 

@@ -15,7 +15,8 @@ import numpy as np
 
 from bench.campaign.cases import CHORD, ONE_MESH, Case, Figures, figures
 from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.catalog import silicone
+from skincad.inputs.material import silicone
+from skincad.inputs.silicone import SOFTEST, STIFFEST
 from skincad.mechanics.validity import LARGEST_STRAIN
 
 Fault = tuple[str, str]
@@ -141,7 +142,7 @@ def _softer(tables: dict[str, Any], factor: float) -> dict[str, Any] | None:
     """The tables with skin and film softer by a factor; None where they leave their range by it."""
     material, film = tables["material"], tables.get("film")
     modulus = material.get("young_modulus")
-    if not isinstance(modulus, float) or not 1e-3 < modulus * factor < 1e6:
+    if not isinstance(modulus, float) or not SOFTEST < modulus * factor < STIFFEST:
         return None
     found = {**tables, "material": {**material, "young_modulus": modulus * factor}}
     if film is not None:
@@ -222,7 +223,7 @@ def _scene(case: Case, found: Figures) -> Iterator[Fault]:
 def _range(case: Case, found: Figures) -> Iterator[Fault]:
     """No accepted state is beyond the range that `check` has: by hand, not by the program's own limits."""
     design = case.design
-    stuff = silicone(design.material)
+    stuff = silicone(design)
     height = design.skin.thickness + design.ridge.height
     if not max(found["approach"]) < height:
         yield "pressed flat", f"{max(found['approach']):.3g} of {height:.3g} mm"

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from skincad.base.errors import InputError
-from skincad.inputs.catalog import silicone, silicones
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.inputs.process import PROCESSES
+from skincad.inputs.silicone import silicones
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers.winkler import crest_gaps, ridge_stiffness
 from skincad.solids.mold import mold
@@ -206,6 +207,6 @@ def _plate(dice: Dice, skin: dict[str, Any]) -> dict[str, Any]:
 def _any_force(design: Design, dice: Dice) -> float:
     stiffness, gaps = ridge_stiffness(design), crest_gaps(design)
     area = design.ridge.count * (design.ridge.root_width + design.ridge.tip_width) / 2 * design.skin.length
-    most = 0.1 * silicone(design.material).young_modulus.value * area
+    most = 0.1 * silicone(design).young_modulus.value * area
     touching = stiffness * float((gaps.max() - gaps).sum())
     return dice.scale(1e-4, 10.0) * (min(touching, most) if touching > 1e-9 * most else most)

@@ -24,8 +24,8 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold, mesh
 from skincad.fabrication.sheet import casting_sheet, poured_volume
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.solids.mold import ClosedMold, mold
 
 CHORD = 2e-3  # mm, asked of the print meshes
@@ -99,7 +99,7 @@ def _sheet_faults(design: Design, closed: ClosedMold, sheet: str) -> Iterator[st
     formula = poured_volume(design, closed)
     if abs(volume / formula - 1) > 1e-3:  # the sheet has four digits
         yield f"casting sheet: {volume} mm3, poured are {formula:.2f}"
-    if abs(grams / (formula * silicone(design.material).density * 1e-6) - 1) > 1e-3:
+    if abs(grams / (formula * silicone(design).density * 1e-6) - 1) > 1e-3:
         yield f"casting sheet: {grams} g of {formula:.2f} mm3"
     if design.skin.curvature_radius_y is not None:  # tests/fabrication/test_doubly_curved.py holds these
         return

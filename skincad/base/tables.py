@@ -79,9 +79,9 @@ class Document(Table):
 class Ranged(Table):
     """A number, alone or as `{value, low, high}`: what was measured and how far it may be off."""
 
-    value: float = Field(description="most likely", gt=1e-4, le=1e6)
-    low: float = Field(description="smallest", gt=1e-4, le=1e6)
-    high: float = Field(description="largest", gt=1e-4, le=1e6)
+    value: float = Field(description="most likely", gt=0.0)
+    low: float = Field(description="smallest", gt=0.0)
+    high: float = Field(description="largest", gt=0.0)
 
     @model_validator(mode="before")
     @classmethod

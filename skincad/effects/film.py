@@ -19,8 +19,8 @@ from pydantic import Field
 from skincad.base.errors import InputError
 from skincad.effects.kinds import PadChange
 from skincad.effects.omitted import Omitted, SceneOutline
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.mechanics.problem import Pad
 
 
@@ -67,7 +67,7 @@ class FilmStrips(PadChange):
         design = outline.design
         if design.film is None or design.slot is None:
             return None
-        soft = silicone(design.material).young_modulus.value * design.ridge.root_width
+        soft = silicone(design).young_modulus.value * design.ridge.root_width
         ratio = 2 * design.film.young_modulus * design.film.thickness / soft
         blunt = 1.3 * design.film.thickness / design.slot.depth
         tilt = abs(math.sin(2 * math.radians(design.slot.tilt)))

@@ -22,7 +22,7 @@ from typing import ClassVar
 from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, Share, Step, Term
 from skincad.effects.omitted import Omitted, SceneOutline
-from skincad.inputs.catalog import silicone
+from skincad.inputs.material import silicone
 
 PER_RAMP = 0.4  # measured 0.16 to 0.82 on ramps of 0.5 to 5 ms, plates of 0.1 and 0.4 of the skin's mass
 
@@ -56,7 +56,7 @@ class Inertia(Term):
         """
         from skincad.mechanics.dynamics.reference import shear_frequency
 
-        design, stuff = outline.design, silicone(outline.design.material)
+        design, stuff = outline.design, silicone(outline.design)
         shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
         mode = shear_frequency(shear, stuff.density, design.skin.thickness + design.ridge.height)
         changes = []

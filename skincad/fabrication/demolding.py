@@ -6,8 +6,8 @@ import math
 
 from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.solids.undercut import SAFE_SHARE, VISIBLE, safe_strain, split_ridges, squeezes, undercuts
 
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
@@ -50,7 +50,7 @@ def undercut_findings(design: Design) -> list[Finding]:
     found = {r: undercut for r, undercut in squeezes(design).items() if undercut.width > 0 and r not in free}
     if not found:
         return []
-    material = silicone(design.material)
+    material = silicone(design)
     breaks = (
         f"{SAFE_SHARE:g} of {material.name}'s {100 * material.elongation_at_break:.0f} % elongation at break"
     )

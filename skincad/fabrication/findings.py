@@ -7,11 +7,11 @@ from dataclasses import replace
 from skincad.fabrication.demolding import undercut_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
-from skincad.fabrication.rules import RULES, Case, maker, shim_findings
+from skincad.fabrication.rules import RULES, Case, maker, material_findings, shim_findings
 from skincad.fabrication.rules_of_layers import LAYER_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
-from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
+from skincad.inputs.process import processes
 from skincad.solids.mold import ClosedMold, mold
 
 ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES)
@@ -26,6 +26,7 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
     found = [
         *process_findings(design, closed or mold(design)),
         *shim_findings(design),
+        *material_findings(design),
         *undercut_findings(design),
     ]
     return sorted(found, key=lambda finding: _ORDER[finding.severity])

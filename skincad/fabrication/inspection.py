@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from skincad.inputs.catalog import processes, silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.process import processes
 from skincad.shape.cross_section import frame
 from skincad.solids.plan import Part
 
@@ -81,7 +82,7 @@ def _symmetric(what: str, nominal: float, tolerance: float, how: str) -> Measure
 def _mass(design: Design, skin: Part) -> Measure:
     """Mass of the bare skin: too light means a bubble or a short shot, too heavy means flash."""
     volume = skin.volume
-    grams = volume * silicone(design.material).density * 1e-6
+    grams = volume * silicone(design).density * 1e-6
     tolerance = processes(design.printer)[design.mold.process].tolerance
     surface = 2 * design.skin.width * design.skin.length
     spread = grams * (DENSITY + LEAST_BUBBLE + tolerance * surface / volume)

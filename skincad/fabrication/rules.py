@@ -17,8 +17,8 @@ import shapely
 
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strips import STEEL_MODULUS
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import foreign_modulus, silicone
 from skincad.inputs.process import Process
 from skincad.shape.cross_section import GUARD_TOLERANCE, section
 from skincad.shape.curves import polygon
@@ -180,7 +180,7 @@ def _notch_room(case: Case) -> Iterator[Finding]:
 
 
 def _cure(case: Case) -> Iterator[Finding]:
-    material = silicone(case.design.material)
+    material = silicone(case.design)
     if case.process.inhibits_platinum and material.platinum_cure:
         place = f"{case.name} parts may keep {material.name}, a platinum-cured silicone, from curing"
         remedy = "wash, post-cure and bake the parts, seal them, and cast a trial first"
@@ -188,6 +188,16 @@ def _cure(case: Case) -> Iterator[Finding]:
 
 
 RULES: tuple[Rule, ...] = (_gap, _wall, _slender, _hole, _clearance, _slit_fit, _notch_room, _cure)
+
+
+def material_findings(design: Design) -> Iterator[Finding]:
+    """Yield a warning where the material's name and its modulus are those of two silicones."""
+    if found := foreign_modulus(design):
+        named, modulus, remedy = found
+        own, value = named.young_modulus, modulus.value
+        where = f"material.young_modulus, which is not that of {named.name}"
+        limit = own.high if value > own.high else own.low
+        yield Finding("silicone", where, value, limit, "MPa", "warning", remedy)
 
 
 def shim_sag(design: Design) -> float:

@@ -12,9 +12,8 @@ import numpy as np
 
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule, maker
-from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
-from skincad.inputs.process import Process
+from skincad.inputs.process import Process, processes
 from skincad.solids.body import Bore, Prism, Revolved, plain
 from skincad.solids.plan import Part, own
 from skincad.solids.roles import CAVITIES, END_PLATES

@@ -9,8 +9,9 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_buy
 from skincad.fabrication.void import alone, perforated, void
-from skincad.inputs.catalog import Silicone, silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.silicone import Silicone
 from skincad.solids.body import Bore
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
@@ -46,7 +47,7 @@ def casting_sheet(
 ) -> str:
     """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job,
     `measures` the inspection list."""
-    material = silicone(design.material)
+    material = silicone(design)
     summary = (
         "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
     )

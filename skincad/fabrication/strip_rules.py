@@ -18,8 +18,9 @@ from skincad.fabrication.strips import (
     strip,
     weight,
 )
-from skincad.inputs.catalog import processes, silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.process import processes
 
 MOST_PULL = 1 / 3  # assumption: of the yield stress; more creeps in the hours of a cure
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
@@ -48,7 +49,7 @@ def strip_findings(design: Design) -> list[Finding]:
 
 def _sag(design: Design, rod: Strip) -> Iterator[Finding]:
     """At rest in the silicone, which is how it cures; in air, before, its load is larger, but that passes."""
-    load = weight(rod, silicone(design.material).density)
+    load = weight(rod, silicone(design).density)
     sag, limit = abs(deflection(rod, load)), SAG_SHARE * (design.slot.offset if design.slot else 0.0)
     if sag > limit:
         remedy = f"film.tension of {straight_pull(rod, load, limit):.2g} N or more, or a shorter skin"
@@ -74,7 +75,7 @@ def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
     if flow.drift > limit:
         where = f"{name}, while they are poured round"
         yield Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger)
-    pot_life = silicone(design.material).pot_life_min
+    pot_life = silicone(design).pot_life_min
     if pot_life is not None and flow.settling > SETTLED * 60 * pot_life:
         where, remedy = f"{name}, coming back after the pour", "a thinner silicone" + stronger
         limit = SETTLED * 60 * pot_life

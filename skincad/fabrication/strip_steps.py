@@ -6,8 +6,8 @@ import math
 
 from skincad.fabrication.strip_rules import misplaced
 from skincad.fabrication.strips import deflection, pour, released, strip, weight
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.solids.inserts import GRIP
 
 NUMBERS = (
@@ -42,7 +42,7 @@ def laid_in(design: Design) -> str:
             "combs first; lay the shims into the notches, their long end out at end b, and pull them "
             "straight; then the keepers, pressed down onto the combs while you tighten."
         )
-    load = weight(rod, silicone(design.material).density)
+    load = weight(rod, silicone(design).density)
     return (
         "combs first. Prime the strips for silicone between their marks. Lay each into its notches, + "
         f"side to +x ({NUMBERS}), lead the tabs over rods a little below the notches and hang "

@@ -17,8 +17,8 @@ from typing import Literal
 
 import shapely
 
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.shape.cross_section import GUARD_TOLERANCE, SlotPlace, section
 from skincad.shape.curves import polygon
 from skincad.solids.shrinkage import poured
@@ -150,7 +150,7 @@ def pour(design: Design) -> Pour | None:
     rod = strip(design)
     if rod is None:
         return None
-    viscosity, speed = silicone(design.material).viscosity, rod.length / design.mold.fill_time
+    viscosity, speed = silicone(design).viscosity, rod.length / design.mold.fill_time
     wall, beside = _surroundings(design)
     across = drag(viscosity, speed, rod.depth, wall)
     beam = (math.pi**4 if rod.ends == "hinged" else 500.6) * rod.bending / rod.length**4
@@ -188,5 +188,5 @@ def released(design: Design) -> float:
         return 0.0
     shape = section(design)
     film = rod.modulus * rod.section * len(shape.slots)
-    rubber = silicone(design.material).young_modulus.value * shape.area
+    rubber = silicone(design).young_modulus.value * shape.area
     return rod.stress / rod.modulus * film / (film + rubber)

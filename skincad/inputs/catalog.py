@@ -1,67 +1,41 @@
-"""What ships with skincad: templates and silicones; and TOML in, with `--set` overrides.
+"""Templates by name, and TOML in: with a workshop's and a lab's own tables, and `--set` overrides.
 
 A file is read as data only: no code, at most `LARGEST_FILE` bytes, no path inside it is followed.
 """
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cache
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import BaseModel
+
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
-from skincad.base.tables import Ranged
 from skincad.inputs.design import Design, drop_dependents, renamed_material
-from skincad.inputs.process import Process, merged
-from skincad.inputs.shipped import table_text, templates_folder
-from skincad.inputs.skin_tables import Material
+from skincad.inputs.process import Process
+from skincad.inputs.shipped import templates_folder
+from skincad.inputs.silicone import Silicone
 
+Own = str | Path | Mapping[str, Any]  # a TOML file of one's own tables, or the tables
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
 Kind = Literal["designs", "scenes", "circuits"]
 KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")
-
-
-SHRINKAGE = 0.001  # source: data sheets, about 0.1 % of a silicone cured at room temperature
-
-
-@dataclass(frozen=True)
-class Silicone:
-    """A casting silicone: MPa, kg/m3, minutes and hours at room temperature; elongation as a strain; Pa s
-    freshly mixed."""
-
-    name: str
-    young_modulus: Ranged
-    poisson_ratio: float
-    density: float
-    mix: tuple[float, float] | None
-    pot_life_min: float | None
-    cure_h: float | None
-    platinum_cure: bool
-    elongation_at_break: float
-    viscosity: float
-    source: str
-    shrinkage: float = SHRINKAGE  # linear
-
-
-# assumption: nearly incompressible, the density that casting silicones share, the least of their elongations,
-# the largest of their viscosities
-OWN_SILICONE = Silicone(
-    name="own silicone",
-    young_modulus=Ranged(value=1.0, low=1.0, high=1.0),
-    poisson_ratio=0.499,
-    density=1070.0,
-    mix=None,
-    pot_life_min=None,
-    cure_h=None,
-    platinum_cure=True,
-    elongation_at_break=1.0,
-    viscosity=35.0,
-    source="assumption",
-)
+# what a file is, and what takes it
+_WORDS = {
+    "designs": ("a design", "make, check or accuracy"),
+    "scenes": ("a scene", "simulate"),
+    "circuits": ("a circuit", "circuit"),
+    "silicones": ("a table of silicones", "--silicones (in Python silicones=...)"),
+    "printer": ("a table of processes", "--printer (in Python printer=...)"),
+}
+# the tables that only files of a kind have, by which one that was given to another's command is known
+_MARKS: dict[Kind, set[str]] = {
+    "designs": {"ridge", "slot", "material", "mold", "contact"},
+    "scenes": {"history", "effects", "readout"},
+    "circuits": {"amplifier", "motional", "cable", "sweep"},
+}
 
 
 def template_names(kind: Kind = "designs") -> list[str]:
@@ -80,42 +54,77 @@ def template_text(name: str, kind: Kind = "designs") -> str:
     return (templates_folder() / kind / f"{name}.toml").read_text("utf-8")
 
 
+def kinds_of(name: str) -> list[Kind]:
+    """Return the kinds that have a template of this name."""
+    return [kind for kind in KINDS if name in template_names(kind)]
+
+
 def load_design(
     source: str | Path,
     settings: list[str] | tuple[str, ...] = (),
     *,
-    printer: str | Path | None = None,
+    printer: Own | None = None,
+    silicones: Own | None = None,
 ) -> Design:
     """Return the design of a template's name or of a TOML file.
 
-    `printer` is a TOML file of a workshop's own processes; they go into the design's `[printer]`, so that a
-    copy of the design means the same without the file. `settings` are `table.key=value` with a TOML value,
-    or `table=none` to drop an optional table, and come last. Raises InputError with key, rule, value, remedy.
+    `printer` and `silicones` are a workshop's own processes and a lab's own silicones, as TOML files or as
+    tables; they go into the design's `[printer]` and `[silicones]`, so that a copy of the design means the
+    same without them. `settings` are `table.key=value` with a TOML value, or `table=none` to drop an
+    optional table, and come last. Raises InputError with key, rule, value, remedy.
     """
+    return Design(**design_tables(source, settings, printer=printer, silicones=silicones))
+
+
+def design_tables(
+    source: str | Path,
+    settings: list[str] | tuple[str, ...] = (),
+    *,
+    printer: Own | None = None,
+    silicones: Own | None = None,
+) -> dict[str, Any]:
+    """Return the tables of a design that `load_design` makes one of, its files' and settings' in them."""
     data = read_table(source, "designs")
-    if printer is not None:
-        data = with_printer(data, printer)
-    return Design(**overridden(data, settings))
+    data = with_own(data, "printer", printer)
+    return overridden(with_own(data, "silicones", silicones), settings)
 
 
 load = load_design  # as it was called first
 
 
-def with_printer(data: dict[str, Any], file: str | Path) -> dict[str, Any]:
-    """Return a design's tables with those of a printer file on top of its `[printer]`."""
-    own, rows = data.get("printer", {}), _read_file(Path(file), str(file))
+def with_own(
+    data: dict[str, Any], table: Literal["printer", "silicones"], given: Own | None
+) -> dict[str, Any]:
+    """Return a file's tables with one's own on top of its `[printer]` or `[silicones]`."""
+    if given is None:
+        return data
+    rows, own = own_tables(table, given), data.get(table, {})
     if not isinstance(own, dict):
-        raise InputError("printer", "must be a table, [printer]", own)
+        raise InputError(table, f"must be a table, [{table}]", own)
     for name, row in rows.items():
         if isinstance(row, dict) and isinstance(own.get(name, {}), dict):
             own = {**own, name: {**own.get(name, {}), **row}}
         else:
             own = {**own, name: row}
-    return {**data, "printer": own}
+    return {**data, table: own}
+
+
+def own_tables(table: Literal["printer", "silicones"], given: Own) -> dict[str, Any]:
+    """Return one's own tables; those of a file are read."""
+    if isinstance(given, Mapping):
+        return dict(given)
+    if not isinstance(given, str | Path):
+        raise InputError(table, "must be a TOML file, or tables", given)
+    rows = _read_file(Path(given), str(given))
+    _refuse_others(str(given), _marked(rows), table)
+    return rows
 
 
 def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
-    """Return the parsed TOML of a template's name or of a file's path."""
+    """Return the parsed TOML of a template's name or of a file's path.
+
+    Raises InputError for one of another kind, which says what takes it.
+    """
     name = str(source)
     if name in template_names(kind):
         return tables_of(template_text(name, kind), name)
@@ -125,9 +134,34 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
     except (OSError, ValueError):
         missing = False  # reading it says why
     if missing:
+        _refuse_others(name, kinds_of(name), kind)
         rule = f"no such template among {kind}, and no TOML file"
         raise InputError(name[:80], rule, remedy=did_you_mean(name[:80], template_names(kind)))
-    return _read_file(path, name)
+    data = _read_file(path, name)
+    if not _MARKS[kind] & data.keys():
+        _refuse_others(name, _marked(data), kind)
+    return data
+
+
+def _marked(data: dict[str, Any]) -> list[str]:
+    """What the tables may be by their keys; nothing where those are no kind's."""
+    if isinstance(data.get("name"), str):
+        return [str(kind) for kind, marks in _MARKS.items() if marks & data.keys()][:1]
+
+    def all_are(model: type[BaseModel]) -> bool:
+        rows = data.values()
+        return bool(rows) and all(isinstance(r, dict) and r.keys() <= model.model_fields.keys() for r in rows)
+
+    return [table for table, model in (("silicones", Silicone), ("printer", Process)) if all_are(model)]
+
+
+def _refuse_others(name: str, kinds: Sequence[str], wanted: str) -> None:
+    """Raise InputError, which says what takes it, for what is of other kinds than the wanted one."""
+    if kinds and wanted not in kinds:
+        found = " and ".join(_WORDS[kind][0] for kind in kinds)
+        takers = ", or to ".join(_WORDS[kind][1] for kind in kinds)
+        rule = f"is {found}, not {_WORDS[wanted][0]}"
+        raise InputError(name[:80], rule, remedy=f"give it to {takers}")
 
 
 def _read_file(path: Path, name: str) -> dict[str, Any]:
@@ -170,53 +204,3 @@ def _toml_value(text: str) -> Any:
         return tables_of(f"value = {text}", "settings")["value"]
     except InputError:
         return text
-
-
-def processes(own: Mapping[str, Process] | None = None) -> dict[str, Process]:
-    """Return what each process can make: the shipped ones, with a design's `[printer]` on top."""
-    return merged(_shipped(), own or {})
-
-
-@cache
-def _shipped() -> dict[str, Process]:
-    rows = tomllib.loads(processes_text())
-    return {name: Process(**{**row, "based_on": name}) for name, row in rows.items()}
-
-
-def processes_text() -> str:
-    """Return the TOML of the shipped processes, with where each value is from."""
-    return table_text("processes")
-
-
-@cache
-def silicones() -> dict[str, Silicone]:
-    """Return the catalog of silicones by name."""
-    rows = tomllib.loads(table_text("silicones"))
-    return {
-        name: Silicone(
-            name=name,
-            **{**row, "young_modulus": Ranged(**row["young_modulus"]), "mix": tuple(row["mix"])},
-        )
-        for name, row in rows.items()
-    }
-
-
-def silicone(material: Material) -> Silicone:
-    """Return the silicone that a design's `[material]` means: the catalog's, with own values on top.
-
-    Without a name the mix, pot life and cure are unknown (None), nu and density typical ones. Raises
-    InputError for a name that the catalog doesn't know.
-    """
-    found = silicones().get(material.name or "")
-    if found is None and material.name is not None:
-        raise InputError(
-            "material.name", "unknown silicone", material.name, did_you_mean(material.name, silicones())
-        )
-    if found is None:
-        found = OWN_SILICONE
-    return replace(
-        found,
-        young_modulus=material.young_modulus or found.young_modulus,
-        poisson_ratio=found.poisson_ratio if material.poisson_ratio is None else material.poisson_ratio,
-        density=material.density or found.density,
-    )

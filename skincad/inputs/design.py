@@ -11,6 +11,7 @@ from skincad.base.tables import Document
 from skincad.inputs import guards
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process
+from skincad.inputs.silicone import Silicone
 from skincad.inputs.skin_tables import Contact, Film, Material, Ridge, Skin, Slot, lean
 
 
@@ -30,12 +31,16 @@ class Design(Document):
     printer: dict[str, Process] | None = Field(
         default=None, description="a workshop's own processes, [printer.sla] as in a printer.toml"
     )
+    silicones: dict[str, Silicone] | None = Field(
+        default=None, description="a lab's own silicones, [silicones.lab-10] as in a lab.toml"
+    )
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
         skin, ridge, slot, film, mold = self.skin, self.ridge, self.slot, self.film, self.mold
         checks = (
             guards.processes(mold, self.printer or {}),
+            guards.silicones(self.material, self.silicones or {}),
             guards.ridges_on_skin(skin, ridge),
             guards.revolved(skin),
             guards.profile(ridge),
@@ -47,8 +52,8 @@ class Design(Document):
         return self
 
     def __hash__(self) -> int:
-        """Hash of all but `printer`, a dict, which equality still compares."""
-        return hash(tuple(value for key, value in self if key != "printer"))
+        """Hash of all but `printer` and `silicones`, dicts, which equality still compares."""
+        return hash(tuple(value for _, value in self if not isinstance(value, dict)))
 
     @property
     def film_state(self) -> Literal["bonded", "loose", "ignored"]:

@@ -9,7 +9,8 @@ from functools import partial
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process, check_named, check_own
-from skincad.inputs.skin_tables import Contact, Film, Ridge, Skin, Slot, lean
+from skincad.inputs.silicone import Silicone, check_own_silicones, check_silicone
+from skincad.inputs.skin_tables import Contact, Film, Material, Ridge, Skin, Slot, lean
 
 MOST = 999  # ridges that are told of, as ridge.count
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -24,6 +25,12 @@ def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
     yield from refusals(lambda: check_own(own))
     for key in ("process", "end_plate_process", "lid_process"):
         yield from refusals(partial(check_named, f"mold.{key}", getattr(mold, key), own))
+
+
+def silicones(material: Material, own: Mapping[str, Silicone]) -> Iterator[InputError]:
+    """Yield what a lab's own silicones lack, and a material's name that nobody knows."""
+    yield from refusals(lambda: check_own_silicones(own))
+    yield from refusals(lambda: check_silicone(material.name, own))
 
 
 def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:

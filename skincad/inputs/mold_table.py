@@ -7,7 +7,8 @@ from typing import Any, Literal
 from pydantic import Field
 
 from skincad.base.tables import Table, quantity
-from skincad.inputs.process import NAME, PROCESSES
+from skincad.inputs.process import PROCESSES
+from skincad.inputs.shipped import NAME
 
 _A_PROCESS: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
 

@@ -7,19 +7,18 @@ names of it, any other name is a new process `based_on` one.
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from typing import Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
-from skincad.inputs.shipped import table_text
+from skincad.inputs.shipped import check_names, table_text
 
 PROCESSES = tuple(tomllib.loads(table_text("processes")))
-NAME = r"^[a-z][a-z0-9-]{2,31}$"
 
 
 class Process(Table):
@@ -81,10 +80,16 @@ class Process(Table):
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
 
-def merged(shipped: Mapping[str, Process], own: Mapping[str, Process]) -> dict[str, Process]:
-    """Return the shipped processes with a workshop's own on top."""
-    result = dict(shipped)
-    for name, change in own.items():
+@cache
+def _shipped() -> dict[str, Process]:
+    rows = tomllib.loads(table_text("processes"))
+    return {name: Process(**{**row, "based_on": name}) for name, row in rows.items()}
+
+
+def processes(own: Mapping[str, Process] | None = None) -> dict[str, Process]:
+    """Return what each process can make: the shipped ones, with a design's `[printer]` on top."""
+    result, shipped = dict(_shipped()), _shipped()
+    for name, change in (own or {}).items():
         base = shipped[change.based_on or name]
         given = {key: getattr(change, key) for key in change.model_fields_set}
         result[name] = base.model_copy(update={**given, "based_on": base.based_on})
@@ -93,10 +98,8 @@ def merged(shipped: Mapping[str, Process], own: Mapping[str, Process]) -> dict[s
 
 def check_own(own: Mapping[str, Process]) -> None:
     """Raise InputError for a bad name, an own process without a base, or a shipped one with another's."""
+    check_names("printer", own, "my-mill")
     for name, process in own.items():
-        if not re.fullmatch(NAME, name):
-            rule = "the name must be 3 to 32 lower-case letters, digits and -"
-            raise InputError("printer", rule, name, "as in [printer.my-mill]")
         key = f"printer.{name}.based_on"
         if name not in PROCESSES and process.based_on is None:
             raise InputError(key, "is missing for a new process", remedy=f"name {', '.join(PROCESSES)}")

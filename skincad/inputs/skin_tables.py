@@ -11,7 +11,8 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from skincad.base.errors import InputError
-from skincad.base.tables import Ranged, Table, quantity
+from skincad.base.tables import Table, quantity
+from skincad.inputs.silicone import Modulus
 
 
 class Skin(Table):
@@ -97,16 +98,18 @@ class Film(Table):
 
 
 class Material(Table):
-    """The silicone: a name of the catalog, own values, or a name with some values of one's own."""
+    """The silicone: one by name, own values, or a name with some values of one's own."""
 
-    name: str | None = Field(default=None, description="a silicone of the catalog", max_length=64)
-    young_modulus: Ranged | None = Field(
+    name: str | None = Field(
+        default=None, description="a silicone that ships, or one of [silicones]", max_length=64
+    )
+    young_modulus: Modulus | None = Field(
         default=None,
         description="small strain; a number, or {value, low, high}",
         json_schema_extra={"unit": "MPa"},
     )
     poisson_ratio: float | None = quantity(
-        "1", "nearly incompressible; the catalog's if not given", ge=0.0, le=0.4999999, default=None
+        "1", "nearly incompressible; the named silicone's if not given", ge=0.0, le=0.4999999, default=None
     )
     density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
 

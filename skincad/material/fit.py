@@ -14,8 +14,8 @@ import numpy as np
 from skincad.base.arguments import require_number
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress, Stopwatch
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest, material_test
 from skincad.material.modulus import FIRM, MaterialFit, finished
 from skincad.material.regression import Regression, regression
@@ -102,7 +102,7 @@ def _outside(found: MaterialFit, design: Design | None) -> list[str]:
     """Whether the modulus lies outside what the design said so far."""
     if design is None:
         return []
-    said, value = silicone(design.material).young_modulus, found.young_modulus.value or 0.0
+    said, value = silicone(design).young_modulus, found.young_modulus.value or 0.0
     if said.low <= value <= said.high:
         return []
     return [f"the design's range so far was {said.low:g} to {said.high:g} MPa; the test lies outside"]

@@ -14,6 +14,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.tables import Ranged
 from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest
+from skincad.inputs.silicone import SOFTEST, STIFFEST
 from skincad.material.regression import Regression
 
 LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse is not this model's
@@ -124,11 +125,9 @@ def finished(
     error = scatter + model + misfit
     if not error <= LARGEST_ERROR * modulus:
         raise RefusedError(f"the rows do not determine the modulus: {Estimate(modulus, error, 'MPa')}")
-    limits = Ranged.model_json_schema()["properties"]["value"]
-    smallest, most = limits["exclusiveMinimum"], limits["maximum"]
-    if not (smallest < modulus - error and modulus + error < most):
+    if modulus - error <= SOFTEST or modulus + error >= STIFFEST:
         raise RefusedError(
-            f"the modulus {modulus:.3g} MPa is outside what a design takes, {smallest:g} to {most:g}"
+            f"the modulus {modulus:.3g} MPa is outside what a design takes, {SOFTEST:g} to {STIFFEST:g}"
         )
     return MaterialFit(
         test.kind,

@@ -9,8 +9,8 @@ import numpy as np
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Stopwatch
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.inputs.material_test import MaterialTest
 from skincad.material.modulus import MaterialFit, finished
 from skincad.material.pad_curve import (
@@ -46,7 +46,7 @@ def fit_pad(test: MaterialTest, design: Design | None, clock: Stopwatch) -> Mate
     if plate != "flat":
         remedy = "press with a flat plate, and leave [contact.plate] out"
         raise InputError("contact.plate.shape", "must be 'flat' for a pad's test", plate, remedy)
-    modulus = silicone(design.material).young_modulus.value
+    modulus = silicone(design).young_modulus.value
     for _ in range(PASSES):
         curve = _curve(test, design, modulus, clock)
         with clock.stage("fit"):

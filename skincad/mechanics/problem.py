@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.shape.cross_section import CONTACT_KINDS, Section, section
 from skincad.shape.curves import Loop, Point, Segment
@@ -179,7 +179,7 @@ def pad_of(design: Design) -> Pad:
     if bent is not None:
         rule = "is known to the winkler tier alone: sections are pressed as straight along y"
         raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
-    shape, stuff, film = section(design), silicone(design.material), design.film
+    shape, stuff, film = section(design), silicone(design), design.film
     state = design.film_state
     if state == "bonded" and film is not None:
         strips = tuple(slot.loop(film.thickness) for slot in shape.slots)

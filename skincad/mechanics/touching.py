@@ -11,8 +11,9 @@ from skincad.base.arguments import require_goals, require_number
 from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
-from skincad.inputs.catalog import processes, silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.process import processes
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
 from skincad.mechanics.problem import (
     Answer,
@@ -28,6 +29,7 @@ from skincad.mechanics.tiers.prices import LAWS, expected
 from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, load, run, tier_of
 from skincad.mechanics.validity import (
     beyond_small_strain,
+    material_warnings,
     refuse_crushed,
     slope_warnings,
     strain_warnings,
@@ -84,7 +86,7 @@ def check(
     if measured is not None and design.skin.curvature_radius_y is not None:
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)
-    notes = (*slope_warnings(design), *shift_warnings(drops, design))
+    notes = (*slope_warnings(design), *shift_warnings(drops, design), *material_warnings(design))
     climb = _Climb(design, asked, drops, notes, progress)
     if tier == "auto":
         return climb.auto(tol, budget)
@@ -305,6 +307,6 @@ def mesh_tolerance(name: str, tol: float | None) -> float:
 
 def spread_of(design: Design) -> Spread:
     """Return how parts of a design differ: by its mold's process and its material's range."""
-    process, modulus = design.mold.process, silicone(design.material).young_modulus
+    process, modulus = design.mold.process, silicone(design).young_modulus
     sigma = processes(design.printer)[process].crest_sigma
     return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from skincad.base.errors import InputError
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import foreign_modulus, silicone
 from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
 
@@ -58,7 +58,7 @@ class Limits:
 
 def limits(design: Design) -> Limits:
     """Return where small strain ends."""
-    modulus = silicone(design.material).young_modulus.value, silicone(design.material).poisson_ratio
+    modulus = silicone(design).young_modulus.value, silicone(design).poisson_ratio
     area = _mean_width(design) * design.skin.length
     shear = modulus[0] / (1 + modulus[1]) * area
     return Limits(height(design), plane_modulus(design) * area, shear, buckling_force(design))
@@ -84,7 +84,7 @@ def _mean_width(design: Design) -> float:
 
 def plane_modulus(design: Design) -> float:
     """Return E / (1 - nu^2) of a design's silicone, MPa."""
-    stuff = silicone(design.material)
+    stuff = silicone(design)
     return stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
 
 
@@ -123,6 +123,15 @@ def strain_warnings(design: Design, found: Answer) -> tuple[str, ...]:
     if strain <= SMALL_STRAIN:
         return ()
     return (f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})",)
+
+
+def material_warnings(design: Design) -> tuple[str, ...]:
+    """Return the warning that the material's name and its modulus are those of two silicones."""
+    if (found := foreign_modulus(design)) is None:
+        return ()
+    named, modulus, remedy = found
+    own = f"{named.young_modulus.low:g} to {named.young_modulus.high:g} MPa"
+    return (f"the modulus of {modulus.value:g} MPa is not that of {named.name} ({own}); {remedy}",)
 
 
 def slope_warnings(design: Design) -> tuple[str, ...]:

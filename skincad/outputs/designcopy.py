@@ -12,20 +12,26 @@ from skincad.base.errors import RefusedError, shown
 from skincad.base.freshfile import fresh
 from skincad.base.reading import text_of
 from skincad.base.tables import Ranged
-from skincad.inputs.catalog import LARGEST_FILE, overridden, read_table, template_names, template_text
+from skincad.inputs.catalog import LARGEST_FILE, design_tables, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.outputs.fits import ranged_toml
 
 
 def write_with_modulus(
-    path: Path, source: str, overrides: list[str], modulus: Ranged, provenance: str
+    path: Path,
+    source: str,
+    overrides: list[str],
+    modulus: Ranged,
+    provenance: str,
+    silicones: Path | None = None,
 ) -> None:
     """Write the design of a template's name or a file, overrides applied, with `modulus` as its silicone's.
 
-    The line's comment says `provenance`. The file appears whole or not at all. Raises InputError for one
-    that is there already or cannot be written.
+    `silicones` is a file of own ones, which go into the design as `load_design` puts them there. The line's
+    comment says `provenance`. The file appears whole or not at all. Raises InputError for one that is there
+    already or cannot be written.
     """
-    data = overridden(read_table(source, "designs"), overrides)
+    data = design_tables(source, overrides, silicones=silicones)
     data["material"] = {**data.get("material", {}), "young_modulus": modulus.model_dump()}
     document = tomlkit.parse(_text(source))
     _follow(document, data)

@@ -191,7 +191,7 @@ def _build(design: Design, closed: ClosedMold, watch: Stopwatch) -> tuple[Job, l
     from skincad.fabrication.measures import FINER, interference
     from skincad.fabrication.meshes import mesh
     from skincad.fabrication.strip_rules import strip_findings
-    from skincad.inputs.catalog import processes
+    from skincad.inputs.process import processes
     from skincad.mechanics.touching import check
     from skincad.solids.occ import workplane
     from skincad.solids.skin import skin_part

@@ -1,33 +1,58 @@
-"""`skincad new`: a design file to edit, every key with its meaning, unit and range, and its JSON schema."""
+"""`skincad new`: a file to edit, every key with its meaning, unit, range and default, and its JSON schema.
+
+A design, a scene or a circuit after a template, or a table of one's own silicones or processes.
+"""
 
 from __future__ import annotations
 
 import json
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import tomlkit
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter
 from pydantic.fields import FieldInfo
 
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, did_you_mean
 from skincad.base.freshfile import checked_fresh, fresh
-from skincad.base.tables import Ranged, table_of
-from skincad.inputs.catalog import load, processes_text, template_text
+from skincad.base.tables import Ranged, Table, table_of
+from skincad.inputs import shipped
+from skincad.inputs.catalog import KINDS, Kind, kinds_of, load, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
+from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone
 
 _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
+_LENGTHS = {"MinLen": ("from", "min_length"), "MaxLen": ("to", "max_length")}
+# one's own tables: the design's table that they go into, a row's model, and the shipped row that shows it
+_OWN: dict[shipped.Table, tuple[str, type[Table], str]] = {
+    "silicones": ("silicones", Silicone, "dragon-skin-30"),
+    "processes": ("printer", Process, "sla"),
+}
+_OWN_HEAD: dict[shipped.Table, str] = {
+    "silicones": """\
+# Silicones of your own: --silicones and this file's name, and material.name = a table's name
+# A table with a shipped silicone's name changes what it names of it; any other name is a new silicone. What
+# ships is listed by skincad templates silicones. The values here are dragon-skin-30's: write those of your
+# data sheet, and the modulus that skincad fit-material finds.""",
+    "processes": """\
+# Processes of your own: --printer and this file's name, and mold.process = a table's name
+# A table with a shipped process's name changes what it names of it; any other name is a new process. What
+# ships is listed by skincad templates processes. The values in comments are sla's: measure your own.""",
+}
 
 
-def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
-    """Write a commented design after a template, and its schema beside it; return both paths.
+def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
+    """Write a commented file after a template, and its schema beside it; return both paths.
 
-    Raises InputError for an unknown template, a file that is there already or cannot be written, and a name
-    that a TOML comment can't hold.
+    `template` is a design's, a scene's or a circuit's name, with its kind before it where two kinds have that
+    name; or `silicones` or `processes`, for a table of one's own. Raises InputError for an unknown template,
+    a file that is there already or cannot be written, and a name that a TOML comment can't hold.
     """
+    kind, name = _chosen(template)
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
@@ -38,76 +63,147 @@ def write_new(path: Path, template: str = "yamada-2002") -> list[Path]:
     if not link.isprintable():
         raise InputError("FILE", "must have a name of printable characters", path.name)
     with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
-        first.write_text(design_schema(), encoding="utf-8")
-        second.write_text(commented_toml(template, path.stem, link), encoding="utf-8")
-        load(second)  # before it takes its place: what we write is a design
+        first.write_text(schema_of(kind), encoding="utf-8")
+        second.write_text(commented_toml(kind, name, path.stem, link), encoding="utf-8")
+        _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
     return [path, schema]
 
 
-def design_schema() -> str:
-    """Return the JSON schema of a design, for an editor that completes and checks TOML."""
-    schema = Design.model_json_schema()
-    ranged = schema["$defs"]["Ranged"]
-    schema["$defs"]["Ranged"] = {"anyOf": [{"type": "number"}, ranged]}
+def _chosen(template: str) -> tuple[Kind | shipped.Table, str]:
+    """The kind and the name that a template's name means."""
+    for table in shipped.TABLES:
+        if template == table:
+            return table, ""
+    before, _, name = template.rpartition("/")
+    kinds = [kind for kind in kinds_of(name) if before in ("", kind)]
+    if len(kinds) == 1:
+        return kinds[0], name
+    if kinds:
+        remedy = f"say {' or '.join(f'{kind}/{name}' for kind in kinds)}"
+        raise InputError("template", f"is a name of {' and '.join(kinds)}", template, remedy)
+    raise InputError("template", "no such template", template, did_you_mean(name, starts()))
+
+
+def starts() -> list[str]:
+    """Return what `write_new` takes as its template; the kind comes before a name that two kinds have."""
+    names = [(kind, name) for kind in KINDS for name in template_names(kind)]
+    return [*shipped.TABLES, *(n if len(kinds_of(n)) == 1 else f"{kind}/{n}" for kind, n in names)]
+
+
+def _model_and_loader(kind: Kind | shipped.Table) -> tuple[type[Table], Callable[[Path], object]]:
+    """The model of a kind's file, or of a row of one's own tables, and what loads the file."""
+    if kind == "scenes":
+        from skincad.scenes.scene import Scene, load_scene
+
+        return Scene, load_scene
+    if kind == "circuits":
+        from skincad.circuit.model import Circuit, load_circuit
+
+        return Circuit, load_circuit
+    if kind == "designs":
+        return Design, load
+    table, model, _ = _OWN[kind]
+    return model, lambda path: load("yamada-2002", **{table: path})
+
+
+def schema_of(kind: Kind | shipped.Table) -> str:
+    """Return the JSON schema of a kind of file, for an editor that completes and checks TOML."""
+    model = _model_and_loader(kind)[0]
+    rows = TypeAdapter(dict[str, model])  # type: ignore[valid-type]
+    schema = rows.json_schema() if kind in _OWN else model.model_json_schema()
+    if kind == "scenes":
+        from skincad.effects import EFFECTS, effect
+
+        tables = {name: effect(name).model_json_schema() for name in EFFECTS}
+        schema["properties"]["effects"] = {
+            "type": "object",
+            "properties": tables,
+            "additionalProperties": False,
+        }
+    if ranged := schema.get("$defs", {}).get("Ranged"):  # all of them are moduli
+        limits = {"minimum": SOFTEST, "maximum": STIFFEST}
+        numbers = {key: {**number, **limits} for key, number in ranged["properties"].items()}
+        either = [{"type": "number", **limits}, {**ranged, "properties": numbers}]
+        schema["$defs"]["Ranged"] = {"anyOf": either}
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
 
 
-def commented_toml(template: str, name: str, schema: str) -> str:
+def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema: str) -> str:
     """Return a template's TOML with each key's meaning above it; keys left at their default are comments."""
-    document = tomlkit.parse(template_text(template))
     lines = [f"#:schema ./{schema}", ""]
-    lines += [line for line in template_text(template).splitlines() if line.startswith("#")]
-    lines += ["", *_key_lines(Design, "name", _safe(name))]
-    for table in Design.model_fields:
-        model = table_of(Design, table)
-        if model is None:
-            continue
-        if model is Process:
-            lines += _printer_lines()
-            continue
-        given: Any = document.get(table)
-        optional = not Design.model_fields[table].is_required()
-        absent = "# " if given is None else ""
-        note = "  # optional" if optional else ""
-        lines += ["", f"{absent}[{table}]{note}"]
-        lines += _table_lines(model, given or {})
-        for key in model.model_fields:
-            inner = table_of(model, key)
-            if inner not in (None, Ranged) and key not in (given or {}):
-                lines += ["", f"# [{table}.{key}]  # optional", *_table_lines(inner, {})]
+    if kind == "silicones" or kind == "processes":  # noqa: PLR1714  # so that mypy knows
+        lines += [_OWN_HEAD[kind], *_own_lines(kind)]
+        return "\n".join(lines) + "\n"
+    model, text = _model_and_loader(kind)[0], template_text(template, kind)
+    document: Any = tomlkit.parse(text)
+    document["name"] = re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64].lstrip("-_") or kind[:-1]
+    lines += [line for line in text.splitlines() if line.startswith("#")]
+    lines += ["", *_key_lines(model, document)]
+    for key, field in model.model_fields.items():
+        if key == "effects":
+            lines += _effect_lines(document.get(key, {}))
+        elif own := [table for table, (place, *_) in _OWN.items() if place == key]:
+            lines += ["", f"# {field.description}; skincad new FILE --template {own[0]} explains its keys"]
+        elif inner := _table(model, key):
+            lines += _section(key, inner, document.get(key), field.is_required())
     return "\n".join(lines) + "\n"
 
 
-def _printer_lines() -> list[str]:
-    """One own process, all in comments, with the shipped values: a dict of tables has no other default."""
-    shipped: Any = tomlkit.parse(processes_text())["sla"]
-    lines = [line if line.startswith("#") else f"# {line}" for line in _table_lines(Process, shipped)]
-    note = '# your own machine, where it differs from what ships; [printer.my-mill] needs based_on = "cnc"'
-    return ["", note, "# [printer.sla]  # optional", *lines]
+def _table(model: type[BaseModel], key: str) -> type[Table] | None:
+    """The model of a table behind a key; None for a value, a modulus too."""
+    inner = table_of(model, key)
+    return None if inner is Ranged else inner
 
 
-def _safe(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64].lstrip("-_") or "skin"
+def _section(path: str, model: type[Table], given: Any, required: bool = False) -> list[str]:
+    """A table with its keys and the tables within; all in comments where the template has none."""
+    mark, note = "" if given is not None else "# ", "" if required else "  # optional"
+    lines = ["", f"{mark}[{path}]{note}", *_key_lines(model, given or {})]
+    for key, field in model.model_fields.items():
+        if inner := _table(model, key):
+            lines += _section(f"{path}.{key}", inner, (given or {}).get(key), field.is_required())
+    return lines
 
 
-def _table_lines(model: type[BaseModel], given: Any) -> list[str]:
+def _effect_lines(given: Any) -> list[str]:
+    """The effects that the template names, and as comments those that it leaves out."""
+    from skincad.effects import EFFECTS, effect
+
+    lines: list[str] = []
+    for name in [*given, *(name for name in EFFECTS if name not in given)]:
+        kind = effect(name)
+        needs = f" Needs {' and '.join(kind.needs)}." if kind.needs else ""
+        head, *rest = _section(f"effects.{name}", kind, given.get(name))
+        lines += [head, f"# {(kind.__doc__ or '').splitlines()[0]}{needs}", *rest]
+    return lines
+
+
+def _own_lines(table: shipped.Table) -> list[str]:
+    """A row of one's own, after a shipped one: a silicone's own values, or in comments those of a process."""
+    _, model, base = _OWN[table]
+    row: Any = tomlkit.parse(shipped.table_text(table))[base]
+    if table == "silicones":
+        row.pop("source")  # one's own values are from elsewhere
+        return ["", "[my-silicone]", *_key_lines(model, row)]
+    row["based_on"] = base
+    kept = ("#", "based_on")
+    lines = [line if line.startswith(kept) else f"# {line}" for line in _key_lines(model, row)]
+    return ["", "[my-printer]", *lines]
+
+
+def _key_lines(model: type[BaseModel], given: Any) -> list[str]:
+    """Each plain key of a table: its meaning, then its value, or in a comment its default."""
     lines = []
     for key, field in model.model_fields.items():
-        if table_of(model, key) not in (None, Ranged) and key not in given:
+        if key == "effects" or _table(model, key):
             continue
         if key in given:
             item = given.item(key)
             provenance = item.trivia.comment.lstrip("# ") if item.trivia.comment else ""
-            value = item.as_string()
-            lines += [*_meaning(field, provenance), f"{key} = {value}"]
+            lines += [*_meaning(field, provenance), f"{key} = {item.as_string()}"]
         else:
-            shown = _default(field)
-            lines += [*_meaning(field, ""), f"# {key} = {shown}"]
+            lines += [*_meaning(field, ""), f"# {key} = {_default(field)}"]
     return lines
-
-
-def _key_lines(model: type[BaseModel], key: str, value: str) -> list[str]:
-    return [*_meaning(model.model_fields[key], ""), f"{key} = {tomlkit.item(value).as_string()}"]
 
 
 def _default(field: FieldInfo) -> str:
@@ -120,12 +216,13 @@ def _meaning(field: FieldInfo, provenance: str) -> list[str]:
     """Comment lines: meaning, unit and range; then where this template's value is from."""
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", ""))
-    limits = " ".join(
-        f"{word} {getattr(rule, attribute):.8g}"
-        for rule in field.metadata
-        for word, attribute in [_LIMITS.get(type(rule).__name__, ("", ""))]
-        if word
-    )
-    stated = ", ".join(part for part in (unit if unit != "1" else "", limits) if part)
-    first = f"# {field.description or ''}" + (f" [{stated}]" if stated else "")
+    limits, lengths = [], []
+    for rule in field.metadata:
+        if limit := _LIMITS.get(type(rule).__name__):
+            limits.append(f"{limit[0]} {getattr(rule, limit[1]):.8g}")
+        elif (length := _LENGTHS.get(type(rule).__name__)) and "list" in str(field.annotation):
+            lengths.append(f"{length[0]} {getattr(rule, length[1])}")
+    values = " ".join(lengths) + " values" if lengths else ""
+    stated = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
+    first = f"# {field.description or ''}" + (f" [{', '.join(stated)}]" if stated else "")
     return [first, *([f"#   {provenance}"] if provenance else [])]

@@ -16,7 +16,7 @@ from skincad.base.errors import InputError
 from skincad.base.tables import Document, told
 from skincad.effects import effect
 from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
-from skincad.inputs.catalog import load_design, overridden, read_table
+from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
 from skincad.scenes.scene_tables import History, Readout, ScenePlate
 
@@ -116,29 +116,49 @@ class Scene(Document):
     @cached_property
     def design(self) -> Design:
         """The skin's design."""
-        if isinstance(self.skin, Design):
-            return self.skin
-        try:
-            return load_design(self.skin)
-        except InputError as failure:
-            if failure.key == self.skin[:80]:
-                raise InputError("skin", failure.rule, self.skin, failure.remedy) from None
-            raise failure.under("skin") from None
+        return self.skin if isinstance(self.skin, Design) else _loaded(self.skin)
+
+
+def _loaded(skin: str, silicones: Own | None = None) -> Design:
+    """The design that a scene names."""
+    try:
+        return load_design(skin, silicones=silicones)
+    except InputError as failure:
+        if failure.key == skin[:80]:
+            raise InputError("skin", failure.rule, skin, failure.remedy) from None
+        raise failure.under("skin") from None
+
+
+def _of_lab(skin: Any, silicones: Own) -> Any:
+    """A skin with a lab's own silicones in it; whatever is no skin as it is."""
+    if isinstance(skin, str):
+        return _loaded(skin, silicones)
+    tables = skin.model_dump(exclude_none=True) if isinstance(skin, Design) else skin
+    return with_own(tables, "silicones", silicones) if isinstance(tables, dict) else skin
 
 
 def load_scene(
-    source: str | Path, settings: list[str] | tuple[str, ...] = (), *, skin: Design | str | None = None
+    source: str | Path,
+    settings: list[str] | tuple[str, ...] = (),
+    *,
+    skin: Design | str | None = None,
+    silicones: Own | None = None,
 ) -> Scene:
     """Return the scene of a template's name or of a TOML file, on its own skin or another.
 
     `settings` are as those of `load_design`. Paths of a skin and in an effect's table count from the scene's
-    file; that of `skin` from the working directory. Raises InputError with key, rule, value and remedy.
+    file; that of `skin` from the working directory. `silicones` are a lab's own, which go into the skin.
+    Raises InputError with key, rule, value and remedy.
     """
     data = overridden(read_table(source, "scenes"), settings)
     if Path(source).suffix == ".toml":
         data["skin"] = _placed(data.get("skin"), Path(source).parent)
         data["effects"] = _effects(data.get("effects", {}), Path(source).parent)
-    return Scene(**data if skin is None else {**data, "skin": skin})
+    if skin is not None:
+        data["skin"] = skin
+    if silicones is not None:
+        data["skin"] = _of_lab(data.get("skin"), own_tables("silicones", silicones))
+    return Scene(**data)
 
 
 def _parsed(name: str, table: dict[str, Any]) -> Effect:

@@ -15,6 +15,7 @@ from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
 from skincad.effects.omitted import Omitted
+from skincad.mechanics.validity import material_warnings
 from skincad.scenes.climb import Climbed, climb, differential
 from skincad.scenes.levels import Level
 from skincad.scenes.march import March
@@ -168,6 +169,7 @@ def _told(on: Marching, climbed: Climbed, began: float, seconds: dict[str, float
     if raw and "film" not in scene.effects:
         notes = [*notes, "film is not named: this is the silicone's stress in the films' place"]
     notes = [*notes, *unresolved(found.time, width)] if raw else notes
+    notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     told, remarks = read(scene, found, slips, seconds)
     return Simulation(

@@ -17,9 +17,8 @@ import math
 from typing import NamedTuple
 
 from skincad.base.errors import InputError
-from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
-from skincad.inputs.process import Process
+from skincad.inputs.process import Process, processes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Prism

@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import TypeVar
 
 from skincad.base.tables import Table
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 
 _GRID = 2.0**40  # per mm
 _HEIGHTS = ("floor", "end_plate", "cover", "carrier_thickness", "clearance")
@@ -22,7 +22,7 @@ _Table = TypeVar("_Table", bound=Table)
 def shrinkage(design: Design) -> float:
     """Return the linear shrinkage that the mold makes up for: the design's own, or its silicone's."""
     own = design.mold.shrinkage
-    return silicone(design.material).shrinkage if own is None else own
+    return silicone(design).shrinkage if own is None else own
 
 
 def poured(design: Design) -> Design:

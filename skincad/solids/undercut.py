@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.shape.cross_section import GUARD_TOLERANCE, section
 from skincad.shape.curves import polygon
 
@@ -59,7 +59,7 @@ def _undercut(design: Design, ridge: int) -> Undercut:
 
 def safe_strain(design: Design) -> float:
     """Return the nominal squeeze that the silicone takes: its stretch is `SAFE_SHARE` of that at break."""
-    return 1 - 1 / (1 + SAFE_SHARE * silicone(design.material).elongation_at_break)
+    return 1 - 1 / (1 + SAFE_SHARE * silicone(design).elongation_at_break)
 
 
 def split_ridges(design: Design) -> list[int]:

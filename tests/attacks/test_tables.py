@@ -29,6 +29,14 @@ LOADERS: dict[str, tuple[Callable[[Path], object], str, str]] = {
     "scene": (load_scene, "yamada-2002-slip", "scenes"),
     "circuit": (load_circuit, "yamada-2002", "circuits"),
     "printer": (lambda path: load("yamada-2002", printer=path), "yamada-2002", "designs"),
+    "silicones": (lambda path: load("yamada-2002", silicones=path), "yamada-2002", "designs"),
+}
+OWN: dict[str, dict[str, Any]] = {  # files of one's own tables, which have no template
+    "printer": {"sla": {"gap": 0.1, "layer": 0.05}, "my-mill": {"based_on": "cnc", "chord": 0.01}},
+    "silicones": {
+        "dragon-skin-30": {"young_modulus": 0.9, "source": "ours"},
+        "lab-10": {"based_on": "dragon-skin-10", "mix": [1.0, 2.0], "platinum_cure": False},
+    },
 }
 kinds = pytest.mark.parametrize("kind", LOADERS)
 EVIL = [
@@ -96,8 +104,7 @@ def paths(table: dict[str, Any], at: tuple[str, ...] = ()) -> list[tuple[str, ..
 def test_any_value_at_any_key(kind: str, data: st.DataObject) -> None:
     _, name, folder = LOADERS[kind]
     table = read_table(name, folder)  # type: ignore[arg-type]
-    if kind == "printer":
-        table = {"sla": {"gap": 0.1, "layer": 0.05}, "my-mill": {"based_on": "cnc", "chord": 0.01}}
+    table = OWN.get(kind, table)
     path, value = data.draw(st.sampled_from(paths(table))), data.draw(values)
     inner = table
     for key in path[:-1]:
@@ -135,8 +142,8 @@ BAD = {
 @kinds
 @pytest.mark.parametrize("name", BAD)
 def test_bad_files(kind: str, name: str) -> None:
-    if (kind, name) == ("printer", "nothing"):
-        return  # no processes of one's own: nothing is wrong with that
+    if kind in OWN and name == "nothing":
+        return  # no tables of one's own: nothing is wrong with that
     read, _, _ = LOADERS[kind]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "evil.toml"
@@ -182,6 +189,7 @@ BOMBS = {
     "dotted keys alike": "\n".join(f"a.a.a.a.a.a.a.k{i} = 1" for i in range(40_000)),
     "90,000 unknown keys": "[ridge]\n" + "\n".join(f"k{i}=1" for i in range(90_000)),
     "50,000 machines": "\n".join(f"[printer.a{i}]" for i in range(50_000)),
+    "50,000 silicones": "\n".join(f"[silicones.a{i}]" for i in range(50_000)),
     "escapes": full("\\u0041", 'a = "', '"'),
     "lines that go on": full("\\\n", 'a = """', '"""'),
     "quotes": full('"', "a = "),
@@ -240,7 +248,7 @@ def test_no_override_does_either(name: str, key: str) -> None:
 )
 def test_no_overrides_keys_do(kind: str, overrides: list[str]) -> None:
     read, name, _ = LOADERS[kind]
-    if kind == "printer":
+    if kind in OWN:
         return  # takes none
     with bounded(), pytest.raises(InputError):
         read(name, overrides)  # type: ignore[call-arg]
@@ -328,7 +336,7 @@ def test_bad_overrides(text: str) -> None:
 @given(text=st.text(max_size=60))
 @settings(max_examples=200, deadline=None)
 def test_any_override(text: str) -> None:
-    for key in ("", "ridge.height=", "material.young_modulus=", "printer.sla="):
+    for key in ("", "ridge.height=", "material.young_modulus=", "printer.sla=", "silicones.lab-10="):
         assert "\n" not in told(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]
 
 

@@ -17,7 +17,7 @@ from skincad import cli
 from skincad.base.errors import InputError, did_you_mean, shown
 from skincad.inputs.catalog import read_table
 from tests.attacks.test_measurements import READERS
-from tests.attacks.test_tables import LOADERS, kinds, paths, told
+from tests.attacks.test_tables import LOADERS, OWN, kinds, paths, told
 
 STEERING = ("Cc", "Cf", "Zl", "Zp")
 EVERY = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if unicodedata.category(c) in STEERING)
@@ -79,8 +79,7 @@ def spoilt(table: dict[str, Any], path: tuple[str, ...], how: str) -> dict[str, 
 def test_no_key_and_no_value_of_a_file_is_printed_raw(kind: str, how: str, tmp_path: Path) -> None:
     read, name, folder = LOADERS[kind]
     table = read_table(name, folder)  # type: ignore[arg-type]
-    if kind == "printer":
-        table = {"sla": {"gap": 0.1}, "my-mill": {"based_on": "cnc", "chord": 0.01}}
+    table = OWN.get(kind, table)
     file = tmp_path / "evil.toml"
     file.write_text(written(table))
     assert told(lambda: read(file)) == ""  # as written here it is good
@@ -125,6 +124,7 @@ COMMANDS = [
     ["check", "yamada-2002", "--set", f"ridge={EVIL}"],
     ["check", "yamada-2002", "--measured", EVIL],
     ["check", "yamada-2002", "--printer", EVIL],
+    ["check", "yamada-2002", "--silicones", EVIL],
     ["check", "yamada-2002", "--stress", EVIL],
     ["make", "yamada-2002", "--format", EVIL],
     ["new", EVIL],

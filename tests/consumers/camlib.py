@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skincad.fabrication.reach import left_standing
 from skincad.fabrication.rules_of_layers import laid_on_end
-from skincad.inputs.catalog import processes
+from skincad.inputs.process import processes
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.body import Prism
 from skincad.solids.mold import mold

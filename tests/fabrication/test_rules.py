@@ -14,8 +14,8 @@ from skincad.fabrication.findings import design_findings, judged
 from skincad.fabrication.reach import ERROR
 from skincad.fabrication.rules import Case, Feature, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
-from skincad.inputs.catalog import processes
 from skincad.inputs.design import Design
+from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import mold

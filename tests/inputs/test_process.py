@@ -11,8 +11,8 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.inputs.catalog import processes, processes_text
-from skincad.inputs.process import PROCESSES
+from skincad.inputs.process import PROCESSES, processes
+from skincad.inputs.shipped import table_text
 from skincad.mechanics.touching import spread_of
 from tests.conftest import run_skincad
 
@@ -37,8 +37,8 @@ def printer(tmp_path: Path) -> Path:
 
 def test_every_shipped_value_is_a_key_with_a_source() -> None:
     assert tuple(processes()) == PROCESSES
-    rows = [row for row in processes_text().splitlines() if " = " in row and not row.startswith("#")]
-    assert len(rows) == sum(len(table) for table in tomllib.loads(processes_text()).values())
+    rows = [row for row in table_text("processes").splitlines() if " = " in row and not row.startswith("#")]
+    assert len(rows) == sum(len(table) for table in tomllib.loads(table_text("processes")).values())
     assert all("# assumption" in row or "# source" in row for row in rows)
 
 

@@ -1,20 +1,32 @@
 import json
+import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import jsonschema
 import pytest
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.freshfile import fresh
-from skincad.inputs.catalog import template_names
-from skincad.outputs.newfile import design_schema, write_new
+from skincad.base.tables import Ranged, table_of
+from skincad.circuit.model import Circuit, load_circuit
+from skincad.effects import EFFECTS, effect
+from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
+from skincad.inputs.design import Design
+from skincad.inputs.process import processes
+from skincad.inputs.silicone import silicones
+from skincad.outputs.newfile import schema_of, write_new
+from skincad.scenes.scene import Scene, load_scene
+from tests.conftest import run_skincad
 
 
 @pytest.mark.parametrize("name", template_names())
 def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, name: str) -> None:
-    path, schema = write_new(tmp_path / "mine.toml", name)
+    path, schema = write_new(tmp_path / "mine.toml", f"designs/{name}")
     assert skincad.load(path) == skincad.load(name).with_(name="mine")
     text = path.read_text()
     assert text.startswith(f"#:schema ./{schema.name}\n")
@@ -23,23 +35,170 @@ def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, nam
         assert any(row.startswith("# ") and "[" in row for row in text.splitlines()[line - 2 : line]), key
 
 
-@pytest.mark.parametrize("name", template_names())
-def test_the_schema_accepts_every_template(name: str) -> None:
-    from skincad.inputs.catalog import template_text
+EACH = [(kind, name) for kind in KINDS for name in template_names(kind)]
+each = pytest.mark.parametrize(("kind", "name"), EACH)
 
-    jsonschema.validate(tomllib.loads(template_text(name)), json.loads(design_schema()))
+
+@each
+def test_the_schema_accepts_every_template(kind: Kind, name: str) -> None:
+    jsonschema.validate(tomllib.loads(template_text(name, kind)), json.loads(schema_of(kind)))
+
+
+@each
+def test_a_new_file_says_what_its_template_says(kind: Kind, name: str, tmp_path: Path) -> None:
+    path, schema = write_new(tmp_path / "mine.toml", f"{kind}/{name}")
+    assert tomllib.loads(path.read_text()) == {**tomllib.loads(template_text(name, kind)), "name": "mine"}
+    assert path.read_text().startswith(f"#:schema ./{schema.name}\n")
+    assert schema.read_text() == schema_of(kind)
+    loaders = {"designs": skincad.load, "scenes": load_scene, "circuits": load_circuit}
+    assert loaders[kind](path).name == "mine"
+
+
+def explained(text: str) -> dict[str, str]:
+    """The line above each key, by `table.key`; where its value is from may lie between."""
+    found, table, rows = {}, "", text.splitlines()
+    for i, row in enumerate(rows):
+        bare = row.removeprefix("# ")
+        if bare.startswith("["):
+            table = bare[1 : bare.index("]")] + "."
+        elif key := re.match(r"(# )?(\w+) = ", row):
+            above = rows[i - 2] if rows[i - 1].startswith("#   ") else rows[i - 1]
+            found[table + key[2]] = above
+    return found
+
+
+def keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, FieldInfo]]:
+    for key, field in model.model_fields.items():
+        inner = table_of(model, key)
+        if key in ("printer", "silicones", "effects"):
+            continue
+        if inner is None or inner is Ranged:
+            yield path + key, field
+        else:
+            yield from keys(inner, f"{path}{key}.")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_key_is_there_with_meaning_unit_and_range(kind: Kind, tmp_path: Path) -> None:
+    path, _ = write_new(tmp_path / "mine.toml", f"{kind}/{template_names(kind)[0]}")
+    told = explained(path.read_text())
+    wanted = dict(keys({"designs": Design, "scenes": Scene, "circuits": Circuit}[kind]))
+    if kind == "scenes":
+        wanted |= {f"effects.{name}.{key}": field for name in EFFECTS for key, field in keys(effect(name))}
+    assert set(told) == set(wanted)
+    for key, field in wanted.items():
+        assert field.description, key
+        assert told[key].startswith(f"# {field.description}"), key
+        extra = field.json_schema_extra
+        unit = extra.get("unit", "1") if isinstance(extra, dict) else "1"
+        assert unit == "1" or f"[{unit}" in told[key], key
+        for rule in field.metadata:
+            for bound in ("gt", "ge", "lt", "le"):
+                assert f"{getattr(rule, bound):.8g}" in told[key] if hasattr(rule, bound) else True, key
+
+
+def test_a_default_is_shown_in_a_comment(tmp_path: Path) -> None:
+    text = write_new(tmp_path / "mine.toml", "hold")[0].read_text()
+    assert "# [effects.film]" not in text
+    assert '# bond = "bonded"\n' in text
+    assert "# [plate]  # optional\n" in text
+    assert "# frames = 0\n" in text
+    assert "# [at most" not in text
+    assert "# of each point, from 0 [s, from 2 to 10000 values]\n" in text
+
+
+def test_an_effect_that_the_template_lacks_is_there_to_uncomment(tmp_path: Path) -> None:
+    text = write_new(tmp_path / "mine.toml", "hold")[0].read_text()
+    assert "\n# Voltages of the told ridges' strips. Needs film.\n# [effects.piezo]  # optional\n" in text
+    text = text.replace("# [effects.finite_strain]", "[effects.finite_strain]")
+    text = text.replace('# creases = "stop"', 'creases = "pass"')
+    (tmp_path / "other.toml").write_text(text)
+    assert load_scene(tmp_path / "other.toml").effects["finite_strain"] == {"creases": "pass"}
+
+
+@pytest.mark.parametrize(
+    "text", ["[effects.frictoin]", "[effects.friction]\nmu = 1", "[effects.friction]\ncoefficient = -1"]
+)
+def test_a_scenes_schema_knows_the_effects(text: str) -> None:
+    data = tomllib.loads(template_text("hold", "scenes"))
+    for table, values in tomllib.loads(text).items():
+        data[table].update(values)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(data, json.loads(schema_of("scenes")))
+
+
+def test_own_silicones_and_processes_are_written_and_load(tmp_path: Path) -> None:
+    lab, schema = write_new(tmp_path / "lab.toml", "silicones")
+    design = skincad.load("lab-bench", ["material.name=my-silicone"], silicones=lab)
+    own, base = silicones(design.silicones)["my-silicone"], silicones()["dragon-skin-30"]
+    assert own.name == "my-silicone"
+    assert own.source == "assumption"
+    for key in type(base).model_fields.keys() - {"name", "source"}:
+        assert getattr(own, key) == getattr(base, key), key
+    jsonschema.validate(tomllib.loads(lab.read_text()), json.loads(schema.read_text()))
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"lab-10": {"viscosty": 1.0}}, json.loads(schema.read_text()))
+
+    printer, schema = write_new(tmp_path / "printer.toml", "processes")
+    design = skincad.load("lab-bench", ["mold.process=my-printer"], printer=printer)
+    assert processes(design.printer)["my-printer"] == processes()["sla"]
+    jsonschema.validate(tomllib.loads(printer.read_text()), json.loads(schema.read_text()))
+    every = printer.read_text().replace("\n# ", "\n")
+    rows = [row for row in every.splitlines() if " = " in row and row[0].islower()]
+    uncommented = tmp_path / "all.toml"
+    uncommented.write_text("\n".join(["[my-printer]", *rows]))
+    assert (
+        processes(skincad.load("lab-bench", printer=uncommented).printer)["my-printer"] == processes()["sla"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("template", "message"),
+    [
+        ("yamada-2002", "got 'yamada-2002'; say designs/yamada-2002 or circuits/yamada-2002"),
+        ("lab-benc", "template: no such template, got 'lab-benc'; did you mean 'lab-bench'?"),
+        ("silicone", "template: no such template, got 'silicone'; did you mean 'silicones'?"),
+        ("scenes/lab-bench", "template: no such template, got 'scenes/lab-bench'; did you mean 'lab-bench'?"),
+        ("../designs/lab-bench", "template: no such template, got '../designs/lab-bench'; did you mean"),
+    ],
+)  # fmt: skip
+def test_a_template_that_is_none_or_two_is_told(template: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as told:
+        write_new(tmp_path / "mine.toml", template)
+    assert message in str(told.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_any_kind(tmp_path: Path) -> None:
+    for template, key in (
+        ("hold", "skin"),
+        ("transimpedance", "[amplifier]"),
+        ("silicones", "[my-silicone]"),
+    ):
+        done = run_skincad("new", f"{template}.toml", "--template", template, cwd=tmp_path)
+        assert done.stdout.splitlines() == [f"{template}.toml", f"{template}.schema.json"], done.stderr
+        assert key in (tmp_path / f"{template}.toml").read_text()
+    assert run_skincad("new", "mine.toml", cwd=tmp_path).returncode == 0
+    assert skincad.load(tmp_path / "mine.toml") == skincad.load("yamada-2002").with_(name="mine")
 
 
 @pytest.mark.parametrize(
     "text",
-    ["[ridge]\nheigth = 1.0", "[ridge]\nheight = 'x'", "[ridge]\nheight = -1.0", "[mold]\nprocess = 'x'"],
+    [
+        "[ridge]\nheigth = 1.0",
+        "[ridge]\nheight = 'x'",
+        "[ridge]\nheight = -1.0",
+        "[mold]\nprocess = 'x'",
+        "[material]\nyoung_modulus = 800000.0",
+        "[silicones.lab-10]\nviscosty = 1.0",
+    ],
 )
 def test_the_schema_refuses_what_the_model_refuses(text: str) -> None:
     data = skincad.load("yamada-2002").model_dump(exclude_none=True)
     for table, values in tomllib.loads(text).items():
-        data[table].update(values)
+        data.setdefault(table, {}).update(values)
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(data, json.loads(design_schema()))
+        jsonschema.validate(data, json.loads(schema_of("designs")))
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:

@@ -8,8 +8,9 @@ import pytest
 
 import skincad
 from skincad.fabrication.meshes import manifold
-from skincad.inputs.catalog import processes, template_names
+from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
+from skincad.inputs.process import processes
 from skincad.solids.body import Bore, Prism
 from skincad.solids.layout import NUT_FLATS, fits
 from skincad.solids.mold import mold

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.inputs.catalog import silicone
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.mechanics.plate import rise
 
 # Half-widths against the linear tier at usual sizes, set on the variants of test_winkler.py
@@ -89,7 +89,7 @@ def stiffening(design: Design, tip: float, carrying: float) -> float:
     hold it up: against its edges a strip of m pitches sinks by 0.44 m forces over E' (sec. 2.5). Of
     the tip no more counts than of the ridge: it hardens.
     """
-    nu, thick = silicone(design.material).poisson_ratio, design.skin.thickness / design.skin.width
+    nu, thick = silicone(design).poisson_ratio, design.skin.thickness / design.skin.width
     base, ridge = compliances(design)
     shared = min(base / (confinement(thick, nu) + COUPLED + PER_THICKNESS * thick), DISH * carrying)
     return (base + ridge) / (shared + ridge / confinement(ridge, nu) + min(tip, ridge))

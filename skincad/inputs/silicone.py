@@ -1,0 +1,129 @@
+"""What a silicone is: a table of values, the shipped ones' and a lab's own.
+
+The shipped tables are in templates/silicones.toml. A lab's own file has tables of the same keys: one named as
+a shipped silicone changes what it names of it, any other name is a new silicone, with a modulus of its own or
+`based_on` a shipped one.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from typing import Annotated
+
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
+
+from skincad.base.errors import InputError, did_you_mean
+from skincad.base.tables import Ranged, Table, quantity
+from skincad.inputs.shipped import check_names, table_text
+
+SOFTEST, STIFFEST = 1e-3, 100.0  # MPa; assumption: the softest gels, and rubbers harder than any Shore A
+TYPICAL = 0.3  # MPa; assumption: the middle of the shipped silicones, to guess at a modulus in another unit
+_UNITS = {"Pa": 1e-6, "kPa": 1e-3, "GPa": 1e3}
+
+
+def _in_mpa(modulus: Ranged) -> Ranged:
+    """Raise InputError for a modulus that no silicone has, with the unit in which one may have it."""
+    for value in (modulus.value, modulus.low, modulus.high):
+        if not SOFTEST <= value <= STIFFEST:
+            unit, factor = min(
+                _UNITS.items(), key=lambda row: abs(math.log(value) + math.log(row[1] / TYPICAL))
+            )
+            guess, within = value * factor, SOFTEST <= value * factor <= STIFFEST
+            rule = f"must be from {SOFTEST:g} to {STIFFEST:g} MPa"
+            asked = f"is it in MPa? {value:g} {unit} is {guess:g} MPa" if within else "is it in MPa?"
+            raise InputError("", rule, value, asked)
+    return modulus
+
+
+Modulus = Annotated[Ranged, AfterValidator(_in_mpa)]
+
+
+class Silicone(Table):
+    """A casting silicone at room temperature.
+
+    Defaults are assumptions, for one of which only the modulus is known: nearly incompressible, the density
+    that casting silicones share, the least of their elongations, the largest of their viscosities.
+    """
+
+    name: str = Field(
+        default="", description="as the casting sheet calls it; the table's name if not given", max_length=64
+    )
+    based_on: str | None = Field(
+        default=None, description="the shipped silicone that a new one takes all other values from"
+    )
+    young_modulus: Modulus = Field(
+        default=Ranged(value=1.0, low=1.0, high=1.0),
+        description="small strain; a number, or {value, low, high}",
+        json_schema_extra={"unit": "MPa"},
+    )
+    poisson_ratio: float = quantity("1", "nearly incompressible", ge=0.0, le=0.4999999, default=0.499)
+    density: float = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=1070.0)
+    mix: list[Annotated[float, Field(gt=0.0, le=1000.0)]] | None = Field(
+        default=None,
+        description="parts A and B by mass; by its data sheet if not given",
+        min_length=2,
+        max_length=2,
+    )
+    pot_life_min: float | None = quantity(
+        "min", "in which it can be poured; by its data sheet if not given", gt=0.0, le=1e4, default=None
+    )
+    cure_h: float | None = quantity(
+        "h", "until it can be demolded; by its data sheet if not given", gt=0.0, le=1e4, default=None
+    )
+    platinum_cure: bool = Field(
+        default=True, description="whether it cures by platinum, which some resins keep from curing"
+    )
+    elongation_at_break: float = quantity("1", "a strain: 3.64 is 364 %", gt=0.0, le=50.0, default=1.0)
+    viscosity: float = quantity("Pa s", "freshly mixed; 1000 cps is 1 Pa s", gt=0.0, le=1e4, default=35.0)
+    shrinkage: float = quantity(  # source: data sheets, about 0.1 % of a silicone cured at room temperature
+        "1", "linear, from mold to cured part", ge=0.0, le=0.05, default=0.001
+    )
+    source: str = Field(default="assumption", description="where the values are from", max_length=300)
+
+    @model_serializer(mode="wrap")
+    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        """Dump what was given only, so that a copy of a design's own silicone changes no more than it did."""
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+
+
+@cache
+def _shipped() -> dict[str, Silicone]:
+    rows = tomllib.loads(table_text("silicones"))
+    return {name: Silicone(**{"name": name, **row}) for name, row in rows.items()}
+
+
+def silicones(own: Mapping[str, Silicone] | None = None) -> dict[str, Silicone]:
+    """Return the silicones by name: the shipped ones, with a design's `[silicones]` on top."""
+    result, shipped = dict(_shipped()), _shipped()
+    for name, change in (own or {}).items():
+        base = shipped.get(change.based_on or name, Silicone())
+        given = {key: getattr(change, key) for key in change.model_fields_set}
+        result[name] = base.model_copy(update={"name": name, **given, "based_on": None})
+    return result
+
+
+def check_own_silicones(own: Mapping[str, Silicone]) -> None:
+    """Raise InputError for an own silicone without a modulus, or based on none that ships."""
+    check_names("silicones", own, "my-silicone")
+    shipped = _shipped()
+    for name, row in own.items():
+        key = f"silicones.{name}"
+        if row.based_on is not None and row.based_on not in shipped:
+            remedy = did_you_mean(row.based_on, shipped)
+            raise InputError(f"{key}.based_on", "unknown silicone", row.based_on, remedy)
+        if name in shipped and row.based_on not in (None, name):
+            rule = f"must not be given for {name}, which ships"
+            raise InputError(f"{key}.based_on", rule, row.based_on, "give it another name")
+        if name not in shipped and row.based_on is None and "young_modulus" not in row.model_fields_set:
+            rule, remedy = "is missing for a new silicone", "give it, or say based_on = ..."
+            raise InputError(f"{key}.young_modulus", rule, remedy=remedy)
+
+
+def check_silicone(name: str | None, own: Mapping[str, Silicone]) -> None:
+    """Raise InputError for a material's name that is neither shipped nor the design's own."""
+    known = {*_shipped(), *own}
+    if name is not None and name not in known:
+        raise InputError("material.name", "unknown silicone", name, did_you_mean(name, known))

@@ -1,0 +1,79 @@
+"""What is given to a command that takes another kind: told by name and by the file's tables."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from skincad.base.errors import InputError
+from skincad.circuit.model import load_circuit
+from skincad.inputs.catalog import KINDS, Kind, load, template_names, template_text
+from skincad.scenes.scene import load_scene
+from tests.conftest import run_skincad
+
+LOAD: dict[Kind, Callable[[Path | str], object]] = {
+    "designs": load,
+    "scenes": load_scene,
+    "circuits": load_circuit,
+}
+TAKERS = {"designs": "make, check or accuracy", "scenes": "simulate", "circuits": "circuit"}
+
+
+@pytest.mark.parametrize("wanted", KINDS)
+@pytest.mark.parametrize("given", KINDS)
+def test_whatever_takes_another_kind_says_what_takes_this_one(
+    wanted: Kind, given: Kind, tmp_path: Path
+) -> None:
+    for name in template_names(given):
+        file = tmp_path / f"{name}.toml"
+        file.write_text(template_text(name, given))
+        for source in (name, file):
+            if name in template_names(wanted) and (source == name or wanted == given):
+                LOAD[wanted](source)
+                continue
+            with pytest.raises(InputError) as refusal:
+                LOAD[wanted](source)
+            assert refusal.value.key == str(source)[:80]
+            assert f"a {given[:-1]}" in refusal.value.rule
+            assert refusal.value.rule.endswith(f", not a {wanted[:-1]}")
+            assert TAKERS[given] in refusal.value.remedy
+
+
+def test_a_name_of_two_kinds_says_both() -> None:
+    with pytest.raises(InputError) as refusal:
+        load_scene("yamada-2002")
+    assert str(refusal.value) == (
+        "yamada-2002: is a design and a circuit, not a scene; "
+        "give it to make, check or accuracy, or to circuit"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("[lab-10]\nyoung_modulus = 0.2", "a table of silicones, not a design; give it to --silicones"),
+        ("[sla]\nlayer = 0.1", "a table of processes, not a design; give it to --printer"),
+    ],
+)
+def test_ones_own_tables_are_no_design(text: str, what: str, tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(text)
+    with pytest.raises(InputError, match=what):
+        load(tmp_path / "own.toml")
+
+
+def test_a_scenes_skin_may_be_no_scene() -> None:
+    with pytest.raises(
+        InputError, match=r"^skin: is a scene, not a design, got 'drop'; give it to simulate$"
+    ):
+        load_scene("hold", ["skin=drop"])
+
+
+@pytest.mark.parametrize(
+    ("command", "source"),
+    [("make", "drop"), ("check", "drop"), ("simulate", "lab-bench"), ("circuit", "drop")],
+)
+def test_the_command_leaves_with_2_and_one_line(command: str, source: str, tmp_path: Path) -> None:
+    told = run_skincad(command, source, cwd=tmp_path)
+    assert (told.returncode, told.stdout, told.stderr.count("\n")) == (2, "", 1)
+    assert told.stderr.startswith(f"skincad: {source}: is a ")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,271 @@
+"""A lab's own silicones: how they reach a design, how bad ones are refused; moduli that can't be meant."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+import tomlkit
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.fabrication.findings import design_findings
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.shipped import table_text
+from skincad.inputs.silicone import silicones
+from skincad.mechanics.touching import check, spread_of
+from skincad.scenes.scene import load_scene
+from tests.conftest import run_skincad
+from tests.small_scene import THIRD, small_scene
+
+OWN = """
+[dragon-skin-30]
+young_modulus = { value = 0.9, low = 0.8, high = 1.0 }
+
+[lab-10]
+young_modulus = 0.25
+mix = [10.0, 1.0]
+platinum_cure = false
+
+[soft-batch]
+based_on = "ecoflex-00-30"
+viscosity = 4.0
+"""
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Path:
+    path = tmp_path / "lab.toml"
+    path.write_text(OWN)
+    return path
+
+
+def test_every_shipped_silicone_has_a_range_and_a_source() -> None:
+    assert list(silicones()) == list(tomllib.loads(table_text("silicones")))
+    for name, entry in silicones().items():
+        assert entry.name == name
+        assert entry.young_modulus.low < entry.young_modulus.high
+        assert {"mix", "pot_life_min", "cure_h", "viscosity", "source"} <= entry.model_fields_set
+
+
+def test_an_own_file_changes_what_it_names_and_adds_what_is_new(lab: Path) -> None:
+    design = skincad.load("yamada-2002", silicones=lab)
+    own, shipped = silicones(design.silicones), silicones()
+    changed = {"young_modulus": own["dragon-skin-30"].young_modulus}
+    assert own["dragon-skin-30"].young_modulus.value == 0.9
+    assert own["dragon-skin-30"] == shipped["dragon-skin-30"].model_copy(update=changed)
+    assert (own["lab-10"].name, own["lab-10"].mix, own["lab-10"].platinum_cure) == (
+        "lab-10",
+        [10.0, 1.0],
+        False,
+    )
+    assert (own["lab-10"].density, own["lab-10"].source) == (1070.0, "assumption")
+    assert own["soft-batch"] == shipped["ecoflex-00-30"].model_copy(
+        update={"name": "soft-batch", "viscosity": 4.0}
+    )
+    assert own["sylgard-184"] == shipped["sylgard-184"]
+
+
+def test_the_design_means_it_by_name_and_its_own_values_come_first(lab: Path) -> None:
+    design = skincad.load("lab-bench", ["material.name=lab-10"], silicones=lab)
+    assert silicone(design).young_modulus.value == 0.25
+    assert spread_of(design).modulus == (0.25, 0.25, 0.25)
+    assert silicone(design.with_(material={"density": 990.0})).density == 990.0
+    assert silicone(design.with_(material={"name": "soft-batch"})).viscosity == 4.0
+
+
+def test_the_design_carries_them_without_the_file(lab: Path, tmp_path: Path) -> None:
+    design = skincad.load("lab-bench", ["material.name=lab-10"], silicones=lab)
+    exact = {"value": 0.25, "low": 0.25, "high": 0.25}
+    assert design.model_dump()["silicones"] == {
+        **tomllib.loads(OWN),
+        "lab-10": {"young_modulus": exact, "mix": [10.0, 1.0], "platinum_cure": False},
+    }
+    copy = tmp_path / "elsewhere" / "design.toml"
+    copy.parent.mkdir()
+    copy.write_text(tomlkit.dumps(design.model_dump(exclude_none=True)))
+    lab.unlink()
+    assert skincad.load(copy) == design
+    assert hash(skincad.load(copy)) == hash(design)
+    assert design != design.with_(silicones={"lab-10": {"young_modulus": 0.3}})
+
+
+def test_tables_do_as_well_as_a_file(lab: Path) -> None:
+    assert skincad.load("lab-bench", silicones=tomllib.loads(OWN)) == skincad.load("lab-bench", silicones=lab)
+
+
+def test_the_designs_own_tables_add_up_with_the_files(lab: Path) -> None:
+    before = {"lab-10": {"young_modulus": 0.3, "density": 990.0}, "third": {"young_modulus": 1.0}}
+    design = skincad.load("lab-bench").with_(silicones=before)
+    file = lab.with_name("own.toml")
+    file.write_text(design.to_toml())
+    found = silicones(skincad.load(file, silicones=lab).silicones)
+    assert (found["lab-10"].young_modulus.value, found["lab-10"].density) == (0.25, 990.0)
+    assert found["third"].young_modulus.value == 1.0
+
+
+def test_what_is_neither_is_told() -> None:
+    with pytest.raises(InputError, match=r"^silicones: must be a TOML file, or tables, got 3$"):
+        skincad.load("lab-bench", silicones=3)  # type: ignore[arg-type]
+
+
+def test_overrides_come_last(lab: Path) -> None:
+    design = skincad.load(
+        "lab-bench", ["silicones.lab-10.viscosity=2", "material.name=lab-10"], silicones=lab
+    )
+    assert silicone(design).viscosity == 2
+
+
+def test_a_scenes_skin_may_be_of_them(lab: Path, tmp_path: Path) -> None:
+    skin = skincad.load("yamada-2002").model_dump(exclude_none=True)
+    skin["material"] = {"name": "lab-10"}
+    (tmp_path / "skin.toml").write_text(tomlkit.dumps(skin))
+    scene = load_scene("hold", [f"skin={tmp_path / 'skin.toml'}"], silicones=lab)
+    assert silicone(scene.design).young_modulus.value == 0.25
+    written = tmp_path / "scene.toml"
+    written.write_text(scene.to_toml())
+    lab.unlink()
+    assert load_scene(written).design == scene.design
+    with pytest.raises(InputError, match=r"^skin\.material\.name: unknown silicone, got 'lab-10'"):
+        load_scene("hold", [f"skin={tmp_path / 'skin.toml'}"])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[lab-10]\nviscosty = 1.0", "silicones.lab-10.viscosty: unknown key; did you mean 'viscosity'?"),
+        ("[lab-10]\nviscosity = 1.0", "lab-10.young_modulus: is missing for a new silicone; give it, or"),
+        ("[lab-10]\nyoung_modulus = 250", "MPa, got 250; is it in MPa? 250 kPa is 0.25 MPa"),
+        (
+            "[lab-10]\nbased_on = 'dragonskin-30'",
+            "lab-10.based_on: unknown silicone, got 'dragonskin-30'; did",
+        ),
+        ("[dragon-skin-30]\nbased_on = 'x'", "based_on: unknown silicone, got 'x'; known: dragon-skin-10, "),
+        ("[dragon-skin-30]\nbased_on = 'sylgard-184'", "must not be given for dragon-skin-30, which ships"),
+        ("[LAB]\nyoung_modulus = 1", "silicones: the name must be 3 to 32 lower-case letters, digits and -"),
+        ("[lab-10]\nyoung_modulus = 1\nmix = [1.0]", "silicones.lab-10.mix: "),
+        ("lab-10 = 1.0", "silicones.lab-10: must be a table, [silicones.lab-10], got 1"),
+        ("name = 'x'\n[ridge]", "lab.toml: is a design, not a table of silicones; give it to make, check"),
+        ("[sla]\nlayer = 0.1", "lab.toml: is a table of processes, not a table of silicones; give it to"),
+        ("[lab", "lab.toml: is not TOML"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "lab.toml"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        skincad.load("lab-bench", silicones=path)
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(("wrong", "right"), [("lab-1", "lab-10"), ("dragon-skn-30", "dragon-skin-30")])
+def test_a_wrong_name_is_told_with_the_nearest_of_both(wrong: str, right: str, lab: Path) -> None:
+    with pytest.raises(InputError, match=rf"material\.name: unknown silicone, .*did you mean '{right}'"):
+        skincad.load("lab-bench", [f"material.name={wrong}"], silicones=lab)
+
+
+@pytest.mark.parametrize(
+    ("modulus", "asked"),
+    [
+        (800000.0, "got 800000; is it in MPa? 800000 Pa is 0.8 MPa"),
+        (69000.0, "got 69000; is it in MPa? 69000 Pa is 0.069 MPa"),
+        (800.0, "got 800; is it in MPa? 800 kPa is 0.8 MPa"),
+        (0.0008, "got 0.0008; is it in MPa? 0.0008 GPa is 0.8 MPa"),
+        (1e300, "got 1e+300; is it in MPa?"),
+        ({"value": 50.0, "low": 40.0, "high": 400.0}, "got 400; is it in MPa? 400 kPa is 0.4 MPa"),
+    ],
+)
+def test_a_modulus_that_no_silicone_has_asks_for_its_unit(
+    yamada: Design, modulus: object, asked: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        yamada.with_(material={"young_modulus": modulus})
+    assert str(refused.value) == f"material.young_modulus: must be from 0.001 to 100 MPa, {asked}"
+
+
+def test_the_ends_of_the_range_are_in_it(yamada: Design) -> None:
+    for modulus in (1e-3, 100.0):
+        assert silicone(yamada.with_(material={"young_modulus": modulus})).young_modulus.value == modulus
+
+
+def foreign(design: Design) -> tuple[list[str], list[str]]:
+    """What make and check say of a name with another's modulus."""
+    found = [str(f) for f in design_findings(design) if f.rule == "silicone"]
+    return found, [w for w in check(design, tier="winkler").warnings if "modulus" in w]
+
+
+def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
+    data = {"name": "ecoflex-00-30", "young_modulus": {"value": 0.8, "low": 0.65, "high": 0.95}}
+    soft = yamada.with_(material=data)
+    drop = "drop material.young_modulus, or the name where it was measured"
+    whose = f"name dragon-skin-30, whose it may be; or {drop}"
+    assert foreign(soft) == (
+        [
+            "warning: silicone: material.young_modulus, which is not that of ecoflex-00-30: 0.8 MPa, "
+            f"limit 0.125; {whose}"
+        ],
+        [f"the modulus of 0.8 MPa is not that of ecoflex-00-30 (0.04 to 0.125 MPa); {whose}"],
+    )
+    hard = yamada.with_(material={"name": "sylgard-184", "young_modulus": 90.0})
+    assert foreign(hard)[1] == [f"the modulus of 90 MPa is not that of sylgard-184 (1.3 to 3 MPa); {drop}"]
+    softer = yamada.with_(material={"name": "sylgard-184", "young_modulus": 0.2})
+    assert "0.2 MPa, limit 1.3; name dragon-skin-10" in foreign(softer)[0][0]
+
+
+def test_a_scene_is_told_so_too(tmp_path: Path) -> None:
+    change = {"name": "dragon-skin-10", "young_modulus": 0.8}
+    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=2", "readout.ridges=[1]")
+    told = skincad.simulate(scene.with_(skin={"material": change}), budget=0.01).warnings
+    assert any("the modulus of 0.8 MPa is not that of dragon-skin-10 (0.11 to 0.3 MPa)" in w for w in told)
+
+
+def test_a_batch_within_the_published_range_is_not(yamada: Design) -> None:
+    assert foreign(yamada) == ([], [])
+    touching = {"name": "ecoflex-00-30", "young_modulus": {"value": 0.14, "low": 0.125, "high": 0.15}}
+    assert foreign(yamada.with_(material=touching)) == ([], [])
+    assert foreign(yamada.with_(material={"name": None, "young_modulus": 5.0})) == ([], [])
+
+
+@pytest.mark.parametrize("name", skincad.template_names())
+def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
+    design = skincad.load(name)
+    assert not [f for f in design_findings(design) if f.rule == "silicone"]
+
+
+def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path) -> None:
+    chosen = ("--silicones", str(lab), "--set", "material.name=lab-10")
+    out = ("--format", "toml", "-o", str(tmp_path / "made"))
+    made = run_skincad("make", "lab-bench", *chosen, *out, "--json", cwd=tmp_path)
+    assert made.returncode in (0, 1), made.stderr
+    lab.unlink()
+    assert silicone(skincad.load(tmp_path / "made" / "design.toml")).young_modulus.value == 0.25
+    checked = run_skincad("check", "made/design.toml", "--json", cwd=tmp_path)
+    told, again = json.loads(made.stdout)["check"], json.loads(checked.stdout)
+    assert (told["all_touch_force_N"], told["tier"]) == (again["all_touch_force_N"], again["tier"])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("make", "lab-bench"),
+        ("check", "lab-bench"),
+        ("simulate", "hold"),
+        ("accuracy", "lab-bench"),
+        ("fit-material", "x.csv", "--design", "lab-bench"),
+    ],
+)
+def test_every_command_with_a_skin_refuses_a_bad_lab(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "lab.toml").write_text("[lab-10]\nviscosty = 1.0")
+    told = run_skincad(*arguments, "--silicones", "lab.toml", cwd=tmp_path)
+    assert told.returncode == 2
+    assert told.stderr in (
+        "skincad: silicones.lab-10.viscosty: unknown key; did you mean 'viscosity'?\n",
+        "skincad: skin.silicones.lab-10.viscosty: unknown key; did you mean 'viscosity'?\n",
+    )
+
+
+def test_fit_material_takes_them_only_with_a_design(tmp_path: Path, lab: Path) -> None:
+    told = run_skincad("fit-material", "x.csv", "--silicones", str(lab), cwd=tmp_path)
+    assert told.stderr == "skincad: --silicones: needs --design; name the design with --design\n"
