@@ -10,6 +10,7 @@ import tempfile
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +105,7 @@ def paths(table: dict[str, Any], at: tuple[str, ...] = ()) -> list[tuple[str, ..
 def test_any_value_at_any_key(kind: str, data: st.DataObject) -> None:
     _, name, folder = LOADERS[kind]
     table = read_table(name, folder)  # type: ignore[arg-type]
-    table = OWN.get(kind, table)
+    table = deepcopy(OWN.get(kind, table))
     path, value = data.draw(st.sampled_from(paths(table))), data.draw(values)
     inner = table
     for key in path[:-1]:
