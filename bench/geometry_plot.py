@@ -14,7 +14,7 @@ import numpy as np
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.pictures.canvas import Axes, png
+from skincad.pictures.canvas import Axes, save, sheet
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import polygon
 
@@ -42,14 +42,15 @@ def shown() -> Design:
 
 
 def geometry_plot(path: Path) -> None:
-    """Write a PNG of the whole section and of its middle ridge, without and with slots, with their keys."""
+    """Write a picture of the whole section and of its middle ridge, without and with slots, with their keys."""
     design = shown()
-    with png(path, (11.0, 8.6), 100, colours=64) as figure:
+    with sheet((11.0, 8.6), 100, colours=64) as figure:
         panels = figure.subplot_mosaic([["whole", "whole"], ["ridge", "slots"]], height_ratios=(1.0, 1.3))
         for name, draw in (("whole", _whole), ("ridge", _ridge), ("slots", _slots)):
             draw(panels[name], design)
         panels["ridge"].set_title("[ridge]", family="monospace")
         panels["slots"].set_title("[slot] and [film]", family="monospace")
+    save(figure, path)
 
 
 def _skin(axes: Axes, design: Design, slots: bool) -> None:

@@ -49,6 +49,30 @@ def test_what_is_cited_is_there(where: str, page: str, anchor: str) -> None:
         assert anchor in anchors(ROOT / "docs" / page), f"{where} cites docs/{page}#{anchor}"
 
 
+def test_the_files_that_pages_send_people_to_are_there() -> None:
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    named = {
+        name
+        for page in pages
+        for name in re.findall(
+            r"`((?:skincad|templates|tests|bench|examples|docs)/[\w/.-]+)`", page.read_text()
+        )
+    }
+    assert len(named) > 30
+    assert [name for name in sorted(named) if not (ROOT / name).exists()] == []
+
+
+def test_the_programs_that_pages_name_are_there() -> None:
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    named = {
+        name
+        for page in pages
+        for name in re.findall(r"python -m\s+bench\.(\w+)|`((?:bench|table)_\w+)`", page.read_text())
+    }
+    for name in {"".join(pair) for pair in named} - {"NAME"}:
+        assert list((ROOT / "bench").glob(f"{name}*")), name
+
+
 def test_the_labelled_section_is_what_the_program_draws(tmp_path: Path) -> None:
     geometry_plot(tmp_path / "geometry.png")
     shown, drawn = (
