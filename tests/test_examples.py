@@ -1,0 +1,30 @@
+"""The notebooks of examples/ run from top to bottom, and are committed without outputs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples").glob("*.ipynb"))
+
+
+def code(notebook: Path) -> list[dict[str, Any]]:
+    return [cell for cell in json.loads(notebook.read_text())["cells"] if cell["cell_type"] == "code"]
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    names: dict[str, Any] = {}
+    for number, cell in enumerate(code(notebook)):
+        exec(compile("".join(cell["source"]), f"{notebook.name}, code cell {number}", "exec"), names)
+    assert not list(tmp_path.iterdir())  # computing writes nothing
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_committed_without_outputs(notebook: Path) -> None:
+    assert not any(cell["outputs"] or cell["execution_count"] for cell in code(notebook))
