@@ -42,7 +42,7 @@ def shown() -> Design:
 
 
 def geometry_plot(path: Path) -> None:
-    """Write a picture of the whole section and of its middle ridge, without and with slots, with their keys."""
+    """Draw the whole section and its middle ridge, without and with slots, with their keys, into a PNG."""
     design = shown()
     with sheet((11.0, 8.6), 100, colours=64) as figure:
         panels = figure.subplot_mosaic([["whole", "whole"], ["ridge", "slots"]], height_ratios=(1.0, 1.3))

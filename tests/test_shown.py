@@ -13,7 +13,7 @@ import re
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 import typer
@@ -24,41 +24,61 @@ from tests.conftest import run_skincad
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"(?:`([\w.-]+)`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
+FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
+ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 
 
-def commands(block: str) -> Iterator[tuple[list[str], int]]:
-    """Each command of a block, and its status; what installs is run by .ci/run."""
-    for line in block.splitlines():
-        if line.startswith("skincad "):
-            command, _, remark = line.partition("#")
-            yield shlex.split(command)[1:], int("fails" in remark)
+class Block(NamedTuple):
+    file: str
+    kind: str
+    text: str
 
 
-def blocks(kind: str) -> list[Any]:
+def blocks(page: Path) -> list[Block]:
+    return [Block(*found) for found in FENCED.findall(page.read_text("utf-8"))]
+
+
+def shown(*kinds: str) -> list[Any]:
     return [
         pytest.param(block, id=f"{page.name}-{number}")
         for page in PAGES
-        for number, (_, this, block) in enumerate(BLOCK.findall(page.read_text()))
-        if this == kind
+        for number, block in enumerate(blocks(page))
+        if block.kind in kinds
     ]
+
+
+def commands(block: Block) -> Iterator[tuple[list[str], int]]:
+    """Each command's arguments, and its status."""
+    for line in block.text.splitlines():
+        if not ELSEWHERE.match(line):
+            program, *arguments = shlex.split(line, comments=True)
+            assert program == "skincad", line
+            yield arguments, int(line.endswith("# fails"))
 
 
 def words(line: str) -> str:
     return re.sub(r"[+-]?\d[\d.e+-]*", "#", " ".join(line.split()))
 
 
-@pytest.mark.parametrize("block", blocks("sh"))
-def test_commands_have_the_options_that_are_shown(block: str) -> None:
+def test_every_block_is_of_a_kind_that_is_looked_at() -> None:
+    for page in PAGES:
+        assert page.read_text("utf-8").count("```") == 2 * len(blocks(page)), page
+        for block in blocks(page):
+            assert block.kind in ("sh", "bat", "text", "python", "csv", "toml")
+            assert bool(block.file) == (block.kind in ("csv", "toml")), block.text
+
+
+@pytest.mark.parametrize("block", shown("sh", "bat"))
+def test_commands_have_the_options_that_are_shown(block: Block) -> None:
     for arguments, _ in commands(block):
         COMMANDS[arguments[0]].make_context(arguments[0], arguments[1:])
 
 
-@pytest.mark.parametrize("block", blocks("python"))
-def test_python_has_the_names_that_are_shown(block: str) -> None:
-    compile(block, "page", "exec")
-    for name in re.findall(r"\bskincad\.(\w+)", block):
+@pytest.mark.parametrize("block", shown("python"))
+def test_python_has_the_names_that_are_shown(block: Block) -> None:
+    compile(block.text, "page", "exec")
+    for name in re.findall(r"\bskincad\.(\w+)", block.text):
         assert hasattr(skincad, name), name
 
 
@@ -69,19 +89,19 @@ def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest
     monkeypatch.setenv("MPLBACKEND", "Agg")
     names: dict[str, Any] = {}
     printed = ""
-    for file, kind, block in BLOCK.findall(page.read_text()):
-        if kind in ("csv", "toml"):
-            Path(file).write_text(block)
-        elif kind == "sh":
+    for block in blocks(page):
+        if block.file:
+            Path(block.file).write_text(block.text)
+        elif block.kind == "sh":
             for arguments, status in commands(block):
                 done = run_skincad(*arguments, cwd=tmp_path)
                 assert done.returncode == status, f"{arguments}: {done.stdout}{done.stderr}"
                 printed = done.stdout
-        elif kind == "python":
+        elif block.kind == "python":
             with contextlib.redirect_stdout(io.StringIO()) as out:
-                exec(compile(block, page.name, "exec"), names)
+                exec(compile(block.text, page.name, "exec"), names)
             printed = out.getvalue()
-        elif kind == "text":
-            shown, real = block.splitlines(), printed.splitlines()
-            assert shown[0] == real[0]
-            assert [words(line) for line in shown] == [words(line) for line in real[: len(shown)]]
+        elif block.kind == "text":
+            told, real = block.text.splitlines(), printed.splitlines()
+            assert told[0] == real[0]
+            assert [words(line) for line in told] == [words(line) for line in real[: len(told)]]
