@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from skincad.effects import EFFECTS
+
 CAD = ("OCP", "cadquery", "vtkmodules")
 FE = ("ngsolve", "netgen")
 PACKAGE = Path(__file__).parents[1] / "skincad"
@@ -108,3 +110,11 @@ def test_a_class_name_means_one_thing() -> None:
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
     )
     assert {name for name, times in defined.items() if times > 1} == set()
+
+
+def test_effects_do_not_know_each_other() -> None:
+    """Nor need a new one be named anywhere but in its table, which this reads."""
+    homes = {row.where.partition(":")[0] for row in EFFECTS.values()}
+    trees = modules()
+    for home in homes:
+        assert imported(trees[home], set(trees)) & homes <= {home}
