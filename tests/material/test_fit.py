@@ -182,13 +182,18 @@ def test_a_curve_that_is_not_the_models_gives_no_modulus(
 
 def test_the_written_range_holds_the_interval(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
-    for modulus in (0.02, 0.8, 30.0, 4000.0):
+    for modulus in (0.02, 0.8, 30.0, 90.0):
         stress = neo_hookean(STRAIN, modulus) * (1 + 0.02 * random.standard_normal(40))
         found = fit_material(csv(tmp_path, "strain,stress_MPa", STRAIN, stress))
         value, error = found.young_modulus.value or 0.0, found.young_modulus.error or 0.0
         assert found.ranged.low <= value - error + 1e-12 * value
         assert found.ranged.high >= value + error - 1e-12 * value
         assert found.ranged.high - found.ranged.low < 2.3 * error  # rounded outwards to its second digit
+
+
+def test_a_modulus_that_no_design_takes_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RefusedError, match=r"4e\+03 MPa is outside what a design takes, 0\.001 to 100"):
+        fit_material(csv(tmp_path, "strain,stress_MPa", STRAIN, neo_hookean(STRAIN, 4000.0)))
 
 
 # A pad's own curve, pressed to 6 N at 0.8 MPa
