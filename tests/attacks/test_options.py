@@ -9,6 +9,7 @@ import pytest
 import typer
 
 from skincad.base.errors import InputError
+from skincad.cli import run
 from skincad.commands import PrinterOption, app
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
@@ -53,7 +54,7 @@ def test_the_search_finds_them_all() -> None:
 def refusal(arguments: list[str]) -> str:
     """The words of an error that `main` tells with status 2; no result is ever printed."""
     try:
-        typer.main.get_command(app).main(arguments, prog_name="skincad", standalone_mode=False)
+        run(arguments)
     except InputError as failure:
         return str(failure)
     except typer.BadParameter.__mro__[2] as failure:  # typer's own usage error

@@ -65,7 +65,7 @@ def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
 
 def test_a_path_through_a_file_is_an_input_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match=r"^-o: .*cannot be written"):
+    with pytest.raises(InputError, match=r"^folder: .*cannot be written"):
         write(tmp_path / "file" / "x", a="1")
 
 
