@@ -68,18 +68,18 @@ SetOption = Annotated[
 ]
 PrinterOption = Annotated[
     Path | None,
-    typer.Option("--printer", metavar="FILE", help="A TOML file of your own processes: a printer.toml."),
+    typer.Option("--printer", metavar="FILE", help="A TOML file of your own processes, a printer.toml."),
 ]
 SiliconesOption = Annotated[
     Path | None,
     typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones: a lab.toml."),
 ]
 OutOption = Annotated[
-    Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default out/<name>.")
+    Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default: out/<name>.")
 ]
 BudgetOption = Annotated[
     float | None,
-    typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they buy."),
+    typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they allow."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
@@ -163,7 +163,7 @@ def make(
 ) -> None:
     """Make skin and mold, check both, and write all files.
 
-    STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the out folder, whole or not at all.
+    STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the output folder, all of them or none.
     """
     from skincad.outputs.delivery import of_formats, ready
     from skincad.outputs.makes import COMMAND, names
@@ -184,11 +184,11 @@ def check(
     source: DesignArgument,
     settings: SetOption = [],  # noqa: B006
     force: Annotated[
-        float | None, typer.Option("--force", metavar="N", help="Normal force; default the design's.")
+        float | None, typer.Option("--force", metavar="N", help="Normal force; default: the design's.")
     ] = None,
     tol: Annotated[
         float | None,
-        typer.Option("--tol", metavar="REL", help="Relative error to meet; the mesh's alone with --tier."),
+        typer.Option("--tol", metavar="REL", help="Relative error to meet; with --tier, the mesh's alone."),
     ] = None,
     budget: BudgetOption = None,
     measured: Annotated[
@@ -199,7 +199,7 @@ def check(
         typer.Option(
             "--tier",
             help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
-            "solid-finite-strain; auto: the cheapest that meets --tol, or else settles the verdict.",
+            "solid-finite-strain; auto: the cheapest that meets --tol or settles the verdict.",
         ),
     ] = "auto",
     printer: PrinterOption = None,
@@ -210,13 +210,17 @@ def check(
     ] = None,
     tangential: Annotated[
         float | None,
-        typer.Option("--pull", metavar="N", help="With --stress: tangential force; default a quarter."),
+        typer.Option(
+            "--pull",
+            metavar="N",
+            help="With --stress: tangential force; default: a quarter of the normal one.",
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Say whether all ridges touch a plate.
 
-    Also the force that takes, the approach and the force on each ridge, each with its error.
+    Also the force it takes, the approach and the force on each ridge, each with its error.
     """
     from skincad.base.freshfile import checked_fresh, fresh
 
@@ -256,17 +260,18 @@ def circuit(
     measured: Annotated[
         Path | None,
         typer.Option(
-            "--measured", metavar="CSV", help="Calibrate to columns frequency_Hz, gain_dB; any level."
+            "--measured",
+            metavar="CSV",
+            help="Calibrate to a measured curve: columns frequency_Hz, gain_dB; any level.",
         ),
     ] = None,
     folder: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say how film and amplifier respond to frequency.
+    """Show how film and amplifier respond to frequency.
 
-    The gain, its cut-off and its slopes.
-
-    Writes gain.csv, gain.png and netlist.cir; with --measured also the calibrated circuit.
+    Prints the gain, its cut-off and its slopes, and writes gain.csv, gain.png and netlist.cir; with
+    --measured also the calibrated circuit.
     """
     from skincad.outputs.delivery import ready
     from skincad.outputs.gains import COMMAND, names
@@ -291,7 +296,9 @@ def simulate(
     budget: BudgetOption = None,
     at: Annotated[
         list[int],
-        typer.Option("--at", metavar="STEP", help="Draw the section with its stress there; repeatable."),
+        typer.Option(
+            "--at", metavar="STEP", help="Draw the section with its stress at this step; repeat for several."
+        ),
     ] = [],  # noqa: B006
     gif: Annotated[bool, typer.Option("--gif", help="Animate the section over the scene.")] = False,
     folder: OutOption = None,
@@ -299,8 +306,8 @@ def simulate(
 ) -> None:
     """Run a scene, and say which ridge slips when.
 
-    Only the effects that the scene names are computed. Signals as CSV and a picture appear in the out folder;
-    Ctrl-C keeps what is done by then.
+    Only the effects that the scene names are computed. Signals as CSV and a picture appear in the output
+    folder; Ctrl-C keeps what is done by then.
     """
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
     try:
@@ -336,12 +343,12 @@ def accuracy(
     ] = [],  # noqa: B006
     silicones: SiliconesOption = None,
     repeats: Annotated[
-        int, typer.Option("--repeats", metavar="N", help="Runs of each setting; the median counts.")
+        int, typer.Option("--repeats", metavar="N", help="Runs of each setting, whose median is taken.")
     ] = 3,
     folder: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what accuracy costs in time, on this design.
+    """Show what accuracy costs in time on this design.
 
     Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
     """
@@ -366,30 +373,34 @@ def fit_material(
         ),
     ],
     design: Annotated[
-        str | None, typer.Option("--design", metavar="DESIGN", help="The pad that a flat plate pressed.")
+        str | None,
+        typer.Option("--design", metavar="DESIGN", help="The design of the pad that a flat plate pressed."),
     ] = None,
     settings: SetOption = [],  # noqa: B006
     silicones: SiliconesOption = None,
     up_to: Annotated[
         float | None,
         typer.Option(
-            "--up-to", metavar="X", help="Largest strain (default 0.3) or, of a pad, force in N used."
+            "--up-to",
+            metavar="X",
+            help="Largest strain used (default: 0.3) or, for a pad, largest force in N.",
         ),
     ] = None,
     gauge_length: Annotated[
-        float | None, typer.Option("--gauge-length", metavar="MM", help="Of a bar, with extension_mm.")
+        float | None,
+        typer.Option("--gauge-length", metavar="MM", help="Gauge length of a bar, with extension_mm."),
     ] = None,
     area: Annotated[
         float | None, typer.Option("--area", metavar="MM2", help="Cross-section of a bar, with extension_mm.")
     ] = None,
     copy: Annotated[
-        Path | None, typer.Option("-o", metavar="FILE", help="Write the design with this modulus.")
+        Path | None, typer.Option("-o", metavar="FILE", help="Write a copy of the design with this modulus.")
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say the silicone's modulus, with its error, from a test.
+    """Find the silicone's modulus and its error from a test.
 
-    The test is force against approach of a cast pad, or the stress of a bar pulled or squeezed.
+    The test is force against approach of a cast pad, or stress against strain of a bar pulled or squeezed.
     """
     from skincad.base.freshfile import checked_fresh
 

@@ -149,7 +149,7 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
         (["check", "plain-ridges", "--stress", "s.png"], "slot: "),
         (["check", "yamada-2002", "--stress", "s.pdf"], "--stress: s.pdf must end in .png"),
         (["check", "yamada-2002", "--tol", "0"], "--tol: must be between 0 and 1"),
-        (["new", "file"], "FILE: file is there already"),
+        (["new", "file"], "FILE: file exists already"),
         (["mkae"], "No such command 'mkae'"),
         (["make"], "Missing argument"),
         (["make", "yamada-2002", "--bogus"], "No such option"),

@@ -215,7 +215,7 @@ def test_what_a_person_wrote_after_a_kill_is_not_written_over(tmp_path: Path, ki
     run_program(f"write(OLD)\nassert killed(lambda: write(NEW), 'rename', {kill})", tmp_path)
     (tmp_path / "here" / file).write_text("mine")
     with pytest.raises(
-        InputError, match=f"{file} is another's or was changed since it was written; move it away"
+        InputError, match=f"{file} was not written by skincad, or was changed since; move it away"
     ):
         checked_folder(tmp_path / "here")
     assert (tmp_path / "here" / file).read_text() == "mine"

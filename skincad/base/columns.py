@@ -35,7 +35,7 @@ def read_columns(path: Path | str, allowed: tuple[str, ...]) -> dict[str, NDArra
     text = text_of(Path(path), name, LARGEST_FILE, "CSV").replace("\r\n", "\n").replace("\r", "\n")
     if text.count("\n") > MOST_ROWS:
         raise InputError(
-            name, f"must have at most {MOST_ROWS} rows", text.count("\n"), "take every second one"
+            name, f"must have at most {MOST_ROWS} rows", text.count("\n"), "keep every second one"
         )
     lines = [line for line in text.split("\n") if line.strip() and not line.lstrip().startswith("#")]
     try:
@@ -90,7 +90,7 @@ def _number(where: str, cell: str, decimal: str) -> float:
     plain = cell if decimal == "." else cell.replace(".", " ").replace(",", ".")
     value = float(plain) if _NUMBER.fullmatch(plain) else math.nan
     if not math.isfinite(value):
-        other = {".": NO_COMMAS, ",": "write all decimals with a comma, and nothing between thousands"}
+        other = {".": NO_COMMAS, ",": "write all decimals with a comma, and no thousands separator"}
         marked = set(cell) & {",", "."} - {decimal}
         raise InputError(where, "must be a finite number", cell, other[decimal] if marked else "")
     return value

@@ -17,7 +17,7 @@ def checked_fresh(path: Path, suffix: str, key: str) -> None:
     except OSError as failure:
         raise _unwritable(path, key, failure) from None
     if there:
-        raise InputError(key, f"{str(path)[:80]} is there already", remedy="name another file, or remove it")
+        raise InputError(key, f"{str(path)[:80]} exists already", remedy="name another file, or remove it")
     if path.suffix != suffix:
         raise InputError(key, f"{str(path)[:80]} must end in {suffix}")
 

@@ -130,7 +130,7 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     ]
     if others and all(listed(folder, each) is None for each in COMMANDS):
         raise InputError(
-            "folder", f"{folder} holds files and no earlier result", remedy="name a new or empty folder"
+            "folder", f"{folder} holds files but no earlier result", remedy="name a new or empty folder"
         )
     if told is None:
         told, earlier = {}, []
@@ -148,7 +148,7 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
 def _in_the_way(path: Path) -> InputError:
     return InputError(
         "folder",
-        f"{path} is another's or was changed since it was written",
+        f"{path} was not written by skincad, or was changed since",
         remedy="move it away or name another folder",
     )
 

@@ -69,7 +69,7 @@ def _excess(text: str) -> str:
     structure = _STRING_OR_COMMENT.sub("", text)
     depths = accumulate(1 if bracket in "[{" else -1 for bracket in _NO_BRACKET.sub("", structure))
     if max(depths, default=0) > DEEPEST:
-        return f"it has lists or tables more than {DEEPEST} deep within each other"
+        return f"it has lists or tables nested more than {DEEPEST} deep"
     if _LONG_KEY.search(structure):
         return f"it has a key of more than {MOST_PARTS} parts"
     if sum(map(structure.count, "=,[{")) > MOST_VALUES:

@@ -37,7 +37,7 @@ class Table(BaseModel):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # as inner ones are
 
     def __setattr__(self, key: str, value: object) -> None:
-        raise InputError(key, "is frozen", value, "take a changed copy, as by with_(...)")
+        raise InputError(key, "is frozen", value, "make a changed copy by with_(...)")
 
 
 class Document(Table):
@@ -45,7 +45,7 @@ class Document(Table):
 
     name: str = Field(
         pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
-        description="letters, digits, - and _, up to 64; it names the out folder",
+        description="letters, digits, - and _, up to 64; it names the output folder",
     )
 
     def with_(self, **changes: Any) -> Self:

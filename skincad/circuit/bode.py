@@ -115,7 +115,9 @@ def gain(
             ratio = ratio * indenter_response(circuit.indenter, frequency)
         if not (np.isfinite(ratio).all() and np.abs(ratio).min() > 0):
             raise InputError(
-                circuit.name, "gives no finite gain at some frequency", remedy="bring the constants nearer"
+                circuit.name,
+                "gives no finite gain at some frequency",
+                remedy="bring the constants closer together",
             )
         level = decibels(ratio)
         slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
@@ -159,7 +161,7 @@ def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:
         cutoff = slopes.cutoff.value
         if cutoff is not None and cutoff > seen:
             found.append(
-                f"sampled at {circuit.sampling.rate:g} Hz the output is true up to {seen:.4g} Hz; "
-                f"the cut-off at {cutoff:.4g} Hz and all above it is not seen"
+                f"sampled at {circuit.sampling.rate:g} Hz, the output is true up to {seen:.4g} Hz; "
+                f"the cut-off at {cutoff:.4g} Hz and everything above it are not seen"
             )
     return found

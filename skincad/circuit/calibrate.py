@@ -110,7 +110,7 @@ def calibrate(
     """
     frequency, gain = checked_frequencies(frequency), np.asarray(gain, float)
     if frequency.size < len(FITTED) or gain.shape != frequency.shape or not np.isfinite(gain).all():
-        rule = f"must be at least {len(FITTED)} finite gains, one a frequency"
+        rule = f"must be at least {len(FITTED)} finite gains, one per frequency"
         raise InputError("measured", rule, gain.size)
     low, high = _limits(largest_ratio)
 

@@ -28,11 +28,11 @@ class FilmCapacitor(Table):
     loss_tangent: float = quantity(
         "1", "dielectric loss; counts in the noise only", ge=0.0, le=1.0, default=0.02
     )
-    d31: float = quantity("pC/N", "charge by stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
+    d31: float = quantity("pC/N", "charge per stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
     d32: float = quantity(
-        "pC/N", "charge by stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
+        "pC/N", "charge per stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
     )
-    d33: float = quantity("pC/N", "charge by stress through the film", ge=-1e4, le=1e4, default=-33.0)
+    d33: float = quantity("pC/N", "charge per stress through the film", ge=-1e4, le=1e4, default=-33.0)
     draw_axis: Literal["length", "width"] = Field(
         default="length", description="the film was drawn along the strip's length (y) or its width"
     )
@@ -42,7 +42,7 @@ class Cable(Table):
     """The lead from film to amplifier."""
 
     capacitance: float = quantity(
-        "F", "of the lead, parallel to the film; a coaxial metre has about 100e-12", ge=0.0, le=1e-6
+        "F", "of the lead, parallel to the film; a metre of coaxial cable has about 100e-12", ge=0.0, le=1e-6
     )
 
 
@@ -65,7 +65,7 @@ class Amplifier(Table):
     output_resistance: float = quantity("ohm", "Ropo, of the output", gt=0.0, le=1e9)
     gain: float = quantity("1", "A, of the open loop", gt=0.0, le=1e12)
     feedback_capacitance: float = quantity(
-        "F", "beside R3 + R4, of a charge amplifier; 0: none", ge=0.0, le=1e-3, default=0.0
+        "F", "parallel to R3 + R4, in a charge amplifier; 0: none", ge=0.0, le=1e-3, default=0.0
     )
 
     @field_validator("topology")
@@ -106,7 +106,7 @@ class Sweep(Table):
     )
     offset: float = quantity(
         "dB",
-        "measured gain plus this is the computed one; the paper's 166",
+        "added to the measured gain to give the computed one; 166 in the paper",
         ge=-400.0,
         le=400.0,
         default=0.0,
@@ -116,21 +116,21 @@ class Sweep(Table):
     def _ordered(self) -> Self:
         if not 10 * self.low <= self.fit_high <= self.high:
             rule = f"must be from {10 * self.low:g} Hz (10 times low) to {self.high:g} Hz (high)"
-            raise InputError("fit_high", rule, self.fit_high, "two slopes need a decade at least")
+            raise InputError("fit_high", rule, self.fit_high, "two slopes need at least a decade")
         return self
 
 
 class Indenter(Table):
     """The mechanical resonance of indenter and film: a mass on a spring with a damper passes the load on."""
 
-    resonance: float = quantity("Hz", "of indenter and film; the paper's 9000", gt=0.0, le=1e9)
-    damping: float = quantity("1", "ratio to the critical", gt=0.0, le=10.0, default=0.5)
+    resonance: float = quantity("Hz", "of indenter and film; 9000 in the paper", gt=0.0, le=1e9)
+    damping: float = quantity("1", "relative to critical damping", gt=0.0, le=10.0, default=0.5)
 
 
 class Sampling(Table):
     """The recording of the output."""
 
-    rate: float = quantity("Hz", "samples a second; the paper's 650", gt=0.0, le=1e9)
+    rate: float = quantity("Hz", "samples per second; 650 in the paper", gt=0.0, le=1e9)
 
 
 class Circuit(Document):
@@ -140,7 +140,7 @@ class Circuit(Document):
     cable: Cable = Field(default=Cable(capacitance=0.0), description="none: no lead")
     motional: Motional
     amplifier: Amplifier
-    sweep: Sweep = Field(default=Sweep(), description="the paper's 10 to 20 000 Hz")
+    sweep: Sweep = Field(default=Sweep(), description="10 to 20 000 Hz in the paper")
     indenter: Indenter | None = None
     sampling: Sampling | None = None
     noise: Noise = Field(default=Noise(), description="a noiseless amplifier at 293 K")

@@ -56,7 +56,7 @@ def noise_samples(network: Network, rate: float, count: int, seed: int | tuple[i
     Periodic over `count`, without a mean; the same seed gives the same noise.
     """
     if count < 2 or not (np.isfinite(rate) and rate > 0):
-        raise InputError("rate", "must be above 0 Hz, with two samples at least", rate)
+        raise InputError("rate", "must be above 0 Hz, with at least two samples", rate)
     frequency = np.asarray(np.fft.rfftfreq(count, 1 / rate), float)
     draw = np.random.default_rng(seed)
     parts = draw.standard_normal((2, frequency.size))

@@ -40,7 +40,7 @@ def recorded(signal: Real, rate: float, wanted: float) -> Recording:
     """
     signal = np.asarray(signal, float)
     if signal.ndim != 1 or signal.size < 2 or not np.isfinite(signal).all():
-        raise InputError("signal", "must be a row of finite numbers, two at least")
+        raise InputError("signal", "must be a row of at least two finite numbers")
     for key, value in (("rate", rate), ("sampling.rate", wanted)):
         if not (np.isfinite(value) and value > 0):
             raise InputError(key, "must be above 0 Hz and finite", value)
@@ -48,7 +48,7 @@ def recorded(signal: Real, rate: float, wanted: float) -> Recording:
         raise InputError("sampling.rate", f"must be at most {rate:g} Hz, the signal's", wanted)
     passband = PASS * wanted / 2
     lost = power_above(signal, rate, passband)
-    note = f"{lost:.0%} of the signal's power lies above {passband:.4g} Hz, which {wanted:g} Hz does not show"
+    note = f"{lost:.0%} of the signal's power lies above {passband:.4g} Hz, which {wanted:g} Hz cannot show"
     return Recording(_filtered(signal, rate, wanted), wanted, passband, lost, (note,) if lost > LOST else ())
 
 

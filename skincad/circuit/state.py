@@ -186,5 +186,5 @@ def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, C
 def _checked(charge: Real) -> Real:
     array = np.asarray(charge, float)
     if array.ndim != 1 or array.size == 0 or not np.isfinite(array).all():
-        raise InputError("charge", "must be a row of finite numbers, one at least")
+        raise InputError("charge", "must be a row of at least one finite number")
     return array

@@ -72,5 +72,5 @@ class FilmStrips(PadChange):
         blunt = 1.3 * design.film.thickness / design.slot.depth
         tilt = abs(math.sin(2 * math.radians(design.slot.tilt)))
         leaning = 1.2 * min(1.0, tilt / math.sin(math.radians(40)))
-        text = f"films' stiffness {ratio:.2g} of the ridge's, tilt {design.slot.tilt:g} deg"
+        text = f"the films' stiffness is {ratio:.2g} of the ridge's, tilt {design.slot.tilt:g} deg"
         return Omitted("film", text, (blunt + leaning) * ratio / (1 + ratio), calibrated=True)

@@ -42,7 +42,7 @@ class FiniteStrain(Law):
 
     creases: Literal["stop", "pass"] = Field(
         default="stop",
-        description="where the surface folds onto itself: stop there, or pass without the fold's contact",
+        description="where the surface folds onto itself: stop there, or pass on without contact in the fold",
     )
     halves: ClassVar[bool] = False
 
@@ -61,7 +61,9 @@ class FiniteStrain(Law):
 
         asked = frozenset[str]().union(*(term.asks for term in terms))
         if asked:
-            raise RefusedError(f"finite_strain is quasi-static: leave out what asks for {', '.join(asked)}")
+            raise RefusedError(
+                f"finite_strain is quasi-static: leave out effects that need {', '.join(asked)}"
+            )
         pad, unit = piece.pad, piece.unit
         curved = elements.curved(mesh, order)
         with one_blas_thread():

@@ -21,9 +21,15 @@ from skincad.mechanics.contact.grip import Cone
 class Friction(Term):
     """Coulomb friction of the plate."""
 
-    coefficient: float = quantity("1", "static: holds up to this times the normal force", ge=0.0, le=20.0)
+    coefficient: float = quantity(
+        "1", "static friction: a point sticks up to this times its normal force", ge=0.0, le=20.0
+    )
     kinetic: float | None = quantity(
-        "1", "once a point slips; as coefficient if not given", ge=0.0, le=20.0, default=None
+        "1",
+        "kinetic friction, once a point slips; same as coefficient if not given",
+        ge=0.0,
+        le=20.0,
+        default=None,
     )
 
     @model_validator(mode="after")

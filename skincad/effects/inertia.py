@@ -33,7 +33,7 @@ class Inertia(Term):
     asks: ClassVar[frozenset[str]] = frozenset({MASS})
 
     spectral_radius: float = quantity(
-        "1", "what a step leaves of the highest modes; 1 leaves all", ge=0.0, le=1.0, default=0.8
+        "1", "share of the highest modes that a step keeps; 1 damps nothing", ge=0.0, le=1.0, default=0.8
     )
 
     def share(self, step: Step) -> Share:  # noqa: ARG002
@@ -43,7 +43,7 @@ class Inertia(Term):
     def remarks(self, asked: frozenset[str]) -> Iterator[str]:
         """Warn of masses that nothing damps."""
         if RATE not in asked:
-            yield "nothing damps the masses: points that slide may flutter; name [effects.viscosity]"
+            yield "nothing damps the masses: points that slide may flutter; add [effects.viscosity]"
 
     @staticmethod
     def left_out(outline: SceneOutline) -> Omitted | None:

@@ -31,7 +31,8 @@ class Omitted:
     def warning(self) -> str:
         """What a scene that leaves it out is warned of."""
         how = "" if self.calibrated else ", an uncalibrated estimate"
-        return f"{self.effect} is left out: {self.indicator}; it may change signals by {self.change:.0%}{how}"
+        may = f"leaving it out may change signals by {self.change:.0%}{how}"
+        return f"{self.effect} is left out: {self.indicator}; {may}"
 
 
 @dataclass(frozen=True)

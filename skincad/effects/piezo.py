@@ -55,7 +55,7 @@ class Piezo(Reader):
 
     circuit: str = Field(description="a circuit's template, or a TOML file beside the scene", max_length=4096)
     noise_seed: int | None = Field(
-        default=None, ge=0, description="adds the noise of film and amplifier by this seed; none if not given"
+        default=None, ge=0, description="seed of the noise of film and amplifier; no noise if not given"
     )
     sampling_Hz: float | None = quantity(  # noqa: N815
         "Hz", "of the recorder; the circuit's if not given", gt=0.0, le=1e9, default=None
@@ -178,7 +178,7 @@ class Chain:
         lead = math.ceil(SETTLED * delay(self.bandwidth) * self.step.rate)
         if lead > MOST_LEAD:
             raise RefusedError(
-                "the noise does not settle behind so slow a low-pass: raise readout.bandwidth_Hz"
+                "the noise does not settle behind such a slow low-pass: raise readout.bandwidth_Hz"
             )
         at = np.arange(-lead, size)
         behind = band_limited(at / self.step.rate, sample[at % size], self.bandwidth).value
@@ -207,6 +207,6 @@ def _warnings(name: str, recorder: float | None, watched: Watched) -> list[str]:
     if seen >= watched.bandwidth:
         return []
     return [
-        f"{name} is sampled at {recorder:g} Hz, true up to {seen:.4g} Hz: output_V is told up to "
-        f"{watched.bandwidth:g} Hz, at the march's steps"
+        f"{name} is sampled at {recorder:g} Hz, true up to {seen:.4g} Hz: output_V reaches up to "
+        f"{watched.bandwidth:g} Hz, at the scene's own time steps"
     ]

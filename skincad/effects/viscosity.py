@@ -29,12 +29,12 @@ class Viscosity(Term):
     asks: ClassVar[frozenset[str]] = frozenset({RATE})
 
     retardation_time: float | None = quantity(
-        "s", "viscosity by slow shear modulus; 2.4e-5 if there is no prony", ge=0.0, le=1e6, default=None
+        "s", "viscosity over slow shear modulus; 2.4e-5 if there is no prony", ge=0.0, le=1e6, default=None
     )
     prony: list[Annotated[list[float], Field(min_length=2, max_length=2)]] = Field(
         default=[],
         max_length=MOST_BRANCHES,
-        description="pairs of a modulus by the slow one and the time, s, in which it relaxes",
+        description="pairs of a modulus, relative to the slow one, and its relaxation time in s",
     )
 
     @model_validator(mode="after")

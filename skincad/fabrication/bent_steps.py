@@ -35,8 +35,8 @@ def arcs_to_buy(design: Design) -> list[str]:
     strain = 100 * shim_bend(design)
     return [
         f"{len(arms)} shims of spring steel, {size}, cut or etched as arcs from sheet, deburred; "
-        f"straight stock bent on edge takes {strain:.2g} % of strain and buckles between its combs. Radius "
-        f"of the middle of each depth, mm, by ridge and slot: {', '.join(arms)}"
+        f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
+        f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
     ]
 
 
@@ -61,7 +61,7 @@ def close_steps(design: Design, back: str) -> list[str]:
         )
     rise, tilt = math.degrees(end_angle(design)), design.mold.pour_tilt
     both = (
-        "; end a leans by more than that, so its air leaves by the gap round the carrier: slowly"
+        "; end a leans by more than that, so its air leaves slowly, through the gap round the carrier"
         if tilt <= rise
         else ""
     )
@@ -78,8 +78,8 @@ def close_steps(design: Design, back: str) -> list[str]:
 def leave_steps() -> list[str]:
     """Return how the mold is opened, once the shims are out."""
     return [
-        "Take the cover's bolts out and lift it at its ends, which stand out over the end plates; what stood "
-        "in reservoir and bleeds tears, or is cut flush.",
+        "Take the cover's bolts out and lift it by its ends, which overhang the end plates; the "
+        "silicone in the reservoir and the bleeds tears off, or is cut flush.",
         "Take the end plates' screws out, cut the sprue at the gate, and take the plates off square to the "
-        "cavity's ends, a screwdriver in the notches at their sides.",
+        "cavity's ends, with a screwdriver in the notches at their sides.",
     ]

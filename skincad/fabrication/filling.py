@@ -111,8 +111,8 @@ def _bent_findings(design: Design) -> list[Finding]:
     closed, rise, tilt = mold(straight), math.degrees(end_angle(design)), design.mold.pour_tilt
     remedy, found = "fill under vacuum, or hold the filled mold under it before cure", []
     if tilt <= rise:
-        where = "end a, which is high too until mold.pour_tilt is above the angle by which it leans"
-        leave = f"mold.pour_tilt above {rise:.3g}; or fill slowly: its air leaves round the carrier"
+        where = "end a, which stays high unless mold.pour_tilt exceeds the angle by which it leans"
+        leave = f"mold.pour_tilt above {rise:.3g}; or fill slowly: its air escapes round the carrier"
         found.append(Finding("trapped air", where, tilt, rise, "deg", "note", leave))
     for end, slope in (("b", rise + tilt), ("a", rise - tilt)):
         if slope <= 0:
@@ -154,8 +154,8 @@ def _remedy(design: Design, closed: ClosedMold, now: float) -> str:
     tilt, least = best_tilt(design, closed)
     vacuum = "fill under vacuum, or hold the filled mold under it before cure"
     if least > 0.9 * now:
-        return f"no tilt leaves less: {vacuum}"
-    rest = f"which leaves {least:.2g} mm3: {vacuum}" if least else "which leaves none"
+        return f"no tilt traps less: {vacuum}"
+    rest = f"which traps {least:.2g} mm3: {vacuum}" if least else "which traps none"
     return f"mold.pour_tilt = {tilt:g}, {rest}"
 
 

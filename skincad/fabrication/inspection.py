@@ -104,7 +104,7 @@ def inspection_lines(measures: tuple[Measure, ...]) -> list[str]:
         "|---|---|---|---|---|",
         *rows,
         "",
-        "Crest heights in a CSV (columns `ridge,crest_mm`) are judged together by "
-        "`skincad check design.toml --measured crests.csv`: that counts, not each one alone.",
+        "`skincad check design.toml --measured crests.csv` judges all crest heights together, from a CSV "
+        "with columns `ridge,crest_mm`: its verdict counts, not each crest alone.",
         "",
     ]

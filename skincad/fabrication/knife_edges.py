@@ -42,7 +42,7 @@ def _knife_edge(case: Case) -> Iterator[Finding]:
     place, angle = min(edges(body.outline), key=lambda edge: edge[1])
     if angle < LEAST_ANGLE:
         where = f"{case.part.role.label}, x {place.x:.3g}, z {place.z:.3g} mm"
-        remedy = "a slot or flank that meets its parting line less flatly, or a larger curvature_radius"
+        remedy = "a slot or flank that meets its parting line at a larger angle, or a larger curvature_radius"
         yield Finding("knife edge", where, angle, LEAST_ANGLE, "deg", "warning", remedy)
 
 

@@ -70,7 +70,7 @@ def pattern_notes(design: Design) -> list[str]:
         *([f"for one skin: cut it {skins} times"] if skins > 1 else []),
         *([f"straight strips, bent on edge by their slots: strain {100 * strain:.2g} %"] if strain else []),
         "seen from the + side, which faces +x in every slot; end a left, end b right, ridges below",
-        f"leads at end {wiring}, there the corner at the ridge is cut off; draw axis (d31) along the strips",
+        f"leads at end {wiring}, where the corner at the ridge is cut off; draw axis (d31) along the strips",
     ]
 
 

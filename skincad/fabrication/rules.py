@@ -113,7 +113,7 @@ def _comb_tooth(design: Design) -> Feature:
 def scaled(measured: float, limit: float) -> str:
     """Return the remedy of a larger design."""
     by = math.ceil(100 * limit / measured) / 100
-    return f"all lengths times {by:g} in a silicone {by**2:.2g} times softer, as lab-bench does"
+    return f"multiply all lengths by {by:g} and take a silicone {by**2:.2g} times softer, as lab-bench does"
 
 
 def _gap(case: Case) -> Iterator[Finding]:
@@ -143,7 +143,8 @@ def _slender(case: Case) -> Iterator[Finding]:
             width += (case.design.ridge.root_width - case.design.ridge.tip_width) / 2
         if most and tooth.height > most * width:
             remedy = f"a height of at most {most * width:.3g} mm, or ridges or slots further apart"
-            yield case.breaks("slender", tooth.where, tooth.height / width, most, "high by wide", remedy)
+            times = "times as high as wide"
+            yield case.breaks("slender", tooth.where, tooth.height / width, most, times, remedy)
 
 
 def _hole(case: Case) -> Iterator[Finding]:
@@ -175,7 +176,7 @@ def _notch_room(case: Case) -> Iterator[Finding]:
     room, gap = notch_rise(case.design, section(case.design).slots), case.design.mold.slit_clearance
     if room > gap:
         place = f"{case.part.role.label}, straight notches round shims that rise in them"
-        remedy = "cut the fins off the skin's ends; a thinner mold.end_plate leaves less"
+        remedy = "cut the fins off the skin's ends; a thinner mold.end_plate leaves shorter ones"
         yield Finding("notch room", place, room, gap, "mm", "note", remedy)
 
 
@@ -219,7 +220,8 @@ def shim_findings(design: Design) -> list[Finding]:
     limit = SAG_SHARE * design.slot.thickness
     most = design.skin.length * (limit / sag) ** 0.25
     remedy = f"a skin.length of at most {most:.3g} mm, or a thicker slot; pull shims straight"
-    return [*found, Finding("slender", "shims, hanging through", sag, limit, "mm", "warning", remedy)]
+    where = "shims, sagging between their combs"
+    return [*found, Finding("slender", where, sag, limit, "mm", "warning", remedy)]
 
 
 def shim_bend(design: Design) -> float:
@@ -237,5 +239,5 @@ def _shim_bend(design: Design) -> list[Finding]:
     strain = shim_bend(design)
     if strain <= SHIM_ELASTIC:
         return []
-    where, remedy = "shims, were they bent on edge from straight stock", "cut them as arcs, as the sheet says"
+    where, remedy = "shims, if bent on edge from straight stock", "cut them as arcs, as the sheet says"
     return [Finding("shim bend", where, strain, SHIM_ELASTIC, "", "note", remedy)]

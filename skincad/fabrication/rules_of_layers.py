@@ -53,10 +53,10 @@ def _details(case: Case) -> Iterator[Finding]:
     ]
     for what, size, limit in details:
         if 0 < size < limit - _ROUNDING:
-            ways = [f"all lengths times {math.ceil(100 * limit / size) / 100:g}"]
+            ways = [f"multiply all lengths by {math.ceil(100 * limit / size) / 100:g}"]
             if not end and size >= process.pixel - _ROUNDING:
                 ways.insert(0, f'print it on end (orientation = "end" in [printer.{case.name}])')
-            remedy = f"it comes out stepped: {' or '.join(ways)}"
+            remedy = f"it comes out stepped: {', or '.join(ways)}"
             yield case.breaks("detail", what, size, limit, "mm", remedy, grave=False)
 
 

@@ -78,7 +78,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
     bought = [
         *_bolts(design, closed, through),
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
-        "fit, end plates and cavity's top for a sliding one",
+        "fit, the end plates and the cavity's top for a sliding fit",
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
         "silicone)",
     ]
@@ -129,7 +129,7 @@ def _shrinkage(design: Design, closed: ClosedMold) -> str:
     part, cavity = skin_part(design).volume, closed.first(PartRole.SKIN).volume
     share = 100 * shrinkage(design)
     return (
-        f"Shrinkage: {share:.3g} % in length, so the skin of {part / 1000:.4f} cm3 cures from a cavity of "
+        f"Shrinkage: {share:.3g} % in length, so a skin of {part / 1000:.4f} cm3 comes from a cavity of "
         f"{cavity / 1000:.4f} cm3."
     )
 
@@ -175,12 +175,12 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
     )
     close = [
         ("End a has the gate. " if gate(design) else "")
-        + "Clean and dry all parts; release agent on cavity, end plates, cover"
-        + (" and shims" if slots and design.mold.method == "shim" else "")
-        + ", none on the carrier.",
+        + "Clean and dry all parts. Put release agent on cavity, end plates"
+        + (", cover and shims" if slots and design.mold.method == "shim" else " and cover")
+        + "; none on the carrier.",
         *_closed_up(design, back),
-        "Lay the mold level to cure. Top up the reservoir over the vent: it feeds what shrinks and what "
-        "bubbles leave.",
+        "Lay the mold level to cure. Top up the reservoir over the vent: it makes up for shrinkage and "
+        "for bubbles that rise.",
     ]
     leave = [
         *freed(design),
@@ -210,9 +210,9 @@ def _taken_off(design: Design) -> list[str]:
             else "Take all bolts out, the cover's first. "
         )
         + ("Cut the sprue at the gate, take" if gate(design) else "Take")
-        + " the end plates off along y, a screwdriver in the notches at their sides.",
-        "Lift the cover where it stood over the end plates; what stood in reservoir and bleeds tears, or is "
-        "cut flush.",
+        + " the end plates off along y, with a screwdriver in the notches at their sides.",
+        "Lift the cover where it overhung the end plates; the silicone in the reservoir and the bleeds tears "
+        "off, or is cut flush.",
     ]
 
 
@@ -221,7 +221,7 @@ def _out(design: Design, closed: ClosedMold) -> list[str]:
     pulls = bores(closed.first(PartRole.CARRIER), CutRole.PULL)
     grip = "by two M3 screws in its blind holes" if pulls else "from its two ends"
     if not split_ridges(design):
-        return [f"Pull the carrier up {grip}; the skin leaves the cavity with it. Cut the flash there."]
+        return [f"Pull the carrier up {grip}; the skin comes out of the cavity with it. Cut the flash there."]
     return [
         f"Hold the carrier {grip} and draw the base plate off downward. Tilt the two outer pieces of the "
         "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
@@ -249,7 +249,7 @@ def _open(design: Design, back: str) -> list[str]:
     held = "shims" if design.mold.method == "shim" else "strips"
     return [
         "Degas the mix. Lay the mold level and pour in a thin stream along one side, until the silicone "
-        f"stands a little above the ledge; degas once more, pierce what bubbles stay on ridges and {held}."
+        f"stands a little above the ledge; degas once more, pierce any bubbles left on ridges and {held}."
         + filled_slowly(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",
@@ -261,5 +261,5 @@ def _open(design: Design, back: str) -> list[str]:
 def _findings(closed: ClosedMold, findings: list[Finding]) -> list[str]:
     notes = [f"- {finding}" for finding in findings]
     if perforated(closed):
-        notes.append("- The carrier is held by rivets of silicone: a light pull test before use.")
+        notes.append("- The carrier is held by rivets of silicone: give it a light pull test before use.")
     return ["## Watch", "", *notes, ""]

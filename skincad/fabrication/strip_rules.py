@@ -53,7 +53,8 @@ def _sag(design: Design, rod: Strip) -> Iterator[Finding]:
     sag, limit = abs(deflection(rod, load)), SAG_SHARE * (design.slot.offset if design.slot else 0.0)
     if sag > limit:
         remedy = f"film.tension of {straight_pull(rod, load, limit):.2g} N or more, or a shorter skin"
-        yield Finding("strip sag", "strips, by their weight in silicone", sag, limit, "mm", "warning", remedy)
+        where = "strips, under their weight in silicone"
+        yield Finding("strip sag", where, sag, limit, "mm", "warning", remedy)
 
 
 def _stress(rod: Strip, flow: Pour) -> list[Finding]:
@@ -63,7 +64,7 @@ def _stress(rod: Strip, flow: Pour) -> list[Finding]:
     least = max(limit * rod.section - flow.pull, 0.0)
     remedy = f"film.tension of at most {least:.2g} N, or a thicker film; it yields at {PVDF_YIELD:g} MPa"
     severity: Literal["error", "warning"] = "error" if stress > PVDF_YIELD else "warning"
-    return [Finding("strip stress", "strips, by their tension", stress, limit, "MPa", severity, remedy)]
+    return [Finding("strip stress", "strips, under their tension", stress, limit, "MPa", severity, remedy)]
 
 
 def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
@@ -73,7 +74,7 @@ def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
     slower = f"mold.fill_time of {design.mold.fill_time * flow.drift / limit:.2g} s or more"
     stronger = ", more tension or a thicker film" if rod.tension else ", or a thicker slot"
     if flow.drift > limit:
-        where = f"{name}, while they are poured round"
+        where = f"{name}, while silicone is poured round them"
         yield Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger)
     pot_life = silicone(design).pot_life_min
     if pot_life is not None and flow.settling > SETTLED * 60 * pot_life:
@@ -97,7 +98,7 @@ def _place(design: Design) -> list[Finding]:
     if off <= PLACE_SHARE * offset:
         return []
     remedy = (
-        f"calibrate each pair, S1 and S2 may differ by {100 * 2 * off / offset:.0f} %; or a smaller "
+        f"calibrate each pair: S1 and S2 may differ by {100 * 2 * off / offset:.0f} %; or a smaller "
         "slit_clearance, a finer process for the combs, or a larger design"
     )
     return [Finding("strip place", "strips in their slits", off, PLACE_SHARE * offset, "mm", "note", remedy)]

@@ -11,8 +11,8 @@ from skincad.inputs.material import silicone
 from skincad.solids.inserts import GRIP
 
 NUMBERS = (
-    "number 1 is at the left, seen from end a, where the end plates' edges have their nicks: one at end a, "
-    "two at end b, the reservoir's"
+    "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
+    "two at end b, where the reservoir is"
 )
 
 
@@ -59,8 +59,8 @@ def filled_slowly(design: Design) -> str:
     if flow is None or design.mold.method == "shim":
         return ""
     return (
-        f" Take {design.mold.fill_time:g} s for it: the strips are moved aside by up to {flow.drift:.2g} mm "
-        f"and come back within {5 * flow.settling:.2g} s."
+        f" Take {design.mold.fill_time:g} s to fill it: the strips are moved aside by up to "
+        f"{flow.drift:.2g} mm and come back within {5 * flow.settling:.2g} s."
     )
 
 
@@ -76,7 +76,7 @@ def freed(design: Design) -> list[str]:
         return [
             "Take the weights off and cut the strips' tabs off at their marks, outside the end plates; mark "
             "each lead's number and + side. What is left is straight and slides through its notch. The skin "
-            f"shortens by {100 * released(design):.2g} %, as the strips are let go."
+            f"shortens by {100 * released(design):.2g} %, when the strips are released."
         ]
     return [
         f"Glue each film strip ({film.thickness * 1000:.0f} um, numbered in strips.dxf; {NUMBERS}) by its "

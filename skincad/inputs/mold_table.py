@@ -32,7 +32,7 @@ class Mold(Table):
     )
     wall: float | None = quantity(
         "mm",
-        "block beside the skin; 13, or what two rows of bolts beside the trough need, to the next half "
+        "block beside the skin; 13, or what two rows of bolts beside the trough need, rounded up to half a "
         "millimetre, if not given",
         ge=12.0,
         le=500.0,
@@ -41,7 +41,7 @@ class Mold(Table):
     floor: float | None = quantity(
         "mm",
         "block below the deepest ridge; 9, or what bolts, nuts and pins need (and a split cavity's base), "
-        "to the next half millimetre, if not given",
+        "rounded up to half a millimetre, if not given",
         ge=9.0,
         le=200.0,
         default=None,
@@ -49,11 +49,11 @@ class Mold(Table):
     end_plate: float = quantity("mm", "thickness of an end plate along y", ge=1.0, le=50.0, default=4.0)
     cover: float = quantity("mm", "thickness of the cover", ge=1.0, le=50.0, default=4.0)
     clearance: float = quantity(
-        "mm", "gap a side between parts that slide into each other", ge=0.0, le=1.0, default=0.05
+        "mm", "gap per side between parts that slide into each other", ge=0.0, le=1.0, default=0.05
     )
     slit_clearance: float = quantity(
         "mm",
-        "gap a side between a shim or strip and its slit in the end plates",
+        "gap per side between a shim or strip and its slit in the end plates",
         ge=0.0,
         le=0.5,
         default=0.005,
@@ -87,12 +87,12 @@ class Mold(Table):
     carrier: Literal["perforated", "plain"] | None = Field(
         default=None,
         description="rigid backing that stays on the skin: perforated for interlock, or plain to be primed; "
-        "perforated, or plain where no hole finds room, if not given",
+        "perforated, or plain where no hole fits, if not given",
     )
     carrier_thickness: float | None = quantity(
         "mm",
-        "of the carrier; 4, or what leaves the bolts over a thin skin room, to the next half millimetre, if "
-        "not given",
+        "of the carrier; 4, or what gives the bolts room over a thin skin, rounded up to half a "
+        "millimetre, if not given",
         ge=1.0,
         le=50.0,
         default=None,
@@ -115,7 +115,7 @@ class Mold(Table):
     )
     vent: float | None = quantity(
         "mm",
-        "diameter of the vent; 1, or the largest tenth that finds room on the skin's back, if not given",
+        "diameter of the vent; 1, or the largest tenth that fits on the skin's back, if not given",
         gt=0.2,
         le=10.0,
         default=None,

@@ -33,11 +33,9 @@ class Process(Table):
     wall: float = quantity("mm", "thinnest tooth or wall", ge=0.0, le=100.0, default=0.0)
     hole: float = quantity("mm", "smallest diameter of a round hole", ge=0.0, le=100.0, default=0.0)
     clearance: float = quantity(
-        "mm", "least gap a side at which parts slide into each other", ge=0.0, le=10.0, default=0.0
+        "mm", "least gap per side at which parts slide into each other", ge=0.0, le=10.0, default=0.0
     )
-    tolerance: float = quantity(
-        "mm", "a surface comes out within plus or minus this", gt=0.0, le=10.0, default=0.1
-    )
+    tolerance: float = quantity("mm", "a surface comes out within ± this", gt=0.0, le=10.0, default=0.1)
     tool: Literal["none", "mill", "wire"] = Field(
         default="none",
         description="what cuts: a mill, which comes from above, a wire, which is straight, or none",

@@ -70,11 +70,11 @@ class Film(Table):
     thickness: float = quantity("mm", "of the strip", ge=0.004, le=5.0)
     young_modulus: float = quantity("MPa", "of the film; PVDF 2000 to 4000", ge=1.0, le=1e6, default=3000.0)
     poisson_ratio: float = quantity("1", "of the film", ge=0.0, le=0.49, default=0.35)
-    d31: float = quantity("pC/N", "charge by stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
+    d31: float = quantity("pC/N", "charge per stress along the draw axis", ge=-1e4, le=1e4, default=23.0)
     d32: float = quantity(
-        "pC/N", "charge by stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
+        "pC/N", "charge per stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
     )
-    d33: float = quantity("pC/N", "charge by stress through the film", ge=-1e4, le=1e4, default=-33.0)
+    d33: float = quantity("pC/N", "charge per stress through the film", ge=-1e4, le=1e4, default=-33.0)
     electrode_margin: float = quantity(
         "mm",
         "bare film between electrode and cut edge, so that no cut shorts it",
@@ -83,7 +83,7 @@ class Film(Table):
         default=0.02,
     )
     lead: float = quantity(
-        "mm", "what a strip stands out on the wiring side, to be contacted", ge=1.0, le=200.0, default=8.0
+        "mm", "how far a strip stands out on the wiring side, to be contacted", ge=1.0, le=200.0, default=8.0
     )
     wiring_side: Literal["a", "b"] = Field(
         default="b", description="the mold's end at which the leads come out; the gate is at end a"
@@ -149,7 +149,7 @@ class Plate(Table):
 class Contact(Table):
     """What the verdict is asked for."""
 
-    force: float = quantity("N", "normal force at which all ridges shall touch", gt=0.0, le=1e6, default=4.0)
+    force: float = quantity("N", "normal force at which all ridges must touch", gt=0.0, le=1e6, default=4.0)
     film: Literal["bonded", "loose", "ignored"] | None = Field(
         default=None,
         description="bonded (strip and adhesive fill the slot), loose (slot is a void), "

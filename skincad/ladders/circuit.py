@@ -47,8 +47,8 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             errors = {**errors_of(found, exact, count), "kink": kink_error(network, hold, count)}
             trials.append(Trial(hold, f"{count} samples a period", charge.size, runs, errors))
     known = (
-        "the node equations, no digit lost; their closed form differs by 1e-13, ngspice's AC analysis of the "
-        "same netlist by 2e-7 dB (tests/circuit)"
+        "the node equations, solved without loss of digits; their closed form differs by 1e-13, "
+        "ngspice's AC analysis of the same netlist by 2e-7 dB (tests/circuit)"
     )
     truth = f"the exact response at {FREQUENCY:g} Hz"
     measures = (
@@ -58,7 +58,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             "rms error of the output to a load with a kink, relative",
             "1",
             f"the first-order hold at {FINER} times the rate: such a load is straight between samples",
-            "the hold is exact for it at any rate; its own rows tell by how much two rates differ",
+            "the hold is exact for it at any rate; its own rows show by how much two rates differ",
             floor=1e-9,
         ),
         ErrorMeasure("size", "error of the output's size, its lag aside, relative", "1", truth, known),

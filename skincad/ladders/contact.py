@@ -156,8 +156,9 @@ class _Tried:
         self.found.append(found)
         if name != "winkler":
             own = (stated(force, FLOOR * self.request.force), stated(approach, 0.0))
-            words = f"tier {name}; its stated error, {own[0]:.1e} of F9 and {own[1]:.1e} of the approach, is "
-            self.truth[name] = Truth(found, own, words + "held against finer rungs in tests/mechanics")
+            words = f"tier {name}; its stated error, {own[0]:.1e} of the all-touch force and "
+            words += f"{own[1]:.1e} of the approach, is "
+            self.truth[name] = Truth(found, own, words + "checked against finer meshes in tests/mechanics")
 
     def _solid_levels(self) -> None:
         """The solid's coarsest levels, which its tier adds up."""

@@ -81,6 +81,7 @@ def measures_of(truths: Mapping[str, Truth], best: str) -> tuple[ErrorMeasure, .
                 "each model's own finest setting",
                 own,
                 compares=False,
+                label=f"mesh {named}",
             )
         )
         found.append(
@@ -91,6 +92,7 @@ def measures_of(truths: Mapping[str, Truth], best: str) -> tuple[ErrorMeasure, .
                 f"{best or 'none'}: the best model that can judge this design",
                 truths[best].words if best else "nothing",
                 floor=0.0 if math.isnan(floor) else floor,
+                label=f"whole {named}",
             )
         )
     return tuple(found)

@@ -42,7 +42,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
     trials: list[Trial] = []
     skipped = {LAW: "the law of every scene that names none: it can be replaced, not left out"}
-    skipped |= {n: "a readout: it changes nothing that it tells of" for n in EFFECTS if _reads(n)}
+    skipped |= {n: "a readout: it changes none of the signals" for n in EFFECTS if _reads(n)}
     for name in EFFECTS:
         if name in skipped:
             continue
@@ -64,9 +64,9 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         trials.append(Trial(name, f"left out, {words}", without.march.unknowns, short, errors, spent))
     told = (
         "the same scene, mesh and steps with the effect",
-        "both are marched; the mesh's error: ladder slip",
+        "both are computed; for the mesh's error see ladder slip",
     )
-    what = "S1 - S2 at the told ridge" if design.slot else "the plate's travel"
+    what = "S1 - S2 at the ridge read out" if design.slot else "the plate's travel"
     measures = (
         ErrorMeasure("peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *told),
         ErrorMeasure("signal", f"largest change of {what} by leaving the effect out", "1", *told),

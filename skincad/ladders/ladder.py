@@ -37,7 +37,7 @@ class ErrorMeasure:
 
     `compares` says whether all trials aim at one reference, so that their times may be compared at equal
     error; where each model aims at its own, only trials of one model may. `floor` is the reference's own
-    error, below which differences say nothing.
+    error, below which differences say nothing. `name` is the measure's key; `label` is shown, if given.
     """
 
     name: str
@@ -47,6 +47,12 @@ class ErrorMeasure:
     checked: str
     compares: bool = True
     floor: float = 0.0
+    label: str = ""
+
+    @property
+    def shown(self) -> str:
+        """What a reader sees of its name."""
+        return self.label or self.name
 
 
 @dataclass(frozen=True)

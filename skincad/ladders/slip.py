@@ -38,7 +38,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         trials += [Trial(model, s, f.march.unknowns, runs, apart(f, truth)) for s, f, runs in found[:-1]]
         differs = trials[-1].errors["signal"]
         known.append(f"{model}: {setting}; {trials[-1].setting} differs by {differs:.0e} of the signal")
-    what = "S1 - S2 at the told ridge" if design.slot else "the plate's travel"
+    what = "S1 - S2 at the ridge read out" if design.slot else "the plate's travel"
     told = ("each way's own finest setting", "; ".join(known))
     measures = (
         ErrorMeasure(

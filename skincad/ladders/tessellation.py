@@ -46,7 +46,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             "largest distance to the true surface, both ways",
             "mm",
             finer,
-            f"its own error, a {FINER:g}th of the chord, is added to every deviation: none is told too small",
+            f"its own error, a {FINER:g}th of the chord, is added to every deviation: none is understated",
         ),
         ErrorMeasure(
             "volume",

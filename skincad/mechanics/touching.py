@@ -241,7 +241,7 @@ class _Climb:
             "linear", found
         )  # the solid looks at crowns alone; its yield has solved the plane
         fault = found.fault or (plane.fault if small else "")
-        beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not know")
+        beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not cover")
         if small:
             warnings += strain_warnings(design, found)
         upper, ridges = found.all_touch_force.upper, design.ridge.count

@@ -50,7 +50,7 @@ class Limits:
         """Say why the largest forces, N, of the plate on a ridge are beyond small strain, or return ""."""
         strain = self.strain(normal, across)
         if strain > LARGEST_STRAIN:
-            return f"the ridges' nominal strain is {strain:.2g}, the model's range ends at {LARGEST_STRAIN:g}"
+            return f"the ridges' nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
         if normal > self.buckling:
             return f"a ridge buckles at {self.buckling:.3g} N and would carry {normal:.3g} N"
         return ""
@@ -147,4 +147,4 @@ def slope_warnings(design: Design) -> tuple[str, ...]:
         )
     if slope == 0.0:
         return ()
-    return (f"contact is taken as vertical: at the plate's slopes up to {slope:.2g}, {slope**2 / 2:.1%} off",)
+    return (f"contact is taken as vertical: with slopes of up to {slope:.2g} that is {slope**2 / 2:.1%} off",)

@@ -110,7 +110,7 @@ def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> Con
     reached = relative_error(found, spared)
     if tol is None or reached <= tol or found.beyond or any("not met" in w for w in found.warnings):
         return found
-    words = f"the all-touch force's error is {reached:.2g} of its value: the asked {tol:g} is not met"
+    words = f"the all-touch force's error is {reached:.2g} of its value: the tolerance {tol:g} is not met"
     return replace(found, warnings=(*found.warnings, words))
 
 
@@ -118,9 +118,9 @@ def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> Contac
     """Return the last verdict before tier `name` refused; none where that tier knows why the force is too
     large."""
     if isinstance(refusal, InputError) and refusal.key == "force":
-        beyond = f"the force {refusal.rule} (so the {name} tier)"
+        beyond = f"the force {refusal.rule} (according to the {name} tier)"
         return replace(found, passed=False, beyond=beyond, next_tier=None)
-    words = f"the {name} tier, which leaves out less, refuses: {refusal}"
+    words = f"the {name} tier, which leaves out less, cannot judge this: {refusal}"
     return replace(found, warnings=(*found.warnings, words), next_tier=None)
 
 

@@ -77,14 +77,15 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
     models = max((len(r.model) for r in ladder.trials), default=0)
     settings = max((len(r.setting) for r in ladder.trials), default=0)
     yield f"{ladder.name}: {ladder.title}"
-    heads = "".join(f"{m.name:>15}" for m in measures)
+    wide = {m.name: max(15, len(m.shown) + 2) for m in measures}
+    heads = "".join(f"{m.shown:>{wide[m.name]}}" for m in measures)
     yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
     best = {measure.name: ladder.best(measure) for measure in measures}
     for trial in ladder.trials:
         cells = "".join(
-            f"{trial.errors[m.name]:>14.2g}{'*' if trial in best[m.name] else ' '}"
+            f"{trial.errors[m.name]:>{wide[m.name] - 1}.2g}{'*' if trial in best[m.name] else ' '}"
             if m.name in trial.errors
-            else f"{'':15}"
+            else " " * wide[m.name]
             for m in measures
         )
         yield (
@@ -93,7 +94,7 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
         )
     for m in measures:
         unit = "" if m.unit == "1" else f", {m.unit}"
-        yield f"  {m.name}: {m.what}{unit}; against {m.reference} ({m.checked})"
+        yield f"  {m.shown}: {m.what}{unit}; against {m.reference} ({m.checked})"
     yield from _matched_lines(ladder)
     for model, law in ladder.laws().items():
         off = f"within a factor of {law.scatter:.2f}"
@@ -110,5 +111,5 @@ def _matched_lines(ladder: Ladder) -> Iterator[str]:
     for measure, error, trials in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
         first, *others = trials
         more = (f"{r.model} {r.seconds:.2g} s ({r.seconds / first.seconds:.2g} times)" for r in others)
-        aim = f"{measure.name} {error:.0e}" + ("" if measure.unit == "1" else f" {measure.unit}")
+        aim = f"{measure.shown} {error:.0e}" + ("" if measure.unit == "1" else f" {measure.unit}")
         yield f"  {aim} takes {first.model} {first.seconds:.2g} s, {', '.join(more)}"

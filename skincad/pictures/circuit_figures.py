@@ -57,7 +57,7 @@ def _draw_paper(axes: Axes, found: CircuitGain) -> None:
     shape = _lines(found.frequency[inside], PAPER_CUTOFF, 0.0, PAPER_BELOW, PAPER_ABOVE)
     level = float(np.mean(found.gain[inside] - shape))
     values = _lines(ends, PAPER_CUTOFF, level, PAPER_BELOW, PAPER_ABOVE)
-    label = "paper: 20 dB/dec up to 1.2 kHz, 60 dB/dec above; level free"
+    label = "paper: 20 dB/dec up to 1.2 kHz, 60 dB/dec above; level arbitrary"
     axes.semilogx(ends, values, color=PAPER, linewidth=2.4, alpha=0.45, label=label)
     axes.axvline(PAPER_CUTOFF, color=PAPER, linewidth=0.8, linestyle=":")
     axes.axvline(PAPER_DROP, color=PAPER, linewidth=0.8, linestyle="-.", label="paper: drop at 9 kHz")

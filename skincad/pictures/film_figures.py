@@ -113,6 +113,11 @@ def usual(place: Array, triangles: NDArray[np.int64], values: Array) -> float:
     return float(size[order][min(below, size.size - 1)])
 
 
+def _share(value: float, error: float) -> str:
+    """A share of S1 in words: beyond 150 % a ratio is easier to read."""
+    return f"{value:.1f} ± {error:.1f} times" if abs(value) > 1.5 else f"{value:.0%} ± {error:.0%} of"
+
+
 def _note(normal: FilmStress, both: FilmStress) -> str:
     """What the picture shows of the paper's statement, with its figures."""
     ridge = min(NOTED_RIDGE, normal.ridges // 2)
@@ -122,7 +127,7 @@ def _note(normal: FilmStress, both: FilmStress) -> str:
         middle = ", zero at the middle one" if normal.ridges % 2 else ""
         lines.append(
             "(a) Outer ridges lean, so under the normal force alone their S1 - S2 is not zero:\n"
-            f"      {share.value:.0%} ± {share.error or 0.0:.0%} of S1 at ridge {ridge}{middle}."
+            f"      {_share(share.value, share.error or 0.0)} S1 at ridge {ridge}{middle}."
         )
     friction = [e.value for e in both.needed_friction]
     if both.tangential:

@@ -79,11 +79,11 @@ def caption(found: Simulation, seen: Recorded) -> str:
     """Return what this recording cannot show."""
     rate, step = seen.pair.rate, 1e3 / seen.pair.rate
     seen_to = min(seen.pair.passband, found.scene.readout.bandwidth_Hz)
-    unseen = ": nothing of the cut-off at 1.2 kHz, nor of the stress-jerk above it, is seen"
+    unseen = ": neither the cut-off at 1.2 kHz nor the stress-jerk above it is seen"
     ratio = found.read["signal_to_noise_dB"][str(seen.ridge)]
     lines = [
         f"True up to {seen_to:.4g} Hz{unseen if seen_to < PAPER_CUTOFF else ''}.",
-        f"A sample is {step:.3g} ms: no lead time is claimed for what is shorter.",
+        f"Samples are {step:.3g} ms apart: no shorter lead time is claimed.",
     ]
     if ratio is not None:
         lines.append(

@@ -64,7 +64,7 @@ def climb(
         before = found
     if films and not met:
         how = "of unknown error" if error is None else f"within {reached:.1e} of its largest"
-        short.append(f"the differential stress is {how}: {wanted:.1e} is not met")
+        short.append(f"the differential stress is {how}: the tolerance {wanted:.1e} is not met")
     if budget is not None and (late := perf_counter() - began) > budget:
         short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
     return Climbed(found, error, short)
@@ -83,12 +83,12 @@ def _or_before(
     except (InputError, RefusedError) as refusal:
         if before is None:
             raise
-        short.append(f"a finer mesh is refused ({refusal}); the one before counts")
+        short.append(f"a finer mesh is refused ({refusal}); the results are those of the mesh before")
         return before
     if found.interrupted and before is not None:
         return replace(before, stopped=INTERRUPTED)  # a whole march says more than a part
     if found.failed and met and before is not None:  # only a budget climbs on from what is good enough
-        short.append(f"a finer mesh stopped at {found.stopped}; the one before counts")
+        short.append(f"a finer mesh stopped at {found.stopped}; the results are those of the mesh before")
         return before
     return found
 

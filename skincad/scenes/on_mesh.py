@@ -83,7 +83,7 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
             tick(stage, step, whole * (1 - step / history.steps) + after)
 
     # to ask for one thread at each step takes longer than the step
-    with needing(f"the march on the mesh of {stage}"), one_blas_thread():
+    with needing(f"the computation on the mesh of {stage}"), one_blas_thread():
         times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
         keep = kept_steps(scene)
         found = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)

@@ -53,6 +53,6 @@ def joined(told: Mapping[str, Told]) -> dict[str, Any]:
     for who, keys in told.items():
         for key, value in keys.items():
             if key in by:
-                raise ValueError(f"{who} tells {key!r}, which {by[key]} tells already: rename one of them")
+                raise ValueError(f"{who} gives {key!r}, which {by[key]} gives already: rename one of them")
             found[key], by[key] = value, who
     return found

@@ -186,7 +186,7 @@ def _check(scene: Scene) -> None:
                 rule = f"needs the effect {needed}"
                 raise InputError(f"effects.{name}", rule, remedy=f"add [effects.{needed}]")
     if scene.readout.ridges and design.slot is None:
-        rule = f"asks for films' stresses, and {design.name} has no slots"
+        rule = f"needs films' stresses, but {design.name} has no slots"
         raise InputError("readout.ridges", rule, scene.readout.ridges, "take a skin with slots")
     for ridge in scene.readout.ridges:
         if not 1 <= ridge <= design.ridge.count:
@@ -207,11 +207,9 @@ def _check_terms(scene: Scene) -> None:
                 f"effects.{name}", f"is not known together with {law}", remedy=f"leave out {law}"
             )
     if MASS in scene.asked and scene.plate.mass is None:
-        raise InputError(
-            "plate.mass", "is missing", remedy="masses count here: say how heavy the plate is, g"
-        )
+        raise InputError("plate.mass", "is missing", remedy="masses count here: give the plate's mass in g")
     if MASS not in scene.asked and scene.plate.mass is not None:
-        rule, remedy = "means nothing where masses do not count", "add [effects.inertia]"
+        rule, remedy = "has no effect where masses do not count", "add [effects.inertia]"
         raise InputError("plate.mass", rule, scene.plate.mass, remedy)
 
 
@@ -244,9 +242,9 @@ def _check_law(scene: Scene) -> None:
         if body.feels:
             continue
         if scene.readout.ridges:
-            rule = f"asks for films' stresses, and effects.{name} leaves them without"
+            rule = f"needs films' stresses, which effects.{name} does not give"
             raise InputError("readout.ridges", rule, scene.readout.ridges, "take readout.ridges = []")
         for other, part in scene.parts.items():
             if isinstance(part, Reader) and name in part.needs:
-                rule = f"reads films' stresses, and effects.{name} leaves them without"
+                rule = f"needs films' stresses, which effects.{name} does not give"
                 raise InputError(f"effects.{other}", rule, remedy=f"leave out effects.{other}")

@@ -39,7 +39,7 @@ class History(Table):
         description="of each point, from 0", min_length=2, max_length=10_000, json_schema_extra={"unit": "s"}
     )
     normal_force_N: Numbers = Field(  # noqa: N815
-        description="presses, at each point", json_schema_extra={"unit": "N"}
+        description="of the plate on the skin, at each point", json_schema_extra={"unit": "N"}
     )
     tangential_force_N: Numbers | None = Field(  # noqa: N815
         default=None, description="of the plate on the skin, to +x", json_schema_extra={"unit": "N"}
@@ -50,10 +50,10 @@ class History(Table):
     rotation_deg: Numbers | None = Field(
         default=None,
         description="of the plate about y, positive where it rises towards +x; forces and displacement "
-        "are normal to the plate and along it then",
+        "are then normal to the plate and along it",
         json_schema_extra={"unit": "deg"},
     )
-    steps: int = Field(description="equal steps of the march", ge=1, le=1_000_000)
+    steps: int = Field(description="number of equal time steps", ge=1, le=1_000_000)
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
@@ -125,7 +125,7 @@ class Readout(Table):
     """What is told."""
 
     ridges: Annotated[list[int], BeforeValidator(_listed)] = Field(
-        default=[], description="whose films' stresses are told", max_length=999
+        default=[], description="ridges whose films' stresses are reported", max_length=999
     )
     bandwidth_Hz: float = quantity(  # noqa: N815
         "Hz", "of the signals, where they are down by 3 dB", gt=0.0, le=1e9, default=5000.0

@@ -24,8 +24,8 @@ def unresolved(time: Array, bandwidth: float) -> list[str]:
         return []
     step = float(time[1] - time[0])
     return [
-        f"steps of {step:.3g} s show what happens up to {0.5 / step:.4g} Hz: from there to "
-        f"readout.bandwidth_Hz ({bandwidth:g} Hz) rate and jerk are the steps' own"
+        f"steps of {step:.3g} s show what happens up to {0.5 / step:.4g} Hz: from there up to "
+        f"readout.bandwidth_Hz ({bandwidth:g} Hz) rate and jerk are artefacts of the steps"
     ]
 
 

@@ -167,7 +167,7 @@ def _told(on: Marching, climbed: Climbed, began: float, seconds: dict[str, float
     slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
     left_out = omitted(scene, found)
     if raw and "film" not in scene.effects:
-        notes = [*notes, "film is not named: this is the silicone's stress in the films' place"]
+        notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
     notes = [*notes, *unresolved(found.time, width)] if raw else notes
     notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]

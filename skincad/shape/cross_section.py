@@ -147,7 +147,7 @@ def _half_ridge(design: Design) -> _HalfRidge:
     r = ridge.root_fillet
     u = concentric_hit(root + r * out, along, 1 / radius, r + r * r / (2 * radius))
     if u is None:
-        raise InputError("ridge.root_fillet", "finds no place between flank and base circle", r, "reduce it")
+        raise InputError("ridge.root_fillet", "does not fit between flank and base circle", r, "reduce it")
     low, centre = root + u * along, root + r * out + u * along
     base = centre * radius / (radius + r) - [0.0, r * radius / (radius + r)]
     r, curvature = ridge.tip_fillet, crown_curvature
@@ -157,7 +157,7 @@ def _half_ridge(design: Design) -> _HalfRidge:
         )
     v = concentric_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
     if v is None:
-        raise InputError("ridge.tip_fillet", "finds no place between flank and crown", r, "reduce it")
+        raise InputError("ridge.tip_fillet", "does not fit between flank and crown", r, "reduce it")
     high, inner = edge + v * along, edge - r * out + v * along - summit
     crown = (inner + np.array([0.0, r])) / (1 - curvature * r) + summit
     if u > size + v:

@@ -164,7 +164,7 @@ def _room(
     the usual one, or what is needed."""
     if given is None:
         return max(usual, math.ceil(need / STOCK) * STOCK), []
-    return given, at_least(key, given, need, what, "enlarge it, or leave it out, and it is computed")
+    return given, at_least(key, given, need, what, "enlarge it, or leave it out to have it computed")
 
 
 def at_least(key: str, given: float, need: float, what: str, remedy: str) -> list[InputError]:

@@ -92,7 +92,7 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
     if not places and design.mold.carrier == "perforated":
         raise InputError(
             "mold.carrier",
-            "finds no room for a hole beside the vent, so nothing would hold the skin",
+            "leaves no room for a hole beside the vent, so nothing would hold the skin",
             design.mold.carrier,
             'take carrier = "plain" and a primer, a smaller vent or a larger skin',
         )

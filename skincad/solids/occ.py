@@ -220,7 +220,7 @@ def _revolved(body: Revolved) -> TopoDS_Shape:
     placed = BRepBuilderAPI_Transform(face, start, True).Shape()
     turned = BRepPrimAPI_MakeRevol(placed, axis, body.high - body.low)
     if not turned.IsDone():
-        raise KernelError("a revolved section is not built; it may cross its axis")
+        raise KernelError("a revolved section cannot be built; it may cross its axis")
     return turned.Shape()
 
 
@@ -243,7 +243,7 @@ def _wire(outline: Loop, axis: Axis, level: float, turns: bool) -> TopoDS_Wire:
     for segment in outline:
         wire.Add(_edge(segment, axis, level, turns))
     if not wire.IsDone():
-        raise KernelError(f"a wire of {len(outline)} edges is not built (error {wire.Error()})")
+        raise KernelError(f"a wire of {len(outline)} edges cannot be built (error {wire.Error()})")
     return wire.Wire()
 
 
@@ -294,7 +294,7 @@ def _cut(shape: TopoDS_Shape, tools: list[TopoDS_Shape]) -> TopoDS_Shape:
     operation.SetTools(cutters)
     operation.Build()
     if not operation.IsDone():
-        raise KernelError("a boolean cut is not done")
+        raise KernelError("a boolean cut failed")
     return operation.Shape()
 
 

@@ -133,10 +133,10 @@ def test_a_foreign_manifest_gives_nothing_away(tmp_path: Path, command: str, tex
     (out / "README").write_text("mine")
     (out / f"{command}.json").write_text(foreign(command)[text], encoding="utf-8", errors="surrogateescape")
     refused_and_nothing_changed(
-        out, command, f"{command}.json is another's or was changed since it was written"
+        out, command, f"{command}.json was not written by skincad, or was changed since"
     )
     for other in set(COMMANDS) - {command}:
-        refused_and_nothing_changed(out, other, "holds files and no earlier result")
+        refused_and_nothing_changed(out, other, "holds files but no earlier result")
 
 
 @pytest.mark.parametrize("kind", ["link", "dangling link", "folder", "pipe"])
@@ -145,7 +145,7 @@ def test_a_manifest_that_is_no_plain_file_gives_nothing_away(tmp_path: Path, kin
     write(out, a="1")
     (out / "make.json").rename(tmp_path / "real.json")
     other_kind(out / "make.json", kind, tmp_path / "real.json")
-    refused_and_nothing_changed(out, "make", "make.json is another's or was changed since it was written")
+    refused_and_nothing_changed(out, "make", "make.json was not written by skincad, or was changed since")
 
 
 def other_kind(path: Path, kind: str, like: Path) -> None:
@@ -195,7 +195,7 @@ def test_what_became_of_a_listed_file_is_a_persons(tmp_path: Path, kind: str) ->
     else:
         other_kind(out / "a", kind, tmp_path / "other")
     refused_and_nothing_changed(
-        out, "make", "/a is another's or was changed since it was written; move it away"
+        out, "make", "/a was not written by skincad, or was changed since; move it away"
     )
     if kind != "folder":
         (out / "a").rename(out / "mine")  # the remedy
@@ -306,7 +306,7 @@ def test_a_link_in_the_out_folder_is_not_written_through(tmp_path: Path) -> None
     done = run_skincad("make", "plain-ridges", "--format", "dxf", "-o", "out", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
-    assert "section.dxf is another's or was changed since it was written; move it away" in done.stderr
+    assert "section.dxf was not written by skincad, or was changed since; move it away" in done.stderr
     assert (tmp_path / "victim").read_text() == "mine"
     assert (out / "section.dxf").readlink() == tmp_path / "victim"
 
@@ -318,7 +318,7 @@ def test_an_out_folder_that_links_to_a_home_is_refused(tmp_path: Path) -> None:
     for command in (["make", "plain-ridges"], ["simulate", "hold"], ["circuit", "yamada-2002"]):
         done = run_skincad(*command, "-o", "out", cwd=tmp_path)
         assert done.returncode == 2
-        assert "holds files and no earlier result" in done.stderr
+        assert "holds files but no earlier result" in done.stderr
     assert [p.name for p in (tmp_path / "home").iterdir()] == ["thesis.tex"]
 
 

@@ -203,7 +203,7 @@ def test_a_file_of_another_command_is_not_written_over(tmp_path: Path) -> None:
     write(tmp_path / "x", "make", a="1")
     for names in (["a.txt"], []):  # known before any work, and else before anything is put in place
         with pytest.raises(
-            InputError, match=r"a\.txt is another's or was changed since it was written; move it away"
+            InputError, match=r"a\.txt was not written by skincad, or was changed since; move it away"
         ):
             checked_folder(tmp_path / "x", "circuit", names) if names else write(
                 tmp_path / "x", "circuit", a="2"

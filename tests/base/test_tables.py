@@ -99,7 +99,11 @@ BAD: list[tuple[str, dict[str, Any], str]] = [
         "ridge.root_width: must be less than 0.1 mm (ridge.pitch), got 0.75",
     ),
     ("designs", {"material": {"name": "x" * 65}}, "material.name: must have at most 64 characters"),
-    ("designs", {"name": "a b"}, "name: must be letters, digits, - and _, up to 64; it names the out folder"),
+    (
+        "designs",
+        {"name": "a b"},
+        "name: must be letters, digits, - and _, up to 64; it names the output folder",
+    ),
     ("scenes", {"readout": {"ridges": [99]}}, "readout.ridges: must be from 1 to 9, got 99"),
     ("scenes", {"effects": {"fricton": {}}}, "effects.fricton: unknown effect; did you mean 'friction'?"),
     ("scenes", {"effects": {"friction": {}}}, "effects.friction.coefficient: is missing"),
@@ -189,7 +193,7 @@ def test_a_table_by_itself_tells_its_own_keys() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_set_in_place(kind: str) -> None:
     document = good(kind)
-    with pytest.raises(InputError, match=r"^name: is frozen, got 'other'; take"):
+    with pytest.raises(InputError, match=r"^name: is frozen, got 'other'; make"):
         document.name = "other"
     assert document == good(kind)
 

@@ -46,8 +46,8 @@ def test_slots_that_close_end_the_march_at_the_same_force_however_it_is_stepped(
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (["readout.ridges=[2]"], "readout.ridges: asks for films' stresses, and effects.film leaves"),
-        (["readout.ridges=[]", "effects.piezo.circuit=yamada-2002"], "effects.piezo: reads films' stresses"),
+        (["readout.ridges=[2]"], "readout.ridges: needs films' stresses, which effects.film does not give"),
+        (["readout.ridges=[]", "effects.piezo.circuit=yamada-2002"], "effects.piezo: needs films' stresses"),
     ],
 )
 def test_a_loose_film_feels_nothing_to_read(tmp_path: Path, overrides: list[str], words: str) -> None:

@@ -147,7 +147,7 @@ def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None
     tilt, least = best_tilt(yamada, hooded(mold(yamada)))
     assert least < 0.5 * finding.measured
     assert finding.remedy.startswith(
-        f"mold.pour_tilt = {tilt:g}, which leaves {least:.2g} mm3: fill under vac"
+        f"mold.pour_tilt = {tilt:g}, which traps {least:.2g} mm3: fill under vac"
     )
 
 

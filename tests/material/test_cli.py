@@ -101,7 +101,7 @@ def test_a_pad_writes_a_design_that_checks_with_its_range(tmp_path: Path) -> Non
         (["bar.csv", "--set", "skin.width=10.0"], "--set: needs --design"),
         (["bar.csv", "-o", "new.toml"], "-o: needs --design"),
         (["bar.csv", "--design", "yamada-2003"], "yamada-2003: no such template"),
-        (["bar.csv", "--design", "yamada-2002", "-o", "there.toml"], "-o: there.toml is there already"),
+        (["bar.csv", "--design", "yamada-2002", "-o", "there.toml"], "-o: there.toml exists already"),
         (["bar.csv", "--design", "yamada-2002", "-o", "new.txt"], "-o: new.txt must end in .toml"),
         (
             ["bar.csv", "--design", "yamada-2002", "-o", "there.toml/new.toml"],

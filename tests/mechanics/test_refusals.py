@@ -90,7 +90,7 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
         found = check(small, **asked)
         assert found.tier == "winkler"
         assert found.all_touch_force == check(small, tier="winkler").all_touch_force
-        assert any("tier, which leaves out less, refuses: ridge.count" in w for w in found.warnings)
+        assert any("tier, which leaves out less, cannot judge this: ridge.count" in w for w in found.warnings)
 
 
 def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,7 +122,10 @@ def test_a_better_tier_that_is_too_large_leaves_the_one_before(
     found = check(small, tol=0.02)
     assert found.tier == "linear"
     assert found.all_touch_force == linear_check(small, tol=checking.FINEST).all_touch_force
-    assert any("the corrected tier, which leaves out less, refuses: ridge.count" in w for w in found.warnings)
+    assert any(
+        "the corrected tier, which leaves out less, cannot judge this: ridge.count" in w
+        for w in found.warnings
+    )
 
 
 def test_a_solid_is_refused_before_any_of_its_levels_is_solved(

@@ -203,7 +203,7 @@ def test_the_schema_refuses_what_the_model_refuses(text: str) -> None:
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text("precious")
-    with pytest.raises(InputError, match="is there already"):
+    with pytest.raises(InputError, match="exists already"):
         write_new(tmp_path / "mine.toml")
     assert (tmp_path / "mine.toml").read_text() == "precious"
     assert not (tmp_path / "mine.schema.json").exists()
@@ -238,7 +238,7 @@ def test_a_file_that_would_be_no_design_never_takes_its_place(
 
 def test_a_file_that_appears_meanwhile_is_not_written_over(tmp_path: Path) -> None:
     with (
-        pytest.raises(InputError, match="is there already"),
+        pytest.raises(InputError, match="exists already"),
         fresh(tmp_path / "a.png", "--stress") as staging,
     ):
         staging.write_text("ours")

@@ -77,8 +77,8 @@ def test_the_caption_says_what_is_not_seen() -> None:
     seen = recording(found)
     assert seen is not None
     text = caption(found, seen)
-    assert "True up to 160 Hz: nothing of the cut-off at 1.2 kHz" in text
-    assert "A sample is 1.54 ms: no lead time is claimed for what is shorter." in text
+    assert "True up to 160 Hz: neither the cut-off at 1.2 kHz" in text
+    assert "Samples are 1.54 ms apart: no shorter lead time is claimed." in text
     assert "20 dB" in text
     assert "of the signal's power lies above 260 Hz" in text
     wide = scene(rate=20000.0, sampling=10000.0)

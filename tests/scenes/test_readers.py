@@ -57,7 +57,7 @@ def test_two_readers_tell_side_by_side(tmp_path: Path) -> None:
 def test_a_reader_may_not_overwrite_what_another_tells(tmp_path: Path) -> None:
     tables = ("effects.one={}", "effects.other.tells=one")
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, *tables)
-    with pytest.raises(ValueError, match=r"effects\.other tells 'one', which effects\.one tells already"):
+    with pytest.raises(ValueError, match=r"effects\.other gives 'one', which effects\.one gives already"):
         at_level(scene, LEVELS[0])
 
 
@@ -65,7 +65,7 @@ def test_a_reader_may_not_overwrite_what_another_tells(tmp_path: Path) -> None:
 def test_a_reader_may_not_overwrite_what_the_march_tells(key: str, tmp_path: Path) -> None:
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, f"effects.one.tells={key}")
     found = at_level(scene, LEVELS[0])
-    with pytest.raises(ValueError, match=f"tells '{key}', which .* tells already: rename one of them"):
+    with pytest.raises(ValueError, match=f"gives '{key}', which .* gives already: rename one of them"):
         found.as_json()
 
 
@@ -78,7 +78,7 @@ def test_what_follows_has_keys_of_its_own_too(tmp_path: Path, monkeypatch: pytes
     assert at_level(scene, LEVELS[0]).read == {"one": 2, "half": 1.0}
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other.tells=half")
     with pytest.raises(
-        ValueError, match=r"what follows one tells 'half', which effects\.other tells already"
+        ValueError, match=r"what follows one gives 'half', which effects\.other gives already"
     ):
         at_level(scene, LEVELS[0])
 

@@ -60,11 +60,11 @@ BAD = {
     "readout.steps=[-1]": "readout.steps.0: must be greater than or equal to 0",
     "readout.frames=61": "readout.frames: must be less than or equal to 60, got 61",
     "effects.film.bond=glued": "effects.film.bond: must be 'bonded' or 'loose', got 'glued'",
-    "effects.film.bond=loose": "readout.ridges: asks for films' stresses, and effects.film leaves them with",
+    "effects.film.bond=loose": "readout.ridges: needs films' stresses, which effects.film does not",
     "history.tangential_force_N=none": "history: needs either tangential_force_N or displacement_mm",
     "plate.shape=cylinder": "plate.shape: must be 'flat'",
-    "plate.mass=1.0": "plate.mass: means nothing where masses do not count, got 1; add [effects.inertia]",
-    "effects.inertia={}": "plate.mass: is missing; masses count here: say how heavy the plate is, g",
+    "plate.mass=1.0": "plate.mass: has no effect where masses do not count, got 1; add [effects.inertia]",
+    "effects.inertia={}": "plate.mass: is missing; masses count here: give the plate's mass in g",
     "effects.inertia.spectral_radius=1.5": "effects.inertia.spectral_radius: must be less than or equal to 1",
     "effects.viscosity.prony=[[0.5]]": "effects.viscosity.prony.0",
     "effects.viscosity.prony=[[0.5, 0.0]]": "effects.viscosity.prony: needs a modulus and a time above 0",
@@ -84,9 +84,7 @@ def test_bad_scenes_are_one_line(override: str) -> None:
 
 
 def test_films_signals_need_slots() -> None:
-    with pytest.raises(
-        InputError, match=r"readout.ridges: asks for films' stresses, and plain-ridges has no"
-    ):
+    with pytest.raises(InputError, match=r"readout.ridges: needs films' stresses, but plain-ridges has no"):
         load_scene(SLIP, ["skin=plain-ridges", "effects.film=none"])
 
 

@@ -89,7 +89,7 @@ def test_gate_and_vent_open_on_the_skin() -> None:
 
 def test_a_carrier_without_room_for_a_hole_is_refused(yamada: Design) -> None:
     tiny = yamada.with_(skin={"width": 3.5}, ridge={"count": 1}, mold={"gate": 1.0, "vent": 0.4})
-    with pytest.raises(InputError, match=r"mold.carrier: finds no room for a hole"):
+    with pytest.raises(InputError, match=r"mold.carrier: leaves no room for a hole"):
         mold(tiny.with_(mold={"carrier": "perforated"}))
     assert not perforated(mold(tiny))  # where nobody asked for holes
 

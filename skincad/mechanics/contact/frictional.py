@@ -127,7 +127,7 @@ class _Step:
             slides = found or slides
         if slides:  # less than the static limit, but what has broken off holds the kinetic friction alone
             pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
-            words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all slips"
+            words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all points slip"
             raise GrossSlip(self.settled(all_slip=slides), words)
         raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
 
@@ -324,7 +324,7 @@ class _Step:
         residual = self._residual(trial, status, all_slip)
         if not residual <= ACCEPTED:
             raise ContactError(
-                f"contact and friction are satisfied to {residual:.1e} only, {ACCEPTED:g} is asked"
+                f"contact and friction are satisfied only to {residual:.1e}, not to {ACCEPTED:g}"
             )
         stuck = status == STICK
         # what does not stick sits where it is now

@@ -142,7 +142,7 @@ def _accepted(
     )
     if not residual <= COMPLEMENTARITY:
         raise ContactError(
-            f"the contact is satisfied to {residual:.1e} only, {COMPLEMENTARITY:g} is asked; "
+            f"the contact is satisfied only to {residual:.1e}, not to {COMPLEMENTARITY:g}; "
             "take a smaller poisson_ratio or a coarser mesh"
         )
     return NodalContact(nodal, approach, open_gap, active, residual)

@@ -106,7 +106,7 @@ def _cut(
             missing[1 - new] /= 2
         side = new
     raise ContactError(
-        f"no travel has the tangential force {wanted:.4g} N: it jumps by {abs(off):.1e} N there"
+        f"no travel gives the tangential force {wanted:.4g} N: it jumps by {abs(off):.1e} N there"
     )
 
 

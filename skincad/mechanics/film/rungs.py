@@ -24,7 +24,7 @@ from skincad.mechanics.tiers.linear import MOST_CONTACT_UNKNOWNS
 
 FIRST = (0.5, 3)  # fineness and order of the run that finds where contact ends
 TAIL = 2.0  # differences of orders; the true error is up to 1.4 of them (measured, film/test_stress.py)
-PATH = "full stick is an assumption, and depends on the path: the normal force first, then the tangential one"
+PATH = "full stick is an assumption, and the order of the forces counts: normal first, then tangential"
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def solve(
     short = (
         ()
         if reached <= tol
-        else (f"the error is {reached:.1e} of the largest stress: {tol:.1e} is not met{full}",)
+        else (f"the error is {reached:.1e} of the largest stress: the tolerance {tol:.1e} is not met{full}",)
     )
     faults = [collision(piece, best.body, _moved(piece, best, t), math.inf, 0.0) or "" for t in tangential]
     shown = [tuple(ridge_field(piece, best, ridge, t) for ridge in show) for t in tangential]
@@ -221,4 +221,4 @@ def _stick_notes(
     total = np.concatenate(sides)
     if (total < 0).any():
         count, pulling = np.count_nonzero(total < 0), -total[total < 0].sum() / found.pressed.normal.sum()
-        yield f"{count} of {total.size} bonded points are in tension, in all {pulling:.1%} of the force"
+        yield f"{count} of {total.size} bonded points are in tension, with {pulling:.1%} of the force in all"

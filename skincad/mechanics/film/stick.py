@@ -205,7 +205,8 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
     wrong = np.abs(carried + force) / np.abs(force).max()
     balance = float(wrong.max() if only is None else wrong[only])
     if not balance <= BALANCE:
-        raise ContactError(f"the clamped back is off the load by {balance:.1e}; take a smaller poisson_ratio")
+        wrong_by = f"the force on the clamped back differs from the load by {balance:.1e}"
+        raise ContactError(f"{wrong_by}; take a smaller poisson_ratio")
     return balance
 
 

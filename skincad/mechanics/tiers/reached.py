@@ -21,7 +21,8 @@ def shortfalls(
     """Return what was asked and not kept; `full` says why no rung follows, `least` what the least is."""
     found = []
     if reached > wanted > 0:
-        found.append(f"discretisation error {reached:.1e} of value: the asked {wanted:.1e} is not met{full}")
+        words = f"the mesh's error is {reached:.1e} of the value: the tolerance {wanted:.1e} is not met"
+        found.append(words + full)
     if budget is not None and spent > budget:
         found.append(f"the cheapest {least} took {spent:.2g} s, more than the budget of {budget:g} s")
     return tuple(found)

@@ -129,11 +129,12 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 
 def _left_out(design: Design, approach: float) -> Iterator[str]:
     if design.skin.curvature_radius_y is None:
-        yield "winkler tier: ridges are taken as independent springs, slots and film are left out"
+        yield "winkler tier: ridges are taken as independent springs; slots and film are left out"
         return
     slope = _end_slope(design, approach)
-    yield "winkler tier: ridges are taken as rows of independent springs, slots and film are left out"
-    yield f"contact is taken as vertical: at slopes along y up to {slope:.2g}, {slope**2 / 2:.1%} off"
+    yield "winkler tier: ridges are taken as rows of independent springs; slots and film are left out"
+    off = f"that is {slope**2 / 2:.1%} off"
+    yield f"contact is taken as vertical: with slopes of up to {slope:.2g} along y {off}"
 
 
 def _beyond(design: Design, approach: float) -> str:

@@ -111,7 +111,7 @@ def test_one_ridge_needs_no_force() -> None:
 @pytest.mark.slow
 def test_a_tolerance_below_the_changes_error_is_said() -> None:
     found = check(reference(), tier="corrected", tol=4e-3)
-    assert any("the asked 0.004 is not met" in w for w in found.warnings)
+    assert any("the tolerance 0.004 is not met" in w for w in found.warnings)
 
 
 def test_a_part_measured_as_designed_is_corrected_as_designed() -> None:

@@ -56,7 +56,7 @@ def test_any_force(force: float) -> None:
 
 def test_says_when_the_tolerance_is_beyond_it() -> None:
     assert any(
-        "0.8 of its value: the asked 0.01 is not met" in w
+        "0.8 of its value: the tolerance 0.01 is not met" in w
         for w in check(yamada(), tier="winkler", tol=0.01).warnings
     )
 
