@@ -63,7 +63,7 @@ SetOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Override a key, as in ridge.height=0.6; slot=none drops it.",
+        help="Override a key: ridge.height=0.6; slot=none drops it.",
     ),
 ]
 PrinterOption = Annotated[
@@ -72,7 +72,7 @@ PrinterOption = Annotated[
 ]
 SiliconesOption = Annotated[
     Path | None,
-    typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones: a lab.toml."),
+    typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones, a lab.toml."),
 ]
 OutOption = Annotated[
     Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default: out/<name>.")
@@ -105,15 +105,16 @@ def templates(
         str | None,
         typer.Argument(
             metavar="KIND",
-            help="Only these: designs, scenes, circuits, silicones, processes.",
+            help="List one kind: designs, scenes, circuits, silicones or processes.",
             autocompletion=_kinds,
         ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """List what ships with skincad: designs, scenes, circuits, silicones and processes.
+    """List the templates, silicones and processes that ship.
 
-    With KIND, silicones and processes come with their values, ranges and sources.
+    Templates are designs, scenes and circuits. With KIND, silicones and processes come with their values,
+    ranges and sources.
     """
     from skincad.outputs.lists import listed
 
@@ -129,14 +130,15 @@ def new(
         typer.Option(
             "--template",
             metavar="NAME",
-            help="Start from this design, scene or circuit; or silicones, processes: a table of your own.",
+            help="Start from this design, scene or circuit, or from a table: silicones or processes.",
             autocompletion=_starts,
         ),
     ] = "designs/yamada-2002",
 ) -> None:
-    """Write a commented design, scene or circuit to edit, and its JSON schema.
+    """Write a commented TOML file to edit, and its JSON schema.
 
-    An editor that knows the schema completes and checks the file.
+    It is a design, a scene or a circuit, or a table of silicones or processes. An editor that knows the
+    schema completes and checks the file.
     """
     from skincad.outputs.newfile import write_new
 
@@ -220,7 +222,7 @@ def check(
 ) -> None:
     """Say whether all ridges touch a plate.
 
-    Also the force it takes, the approach and the force on each ridge, each with its error.
+    Prints the force it takes, the approach and the force on each ridge too, each with its error.
     """
     from skincad.base.freshfile import checked_fresh, fresh
 
@@ -255,7 +257,7 @@ def circuit(
     source: Annotated[str, _source("CIRCUIT", "circuits")],
     settings: Annotated[
         list[str],
-        typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in amplifier.gain=1e6."),
+        typer.Option("--set", metavar="KEY=VALUE", help="Override a key: amplifier.gain=1e6."),
     ] = [],  # noqa: B006
     measured: Annotated[
         Path | None,

@@ -55,7 +55,7 @@ class Motional(Table):
 
 
 class Amplifier(Table):
-    """The amplifier behind the film, by the sums that the paper's loop equations know."""
+    """The amplifier behind the film, by the sums in the paper's loop equations."""
 
     topology: str = Field(default="inverting", description=f"one of {', '.join(TOPOLOGIES)}", max_length=64)
     series_resistance: float = quantity("ohm", "R1 + R2, from film to input", gt=0.0, le=1e12)

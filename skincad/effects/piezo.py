@@ -49,7 +49,7 @@ class Electrode:
 
 
 class Piezo(Reader):
-    """Voltages of the told ridges' strips."""
+    """Voltages of the strips in the ridges of the readout."""
 
     needs: ClassVar[tuple[str, ...]] = ("film",)
 

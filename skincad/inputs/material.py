@@ -33,11 +33,11 @@ def foreign_modulus(design: Design) -> tuple[Silicone, Ranged, str] | None:
         for n, s in known.items()
         if _meet(s.young_modulus, given)
     }
-    drop = "drop material.young_modulus, or the name where it was measured"
+    drop = "drop material.young_modulus or, if you measured it, drop the name"
     return (
         known[name],
         given,
-        f"name {min(fits, key=fits.__getitem__)}, whose it may be; or {drop}" if fits else drop,
+        f"use the name {min(fits, key=fits.__getitem__)}, which it fits; or {drop}" if fits else drop,
     )
 
 

@@ -74,7 +74,7 @@ class Silicone(Table):
         "h", "until it can be demolded; by its data sheet if not given", gt=0.0, le=1e4, default=None
     )
     platinum_cure: bool = Field(
-        default=True, description="whether it cures by platinum, which some resins keep from curing"
+        default=True, description="whether it is platinum-cured, which some resins prevent"
     )
     elongation_at_break: float = quantity("1", "a strain: 3.64 is 364 %", gt=0.0, le=50.0, default=1.0)
     viscosity: float = quantity("Pa s", "freshly mixed; 1000 cps is 1 Pa s", gt=0.0, le=1e4, default=35.0)

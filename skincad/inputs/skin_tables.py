@@ -147,7 +147,7 @@ class Plate(Table):
 
 
 class Contact(Table):
-    """What the verdict is asked for."""
+    """What the verdict is about."""
 
     force: float = quantity("N", "normal force at which all ridges must touch", gt=0.0, le=1e6, default=4.0)
     film: Literal["bonded", "loose", "ignored"] | None = Field(

@@ -86,7 +86,7 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
     rows += [(name, *(_cell(entry, key) for key, *_ in _COLUMNS)) for name, entry in known.items()]
     head, units, *lines = _aligned(rows)
     sources = [f"  {entry.source}" for entry in known.values()]
-    cured = {True: "All cure by platinum.", False: "Not all cure by platinum: see --json."}
+    cured = {True: "All are platinum-cured.", False: "Not all are platinum-cured: see --json."}
     notes = [
         "",
         "modulus: Young's at small strain, most likely (lowest to highest); pot: its life there; A:B by mass",

@@ -34,14 +34,14 @@ _OWN: dict[shipped.Table, tuple[str, type[Table], str]] = {
 }
 _OWN_HEAD: dict[shipped.Table, str] = {
     "silicones": """\
-# Silicones of your own: --silicones and this file's name, and material.name = a table's name
-# A table with a shipped silicone's name changes what it names of it; any other name is a new silicone. What
-# ships is listed by skincad templates silicones. The values here are dragon-skin-30's: write those of your
+# Silicones of your own: pass this file with --silicones, and give a table's name as material.name
+# A table named like a shipped silicone changes only the keys that it gives; any other name is a new silicone.
+# skincad templates silicones lists what ships. The values here are dragon-skin-30's: write those of your
 # data sheet, and the modulus that skincad fit-material finds.""",
     "processes": """\
-# Processes of your own: --printer and this file's name, and mold.process = a table's name
-# A table with a shipped process's name changes what it names of it; any other name is a new process. What
-# ships is listed by skincad templates processes. The values in comments are sla's: measure your own.""",
+# Processes of your own: pass this file with --printer, and give a table's name as mold.process
+# A table named like a shipped process changes only the keys that it gives; any other name is a new process.
+# skincad templates processes lists what ships. The values in comments are sla's: measure your own.""",
 }
 
 

@@ -122,7 +122,7 @@ class ScenePlate(Table):
 
 
 class Readout(Table):
-    """What is told."""
+    """What is reported."""
 
     ridges: Annotated[list[int], BeforeValidator(_listed)] = Field(
         default=[], description="ridges whose films' stresses are reported", max_length=999

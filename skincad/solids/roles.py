@@ -25,8 +25,8 @@ class PartRole(Enum):
     BETWEEN = "piece of a split cavity, between two splits", "cavity", "made", _STONE
     RIGHT = "outer piece of a split cavity, at +x", "cavity", "made", _STONE
     END_PLATE = "an end plate in one piece", "end plates", "made", _DARK
-    COMB = "lower part of an end plate", "end plates comb", "made", _DARK
-    KEEPER = "upper part of an end plate", "end plates keeper", "made", _GREEN
+    COMB = "lower part of an end plate", "end plates' combs", "made", _DARK
+    KEEPER = "upper part of an end plate", "end plates' keepers", "made", _GREEN
     CARRIER = "the skin's rigid backing", "carrier", "made", _GLASS
     COVER = "the lid", "cover", "made", _GLASS
     SHIM = "what keeps a slot free", "shim", "bought", _STEEL

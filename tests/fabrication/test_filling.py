@@ -226,7 +226,7 @@ def test_without_clearance_the_corner_keeps_air_and_less_tilt_is_better(yamada: 
     (finding,) = filling_findings(tight, mold(tight))
     assert finding.where.startswith("carrier, at end b's edge")
     assert finding.severity == "note"  # less than a bubble of 1 mm
-    assert finding.remedy.startswith("mold.pour_tilt = 2, which leaves 0.069 mm3")
+    assert finding.remedy.startswith("mold.pour_tilt = 2, which traps 0.069 mm3")
 
 
 def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(yamada: Design) -> None:

@@ -58,7 +58,7 @@ def test_one_feature_breaks_one_rule(yamada: Design) -> None:
 
 def test_a_resin_printer_is_told_crown_and_slit_and_what_would_make_them(yamada: Design) -> None:
     found = {(f.rule, f.where): f for f in design_findings(by(yamada, "sla"))}
-    slit = found["gap", "end plates comb, notch of a shim, by sla"]
+    slit = found["gap", "end plates' combs, notch of a shim, by sla"]
     assert "multiply all lengths by 1.67" in slit.remedy  # 0.1 / 0.06
     assert "lab-bench" in slit.remedy
     assert slit.remedy.endswith("or by edm")

@@ -199,8 +199,8 @@ def foreign(design: Design) -> tuple[list[str], list[str]]:
 def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
     data = {"name": "ecoflex-00-30", "young_modulus": {"value": 0.8, "low": 0.65, "high": 0.95}}
     soft = yamada.with_(material=data)
-    drop = "drop material.young_modulus, or the name where it was measured"
-    whose = f"name dragon-skin-30, whose it may be; or {drop}"
+    drop = "drop material.young_modulus or, if you measured it, drop the name"
+    whose = f"use the name dragon-skin-30, which it fits; or {drop}"
     assert foreign(soft) == (
         [
             "warning: silicone: material.young_modulus, which is not that of ecoflex-00-30: 0.8 MPa, "
@@ -211,7 +211,7 @@ def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
     hard = yamada.with_(material={"name": "sylgard-184", "young_modulus": 90.0})
     assert foreign(hard)[1] == [f"the modulus of 90 MPa is not that of sylgard-184 (1.3 to 3 MPa); {drop}"]
     softer = yamada.with_(material={"name": "sylgard-184", "young_modulus": 0.2})
-    assert "0.2 MPa, limit 1.3; name dragon-skin-10" in foreign(softer)[0][0]
+    assert "0.2 MPa, limit 1.3; use the name dragon-skin-10" in foreign(softer)[0][0]
 
 
 def test_a_scene_is_told_so_too(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ def test_silicones_come_with_values_ranges_and_sources() -> None:
         ["modulus", "Poisson", "density", "A:B", "pot", "cure", "breaks", "visc."],
         ["MPa", "kg/m3", "min", "h", "at %", "Pa s"],
     )
-    assert "All cure by platinum." in lines
+    assert "All are platinum-cured." in lines
 
 
 def test_processes_come_with_meaning_values_and_sources() -> None:

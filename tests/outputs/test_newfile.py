@@ -109,7 +109,8 @@ def test_a_default_is_shown_in_a_comment(tmp_path: Path) -> None:
 
 def test_an_effect_that_the_template_lacks_is_there_to_uncomment(tmp_path: Path) -> None:
     text = write_new(tmp_path / "mine.toml", "hold")[0].read_text()
-    assert "\n# Voltages of the told ridges' strips. Needs film.\n# [effects.piezo]  # optional\n" in text
+    voltages = "# Voltages of the strips in the ridges of the readout. Needs film."
+    assert f"\n{voltages}\n# [effects.piezo]  # optional\n" in text
     text = text.replace("# [effects.finite_strain]", "[effects.finite_strain]")
     text = text.replace('# creases = "stop"', 'creases = "pass"')
     (tmp_path / "other.toml").write_text(text)

@@ -15,7 +15,7 @@ from PIL import Image
 from skincad import load
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.stress import film_stresses
-from skincad.pictures import canvas
+from skincad.pictures import canvas, film_figures
 from skincad.pictures.film_figures import film_stress_figure
 
 
@@ -77,3 +77,8 @@ def test_without_fields_only_the_numbers(tmp_path: Path) -> None:
     canvas.save(film_stress_figure(bare[0], bare[1]), tmp_path / "bare.png")
     image = Image.open(tmp_path / "bare.png")
     assert image.size == (900, 400)
+
+
+def test_a_share_far_above_one_is_a_ratio() -> None:
+    assert film_figures._share(8.43, 0.87) == "8.4 ± 0.9 times"
+    assert film_figures._share(0.31, 0.02) == "31% ± 2% of"
