@@ -12,8 +12,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import text_of
 
@@ -24,7 +24,7 @@ NO_COMMAS = "write decimals with a point, or separate columns by semicolons"
 _NUMBER = re.compile(r"[+-]?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?", re.ASCII)
 
 
-def read_columns(path: Path | str, allowed: tuple[str, ...]) -> dict[str, NDArray[np.float64]]:
+def read_columns(path: Path | str, allowed: tuple[str, ...]) -> dict[str, Array]:
     """Return the columns of a CSV by name, each `(rows,)`, all numbers finite.
 
     The first row tells what separates columns: comma, semicolon or tab. Decimals have a point or, where no

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from skincad.base.arrays import Array, Mask
+
+Real = Array
 Complex = NDArray[np.complex128]
 
 GROUND, LOAD, OUT = "0", "load", "vout"
@@ -94,7 +96,7 @@ class Equations:
     """
 
     nodes: tuple[str, ...]
-    held: NDArray[np.bool_]
+    held: Mask
     across: NDArray[Any]
 
     def part(self, i: int, own: str | None) -> NDArray[Any]:

@@ -6,11 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 from scipy.signal import lfilter
 
-Array = NDArray[np.float64]
+from skincad.base.arrays import Array
 
 
 @dataclass(frozen=True)

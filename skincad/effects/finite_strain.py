@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from skincad.base.arrays import Index
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Law, Reading, Share, Step, Term
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from skincad.mechanics.contact.dragged import Dragged, DraggedState
     from skincad.mechanics.film.stick import PadPiece
 
-Array = NDArray[np.float64]
 FRICTIONLESS = Cone(0.0, 0.0)
 # largest change by strain, measured: 3.6 to 8.8 in 14 scenes marched both ways, 3 to 9 ridges, 0.007 to 0.44
 # N a ridge, friction 0.2 and 0.5, films bonded and none; tests/effects/test_finite_strain.py repeats two
@@ -101,7 +100,7 @@ class LargePad:
     stops: bool  # at a crease
 
     @property
-    def ridge(self) -> NDArray[np.int64]:
+    def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
         return self.pad.ridge
 

@@ -11,9 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from skincad.base.arrays import Array, Index, Mask
 from skincad.base.tables import Table
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.grip import Cone, Drive, Grip
@@ -25,8 +23,6 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import Shown
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and stress that hangs on strain's past
 
 
@@ -84,7 +80,7 @@ class MarchedPad(Protocol):
     """A meshed pad that is advanced through a scene; its states are its own and never changed."""
 
     @property
-    def ridge(self) -> NDArray[np.int64]:
+    def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
 
     @property

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.mechanics.contact.grip import Cone, Grip
@@ -45,7 +45,7 @@ class MovingPad:
     piece: PadPiece | None = None
 
     @property
-    def ridge(self) -> NDArray[np.int64]:
+    def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
         return self.dynamics.pad.ridge
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
 from skincad.circuit.elements import Network
@@ -32,7 +32,6 @@ from skincad.effects.kinds import Reader, Reading, Watched
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip
 
-Array = NDArray[np.float64]
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12
 MOST_STEPS = 200  # of the network in one of the march
 MOST_SAMPLES = 2_000_000

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Reading, Share, Step, Term
 from skincad.inputs.design import Design
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import Shown, WholeState
 
-Array = NDArray[np.float64]
 FRICTIONLESS = Cone(0.0, 0.0)
 
 
@@ -67,7 +66,7 @@ class CondensedPad:
     skin: Compliant
 
     @property
-    def ridge(self) -> NDArray[np.int64]:
+    def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
         return self.pad.ridge
 

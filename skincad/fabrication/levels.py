@@ -19,14 +19,14 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from manifold3d import Manifold, triangulate
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.fabrication.void import Void
 from skincad.shape import curves
 from skincad.solids.body import Bore, Prism
 
-Points = NDArray[np.float64]
+Points = Array
 TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none
 LEVEL = 1e-9  # mm; air less than this above its way out is rounding
 
@@ -100,7 +100,7 @@ def cells(space: Void, tolerance: float) -> Cells:
     return Cells(tuple(corners), tuple(owner), tuple(links), tuple(passages), tuple(outlets), space.rim)
 
 
-def escape(made: Cells, up: Points) -> NDArray[np.float64]:
+def escape(made: Cells, up: Points) -> Array:
     """Return for each cell the level above which its air can't leave, mm along `up`; -inf: no way out."""
     around: dict[int, list[tuple[int, float]]] = defaultdict(list)
     for (a, b), height in zip(made.pairs, _tops(made.passages, up), strict=True):

@@ -10,8 +10,8 @@ import pymeshlab
 import shapely
 import trimesh
 from manifold3d import Manifold
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Mask
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.meshes import mesh as mesh_of
@@ -57,7 +57,7 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
     )
 
 
-def _crossing(mesh: trimesh.Trimesh) -> NDArray[np.bool_]:
+def _crossing(mesh: trimesh.Trimesh) -> Mask:
     """Which faces cross others, `(n,)`, and some that only touch, by rounding, on a slanting plane."""
     meshes = _mesh_set(mesh)
     meshes.compute_selection_by_self_intersections_per_face()

@@ -9,13 +9,12 @@ import trimesh
 from manifold3d import Manifold, Mesh64, OpType, triangulate
 from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import needing
 from skincad.shape import curves
 from skincad.solids.body import Body, Bore, Prism, Reaching, Revolved, Turned, corners
 from skincad.solids.grid import turn_steps
 from skincad.solids.plan import Part, own
-
-Array = NDArray[np.float64]
 
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
 _X_IS_THIRD = np.array([2, 0, 1])

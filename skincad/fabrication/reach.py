@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.shape.curves import Loop, polygon
 
 CHORD = 2e-5  # mm, of the polygons that stand for arcs; depths below are exact to `ERROR`
@@ -47,7 +48,7 @@ def corner(radius: float, angle: float) -> float:
     return radius * (1 / math.sin(angle / 2) - 1)
 
 
-def _shade(corners: NDArray[np.float64]) -> shapely.Geometry:
+def _shade(corners: Array) -> shapely.Geometry:
     """Everything straight below an outline's overhanging edges, down to its lowest level."""
     low = corners[:, 1].min()
     quads = [
@@ -58,7 +59,7 @@ def _shade(corners: NDArray[np.float64]) -> shapely.Geometry:
     return shapely.union_all(quads)
 
 
-def _ccw(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _ccw(corners: Array) -> Array:
     return corners if shapely.is_ccw(shapely.LinearRing(corners)) else corners[::-1]
 
 

@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.solids.body import Body, Bore, Prism
@@ -45,7 +45,7 @@ class Void:
     """Spaces that touch, and the rim over which silicone runs off, `(n, 3)` mm: it rises no higher."""
 
     spaces: tuple[Space, ...]
-    rim: NDArray[np.float64] | None = None
+    rim: Array | None = None
 
     @property
     def volume(self) -> float:
@@ -102,7 +102,7 @@ def _gap(design: Design, carrier: Body) -> list[Prism]:
     return [replace(carrier, outline=outer, holes=(inner,))]
 
 
-def _rim(cup: Bore) -> NDArray[np.float64]:
+def _rim(cup: Bore) -> Array:
     (x, y, z), radius = cup.start, cup.far_radius
     turn = np.linspace(0, 2 * math.pi, 64, endpoint=False)
     around = (x + radius * np.cos(turn), y + radius * np.sin(turn), np.full(64, z + cup.length))

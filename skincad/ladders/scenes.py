@@ -5,15 +5,14 @@ from __future__ import annotations
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.inputs.design import Design
 from skincad.scenes.levels import Level
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
 
-Array = NDArray[np.float64]
 SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
 TOLD = 3  # paper: the third ridge from an end
 

@@ -8,8 +8,8 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
@@ -38,7 +38,7 @@ class PageScale:
         """Return a closed outline as an SVG path."""
         return self.ring(polygon(outline, CHORD), kind)
 
-    def ring(self, points: NDArray[np.float64], kind: str) -> str:
+    def ring(self, points: Array, kind: str) -> str:
         """Return a closed polygon of points `(n, 2)` mm of the part."""
         steps = " ".join(f"{x:.3f},{y:.3f}" for x, y in (self.at(a, b) for a, b in points))
         return f'<polygon class="{kind}" points="{steps}"/>'
@@ -181,7 +181,7 @@ def _bent_view(closed: ClosedMold) -> list[str]:
     return [*rows, _text(142.0, 134.5, words)]
 
 
-def _side(part: Part) -> NDArray[np.float64]:
+def _side(part: Part) -> Array:
     """A part's outline in (y, z), `(n, 2)` mm: of a body that turns, its section's height turned."""
     body = part.body
     if isinstance(body, Prism) and body.axis == "x":

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index
 from skincad.base.estimate import Estimate
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.ridge_field import RidgeField
 from skincad.pictures.canvas import Axes, Figure, Picture, PolyCollection, Triangulation, sheet
 
-Array = NDArray[np.float64]
 SERIES = (("S1", "#1f5fa8", "o", -0.15), ("S2", "#c1531f", "s", 0.15), ("S1 - S2", "#222222", "D", 0.0))
 SHOWN = 0.97  # share of the silicone's drawn area whose stress lies within the colours
 MAP = "RdBu_r"
@@ -100,7 +99,7 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeFiel
     bar.ax.tick_params(labelsize=7)
 
 
-def usual(place: Array, triangles: NDArray[np.int64], values: Array) -> float:
+def usual(place: Array, triangles: Index, values: Array) -> float:
     """Return the size below which SHOWN of the triangles' area lies; at films' corners a stress has no bound.
 
     `place` `(p, 2)` and `values` `(p,)` of points, `triangles` `(t, 3)` of them.

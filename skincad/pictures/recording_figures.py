@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.resample import Recording, recorded
@@ -100,7 +100,7 @@ def phases(found: Simulation, ridge: int) -> dict[str, tuple[float, float]]:
     if slip is None:
         return {}
     time = found.march.time
-    pull: NDArray[np.float64] = np.abs(found.march.column("tangential"))
+    pull: Array = np.abs(found.march.column("tangential"))
     start = int(np.argmax(pull > 1e-3 * pull.max()))
     end = found.gross_slip_step if found.gross_slip_step is not None else time.size - 1
     marks = [float(time[i]) for i in (start, slip, end)]

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
+from skincad.base.arrays import Array, Index, Mask
+
 Colour = tuple[float, float, float]
-Image = NDArray[np.float64]
+Image = Array
 _LIGHT = np.array([0.35, -0.55, 0.76])  # from the viewer's upper right, in the scene's frame
 _OVERSAMPLE = 2
 
@@ -19,14 +20,14 @@ _OVERSAMPLE = 2
 class Camera:
     """An orthographic view: unit vectors of the picture's right, up and towards the viewer; scale."""
 
-    right: NDArray[np.float64]
-    up: NDArray[np.float64]
-    towards: NDArray[np.float64]
-    centre: NDArray[np.float64]  # mm, in the picture's plane
+    right: Array
+    up: Array
+    towards: Array
+    centre: Array  # mm, in the picture's plane
     per_mm: float  # pixels
     size: tuple[int, int]  # width, height in pixels
 
-    def pixel(self, point: NDArray[np.float64]) -> tuple[float, float]:
+    def pixel(self, point: Array) -> tuple[float, float]:
         """Return where a point of the scene lies in the picture, pixels from its upper left."""
         across = (float(point @ self.right) - self.centre[0]) * self.per_mm + self.size[0] / 2
         down = self.size[1] / 2 - (float(point @ self.up) - self.centre[1]) * self.per_mm
@@ -69,9 +70,7 @@ def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -
     return np.asarray(blocks.mean(axis=(1, 3)))
 
 
-def _edges(
-    hit: NDArray[np.int64], owner: NDArray[np.int64], normals: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _edges(hit: Index, owner: Index, normals: Array) -> Mask:
     """Pixels whose right or lower neighbour shows another part, or a face at more than 25 degrees."""
     part = np.where(hit >= 0, owner[hit], -1)
     facing = np.where((hit >= 0)[..., None], normals[hit], 0.0)

@@ -9,8 +9,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.scenes.levels import LEVELS, expected
 from skincad.scenes.march import INTERRUPTED, March
@@ -20,7 +20,6 @@ from skincad.scenes.scene import Scene
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
 
-Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (docs/facts.md)
 
 

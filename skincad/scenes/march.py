@@ -13,14 +13,13 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index
 from skincad.effects.kinds import MarchedPad, Reading, Step, Term
 from skincad.mechanics.contact.grip import Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
 
-Array = NDArray[np.float64]
 GROSS_SLIP, INTERRUPTED = "gross slip", "interrupted"
 ENDLESS = Limits(inf)
 WINDOW = 200  # steps; to look for collisions takes as long as some 20 quasi-static ones
@@ -38,7 +37,7 @@ class March:
 
     time: Array
     readings: tuple[Reading, ...]
-    ridge: NDArray[np.int64]
+    ridge: Index
     unknowns: int
     stopped: str | None
     failed: bool

@@ -6,14 +6,13 @@ from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
 from skincad.mechanics.contact.grip import Drive
 
-Array = NDArray[np.float64]
 MOST_FRAMES = 60  # of an animation of less than 2 MB
 STEEPEST = 5.0  # deg; of a plate that turns, as of a tilted one (design.py)
 # of a history; forces as contact.force, travel as the widest skin (design.py)

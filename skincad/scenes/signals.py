@@ -10,12 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.effects.kinds import Reading
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def unresolved(time: Array, bandwidth: float) -> list[str]:
@@ -29,7 +26,7 @@ def unresolved(time: Array, bandwidth: float) -> list[str]:
     ]
 
 
-def slip_by_ridge(touches: Mask, slips: Mask, ridge: NDArray[np.int64], ridges: int) -> Mask:
+def slip_by_ridge(touches: Mask, slips: Mask, ridge: Index, ridges: int) -> Mask:
     """Return `(steps + 1, ridges)`: a ridge slips while all its touching points slip, and some touch."""
     mine = [ridge == r for r in range(1, ridges + 1)]
     columns = [touches[:, m].any(axis=1) & (slips | ~touches)[:, m].all(axis=1) for m in mine]
@@ -65,7 +62,7 @@ class Slips:
     gross: int | None
 
 
-def slips_of(readings: Sequence[Reading], ridge: NDArray[np.int64], ridges: int) -> Slips:
+def slips_of(readings: Sequence[Reading], ridge: Index, ridges: int) -> Slips:
     """Return when the ridges slip, by a march's readings and the `ridge` `(m,)` of its contact points."""
     touches = np.array([reading.touches for reading in readings])
     slips = np.array([reading.slips for reading in readings])

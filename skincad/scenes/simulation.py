@@ -8,9 +8,9 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skincad.base.arguments import require_goals
+from skincad.base.arrays import Array, Mask
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
@@ -24,9 +24,6 @@ from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.readers import joined, read
 from skincad.scenes.scene import Scene
 from skincad.scenes.signals import slips_of, unresolved
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

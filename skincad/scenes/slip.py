@@ -20,14 +20,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
 from skincad.circuit.low_pass import delay
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # all four chosen on yamada-2002-slip, -stage, hold and pulls and presses of 1 to 6 ms (bench/
 # table_detector): measured there, assumptions elsewhere

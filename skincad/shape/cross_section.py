@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.curves import Kind, Loop, Point, Segment, area, loop, moments, polygon
@@ -198,14 +198,12 @@ def _check_flank(design: Design, at_root: float, at_tip: float) -> None:
         raise InputError("ridge.crown", rule, ridge.crown, "reduce it, or make the flanks steeper")
 
 
-def _rise(start: NDArray[np.float64], along: NDArray[np.float64], curvature: float) -> float:
+def _rise(start: Array, along: Array, curvature: float) -> float:
     """Sine of the angle by which a line rises from the circle of a curvature through its start, as below."""
     return float(along[1] + curvature * (start @ along))
 
 
-def concentric_hit(
-    start: NDArray[np.float64], along: NDArray[np.float64], curvature: float, level: float
-) -> float | None:
+def concentric_hit(start: Array, along: Array, curvature: float, level: float) -> float | None:
     """Solve n + curvature (t^2 + n^2) / 2 = level for u on the line start + u along, near u = 0.
 
     With curvature 1/R and level h + h^2 / (2 R) that is the circle of radius R + h about (0, -R), written so

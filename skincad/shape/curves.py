@@ -12,7 +12,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+
+from skincad.base.arrays import Array
 
 Kind = Literal["back", "side", "base", "root_fillet", "flank", "tip_fillet", "crown", "slot", "other"]
 _GAUSS = np.polynomial.legendre.leggauss(16)  # exact to rounding for sweeps below a half turn
@@ -61,7 +62,7 @@ class Segment:
         half = self.sweep / 2
         return self.chord if half == 0.0 else self.chord * half / math.sin(half)
 
-    def points(self, fractions: NDArray[np.float64]) -> NDArray[np.float64]:
+    def points(self, fractions: Array) -> Array:
         """Return the points at these fractions of the length, `(n, 2)` mm."""
         start, end = np.array(self.start), np.array(self.end)
         middle, half = (start + end) / 2, (end - start) / 2
@@ -73,7 +74,7 @@ class Segment:
             turn = (u - 0.5) * self.sweep
             size = math.sin(self.sweep / 2)
             along, aside = np.sin(turn) / size, self.bulge - 2 * np.sin(turn / 2) ** 2 / size
-        points: NDArray[np.float64] = middle + np.outer(along, half) + np.outer(aside, right)
+        points: Array = middle + np.outer(along, half) + np.outer(aside, right)
         return points
 
     def point(self, fraction: float) -> Point:
@@ -153,7 +154,7 @@ def moments(outline: Loop) -> tuple[float, float, float]:
     return float(area), float(mx + area * origin.x), float(mz + area * origin.z)
 
 
-def _circular_segment(middle: NDArray[np.float64], half: NDArray[np.float64], arc: Segment) -> list[float]:
+def _circular_segment(middle: Array, half: Array, arc: Segment) -> list[float]:
     """Area and moments between an arc and its chord, by Gauss integration over the angle."""
     nodes, weights = _GAUSS
     turn, size = nodes * arc.sweep / 2, math.sin(arc.sweep / 2)
@@ -175,7 +176,7 @@ def length(outline: Loop) -> float:
     return math.fsum(s.length for s in outline)
 
 
-def polygon(outline: Loop, tolerance: float) -> NDArray[np.float64]:
+def polygon(outline: Loop, tolerance: float) -> Array:
     """Return the loop's corners with arcs as chords within `tolerance` mm, `(n, 2)` mm, not closed."""
     rows = []
     for segment in outline:
@@ -190,7 +191,7 @@ def _quarter_chords(radius: float, tolerance: float) -> int:
     return max(4, math.ceil(math.pi / 4 / math.sqrt(tolerance / max(radius, tolerance))))
 
 
-def offset(outline: Loop, distance: float, tolerance: float) -> list[NDArray[np.float64]]:
+def offset(outline: Loop, distance: float, tolerance: float) -> list[Array]:
     """Return the outline moved outward by `distance` mm (inward if negative) as polygons within
     `tolerance` mm; round at the corners, so opening and closing with it are those of a round tool."""
     grown = shapely.Polygon(polygon(outline, tolerance / 2)).buffer(

@@ -12,14 +12,13 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skincad.base.arrays import Array
 from skincad.shape import curves
 from skincad.shape.curves import Loop
 from skincad.solids.grid import Grid
 from skincad.solids.roles import CutRole
 
-Array = NDArray[np.float64]
 Axis = Literal["x", "y", "z"]
 Heading = tuple[float, float]  # (x, z), of length 1
 Vector = tuple[float, float, float]
@@ -131,13 +130,13 @@ class Revolved:
         area, _, first = curves.moments(outline)
         return first - self.centre * area
 
-    def placed(self, points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    def placed(self, points: Array, angle: float) -> Array:
         """Return section points `(n, 2)` mm turned by an angle in rad, `(n, 3)` mm."""
         arm = points[:, 1] - self.centre
         level = points[:, 1] - 2 * arm * math.sin(angle / 2) ** 2
         return np.column_stack([points[:, 0], np.abs(arm) * math.sin(angle), level])
 
-    def straightened(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def straightened(self, points: Array) -> Array:
         """Return turned points `(n, 3)` mm at their place in the section: x, z, and y the angle's arc about
         the axis at z = 0. `placed` takes them back."""
         arm = points[:, 2] - self.centre

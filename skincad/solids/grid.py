@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from skincad.base.arrays import Array
+
 _SAME = 1e-9  # of a step: an end this near to an angle of the grid is that angle
 
 

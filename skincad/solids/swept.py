@@ -8,10 +8,10 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from skincad.base.arrays import Array
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.solids.body import (
-    Array,
     Axis,
     Body,
     Bore,
