@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.manifest import manifest_name
 from skincad.base.outfolder import checked_folder, replaced
 from skincad.base.result import Result, Writer
 from skincad.base.stopwatch import Progress, Stopwatch
@@ -19,9 +20,10 @@ PICTURES = ("png", "gif")
 
 @dataclass(frozen=True)
 class Written:
-    """What `write` left in `folder`: names and bytes of the files beside the manifest, seconds by stage."""
+    """What `write` left in `folder`: the manifest, names and bytes of the files beside it, seconds by stage."""
 
     folder: Path
+    manifest: str
     files: tuple[tuple[str, int], ...]
     seconds: dict[str, float]
 
@@ -30,9 +32,9 @@ class Written:
         return [{"path": str(self.folder / name), "bytes": size} for name, size in self.files]
 
     def __str__(self) -> str:
-        named = [name for name, _ in self.files]
+        named = [*(name for name, _ in self.files), self.manifest]
         names = ": " + ", ".join(named) if len(named) <= 6 else ""
-        return f"{len(named)} file{'s' * (len(named) != 1)} in {self.folder}{names}"
+        return f"{len(named)} files in {self.folder}{names}"
 
 
 def write(
@@ -58,7 +60,7 @@ def write(
             with watch.stage("picture" if _ending(name) in PICTURES else "files"):
                 writer(staging / name)
         sizes = tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir()))
-    return Written(target, sizes, watch.seconds())
+    return Written(target, manifest_name(presenter.COMMAND), sizes, watch.seconds())
 
 
 def ready(folder: Path, command: str, names: Iterable[str]) -> None:

@@ -53,7 +53,8 @@ def _slips(found: Simulation) -> str:
     """From which step each ridge slips until the end."""
     steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
     each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
-    return f"ridge {each}, each until the end" if steps else "no ridge slips until the end"
+    end = ", each" * (len(steps) > 1) + " until the end"
+    return f"ridge {each}{end}" if steps else "no ridge slips until the end"
 
 
 def _felt_lines(found: Simulation) -> list[str]:
