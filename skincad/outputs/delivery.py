@@ -20,7 +20,7 @@ PICTURES = ("png", "gif")
 
 @dataclass(frozen=True)
 class Written:
-    """What `write` left in `folder`: the manifest, names and bytes of the files beside it, seconds by stage."""
+    """What `write` left in `folder`: the manifest, the files beside it in bytes, and seconds by stage."""
 
     folder: Path
     manifest: str
