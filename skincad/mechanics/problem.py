@@ -177,7 +177,7 @@ def pad_of(design: Design) -> Pad:
     """
     bent = design.skin.curvature_radius_y
     if bent is not None:
-        rule = "is known to the winkler tier alone: the others take the skin as straight along y"
+        rule = "is handled by the winkler tier only: the others take the skin as straight along y"
         raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
     shape, stuff, film = section(design), silicone(design), design.film
     state = design.film_state

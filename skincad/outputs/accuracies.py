@@ -66,8 +66,8 @@ def lines(found: Accuracy) -> list[str]:
         *rows,
         f"On {told['processor']}, {told['cores']} cores{load}, Python {told['python']}, "
         + ", ".join(f"{name} {version}" for name, version in versions.items()),
-        f"Times are medians of {found.repeats} runs, ± half from the shortest to the longest; what takes "
-        f"long runs once. The whole took {found.seconds:.0f} s.",
+        f"Times are medians of {found.repeats} runs, ± half from the shortest to the longest; trials "
+        f"that take long run once. The whole took {found.seconds:.0f} s.",
     ]
 
 
@@ -101,7 +101,7 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
         yield f"  time of {model}: {law.factor:.2g} s x unknowns^{law.exponent:.2f}, {off}"
     yield from (f"  not {name}: {why}" for name, why in ladder.skipped.items())
     if ladder.lines:
-        yield "  * no other trial is both faster and better (of its model, where each aims at its own truth)"
+        yield "  * no other trial is both faster and better (of its model, where each has its own reference)"
     yield ""
 
 

@@ -204,7 +204,7 @@ def _check_terms(scene: Scene) -> None:
     for name, part in scene.parts.items():
         if isinstance(part, Term) and part.asks - scene.law.gives:
             raise InputError(
-                f"effects.{name}", f"is not known together with {law}", remedy=f"leave out {law}"
+                f"effects.{name}", f"does not work together with {law}", remedy=f"leave out {law}"
             )
     if MASS in scene.asked and scene.plate.mass is None:
         raise InputError("plate.mass", "is missing", remedy="masses count here: give the plate's mass in g")
@@ -236,7 +236,7 @@ def _check_law(scene: Scene) -> None:
     bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
     asked += [f"effects.{name}" for name, body in bodies.items() if body.condenses]
     if others and asked:
-        rule = f"is not known together with {' and '.join(others)}"
+        rule = f"does not work together with {' and '.join(others)}"
         raise InputError(asked[0], rule, remedy="leave one of them out")
     for name, body in bodies.items():
         if body.feels:

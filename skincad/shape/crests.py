@@ -45,5 +45,5 @@ def shift_warnings(drops: tuple[float, ...], design: Design) -> tuple[str, ...]:
     side = "higher" if shift > 0 else "lower"
     return (
         f"the median crest lies {abs(shift):.3g} mm {side} than designed: the gauge's zero, or a back of "
-        f"another thickness than the {design.skin.thickness:g} mm that the model takes",
+        f"another thickness than the {design.skin.thickness:g} mm that the model assumes",
     )

@@ -130,7 +130,7 @@ def mold(design: Design) -> ClosedMold:
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
     """What a cavity that is split at these ridges can't be."""
     if ridges and design.ridge.count % 2 == 0:
-        rule = "parts an odd number of ridges only, so that the middle one leaves straight"
+        rule = "splits only an odd number of ridges, so that the middle one comes straight out"
         yield InputError("mold.split", rule, design.ridge.count, "take one ridge more or less")
     if ridges and design.mold.cavities > 1:
         yield InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)

@@ -67,5 +67,5 @@ def test_ends_soften_a_pad_the_less_the_longer_it_is(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("other", ["effects.finite_strain={}", "effects.viscosity.retardation_time=1e-4"])
 def test_ends_are_known_to_condensed_pads_alone(tmp_path: Path, other: str) -> None:
-    with pytest.raises(InputError, match=r"effects\.free_ends: is not known together with"):
+    with pytest.raises(InputError, match=r"effects\.free_ends: does not work together with"):
         small_scene(tmp_path, *PRESS, ENDS, other)

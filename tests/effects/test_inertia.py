@@ -57,7 +57,7 @@ def test_undamped_masses_are_warned_of(folder: Path) -> None:
 
 
 def test_finite_strain_has_no_masses() -> None:
-    with pytest.raises(InputError, match="is not known together with finite_strain"):
+    with pytest.raises(InputError, match="does not work together with finite_strain"):
         load_scene("drop", ["effects.finite_strain={}", "effects.viscosity=none"])
 
 

@@ -99,7 +99,7 @@ def test_films_signals_need_slots() -> None:
 @pytest.mark.parametrize("other", ["finite_strain={}", "viscosity.retardation_time=1e-4"])
 def test_what_a_condensed_pad_alone_knows_is_refused_with_others(more: str, key: str, other: str) -> None:
     name = "viscosity" if "viscosity" in other else "finite_strain"
-    with pytest.raises(InputError, match=f"{key}: is not known together with .*{name}"):
+    with pytest.raises(InputError, match=f"{key}: does not work together with .*{name}"):
         load_scene(SLIP, [more, f"effects.{other}"])
 
 

@@ -299,7 +299,7 @@ def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
             ["mold.end_plate=1", "mold.reservoir=16", 'mold.carrier="plain"'],
             "mold.reservoir: must",
         ),
-        ("steep-fingertip", ["ridge.count=4"], "mold.split: parts an odd number"),
+        ("steep-fingertip", ["ridge.count=4"], "mold.split: splits only an odd number"),
         ("yamada-2002", ["slot.offset=0.264", "mold.shrinkage=0.05"], "slot"),
     ],
 )

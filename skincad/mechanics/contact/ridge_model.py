@@ -91,7 +91,7 @@ def _settled(model: RidgeModel, whole: Array, low: Array, force: Array, rounding
         if not still.all():
             low, carried, waiting = low[:, still], carried[:, still], waiting[still]
             approach, force, moved = approach[still], force[still], moved[still]
-    raise ContactError(f"the ridge model does not settle ({(moved / force).max():.1e}); ask for fewer ridges")
+    raise ContactError(f"the ridge model does not settle ({(moved / force).max():.1e}); take fewer ridges")
 
 
 def _self_force(model: RidgeModel, ridge: int, indent: Array) -> Array:

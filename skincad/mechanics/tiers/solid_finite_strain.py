@@ -76,7 +76,9 @@ def answer(
     warnings = [*fine.warnings, *([strains.beyond] if strains.beyond else [])]
     reached = max(ERRORS.approach, ERRORS.threshold, ERRORS.share)
     if 0 < (request.tol or 0.0) < reached:
-        warnings.append(f"finite strain's change is known to {reached:g}: {request.tol:.1e} is not met")
+        warnings.append(
+            f"the change by finite strain is known to {reached:g}: the tolerance {request.tol:.1e} is not met"
+        )
     if request.budget is not None and perf_counter() - began > request.budget:
         warnings.append(f"the solid with finite strain overran the budget of {request.budget:g} s")
     return replace(
