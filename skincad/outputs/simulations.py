@@ -54,7 +54,7 @@ def _slips(found: Simulation) -> str:
     steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
     each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
-    return f"ridge {each}{end}" if steps else "no ridge slips until the end"
+    return f"ridge {each}{end}" if steps else "no ridge slips for good"
 
 
 def _felt_lines(found: Simulation) -> list[str]:
