@@ -167,7 +167,7 @@ def test_every_failure_is_one_line_and_with_json_an_object(
     def broken(*_: object, **__: object) -> None:
         raise raised
 
-    monkeypatch.setattr("skincad.mechanics.touching.check", broken)
+    monkeypatch.setattr("skincad.check", broken)
     status, out, err = left(CHECK + " --json" * json_asked, capsys, monkeypatch)
     assert status == expected
     assert err.startswith(f"skincad: {words}")
@@ -184,7 +184,7 @@ def test_a_traceback_is_shown_to_who_asks_for_it(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("skincad.mechanics.touching.check", broken)
+    monkeypatch.setattr("skincad.check", broken)
     monkeypatch.setenv(cli.TRACEBACK, "1")
     status, _, err = left(CHECK, capsys, monkeypatch)
     assert status == 3

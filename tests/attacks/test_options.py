@@ -92,7 +92,7 @@ def test_so_is_a_pads_largest_force(number: str, folder: Path) -> None:
 
 
 def test_a_bad_pull_is_refused_before_the_verdict(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("skincad.mechanics.touching.check", None)
+    monkeypatch.setattr("skincad.check", None)
     for wrong in (
         ["--pull", "nan"],
         ["--set", "slot=none"],

@@ -151,8 +151,11 @@ def test_a_scenes_skin_may_be_of_them(lab: Path, tmp_path: Path) -> None:
         ("[lab", "lab.toml: is not TOML"),
     ],
 )
-def test_a_bad_file_is_refused_in_one_line(tmp_path: Path, text: str, message: str) -> None:
-    path = tmp_path / "lab.toml"
+def test_a_bad_file_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)  # a message shows the first 80 letters of a path
+    path = Path("lab.toml")
     path.write_text(text)
     with pytest.raises(InputError) as refused:
         skincad.load("lab-bench", silicones=path)

@@ -20,7 +20,10 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
     none = Estimate(None, None, "N")
     for change, words in (
         ({"passed": True}, "Passes: all 9 ridges touch a flat plate at 4 N; they already do at 3.0 "),
-        ({"ridges": 2}, "Passes: both ridges touch a flat plate at 4 N; they already do at 3.0 "),
+        (
+            {"passed": True, "ridges": 2},
+            "Passes: both ridges touch a flat plate at 4 N; they already do at 3.0 ",
+        ),
         (
             {"passed": False, "touching": 7},
             "FAILS: 7 of 9 ridges touch a flat plate at 4 N; all need 3.0 ",
