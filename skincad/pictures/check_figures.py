@@ -25,6 +25,7 @@ def ridge_force_figure(check: ContactCheck) -> Picture:
         if check.ridges <= 20:
             axes.set_xticks(ridges)
         axes.grid(axis="y", color="#ddd", linewidth=0.6)
+        axes.set_axisbelow(True)
         axes.legend(fontsize=8)
         needed = "" if check.all_touch_force.value is None else f"; all touch from {check.all_touch_force}"
         axes.set_title(f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}")

@@ -34,7 +34,7 @@ def gain_figure(found: CircuitGain) -> Picture:
         axes.set_xlabel("frequency, Hz")
         axes.set_ylabel("gain, dB re 1 V/N")
         axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
-        axes.legend(loc="upper left", fontsize=8)
+        axes.legend(loc="best", fontsize=8)
         axes.set_title(f"{found.name}: gain of film and amplifier", fontsize=11)
     return figure
 
