@@ -26,7 +26,7 @@ def verdict(check: ContactCheck) -> str:
     if check.passed:
         return f"Passes: {every} touch {plate}; they already do at {needed}."
     if needed.value is not None and check.touching == check.ridges:
-        return f"FAILS narrowly: {every} touch {plate}, but they need {needed}, error included."
+        return f"FAILS narrowly: {every} touch {plate}, but they need {needed}, which may be more."
     some = f"FAILS: {check.touching} of {check.ridges} ridges touch {plate}"
     return (
         f"{some}; no force makes all of them touch."
