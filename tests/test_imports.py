@@ -54,6 +54,8 @@ def run(*arguments: str) -> str:
             "section(skincad.load('yamada-2002'))",
             (*CAD, *FE),
         ),
+        # words are printed without what draws
+        ("import skincad.outputs.fits, skincad.outputs.simulations", (*CAD, "matplotlib")),
         ("import skincad; skincad.skin_solid(skincad.load('yamada-2002'))", FE),
     ],
 )

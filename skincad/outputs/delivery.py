@@ -13,7 +13,6 @@ from skincad.base.outfolder import checked_folder, replaced
 from skincad.base.result import Result, Writer
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.base.strictjson import strict_json
-from skincad.pictures.canvas import Picture, save
 
 PICTURES = ("png", "gif")
 
@@ -93,6 +92,8 @@ def picture(draw: Callable[[], Any]) -> Writer:
     """Return the writer of a figure as PNG, drawn when it is written."""
 
     def writer(path: Path) -> None:
+        from skincad.pictures.canvas import Picture, save
+
         figure = draw()
         assert isinstance(figure, Picture)
         save(figure, path)
