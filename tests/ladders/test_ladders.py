@@ -130,6 +130,16 @@ def small_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(effects, "FEWER", {})
 
 
+@pytest.mark.parametrize("tier", contact.LEVELS)
+def test_levels_are_each_another_and_the_last_is_the_finest(tier: str) -> None:
+    levels = contact.LEVELS[tier]
+    assert len(set(levels)) == len(levels)
+    assert levels[-1] == (max(fine for fine, _ in levels), max(order for _, order in levels))
+    for fine in {fine for fine, _ in levels}:  # orders without a gap, so that each shows what one more gains
+        orders = [order for each, order in levels if each == fine]
+        assert orders == list(range(orders[0], orders[0] + len(orders)))
+
+
 @pytest.fixture(scope="module")
 def pressed(plain: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:

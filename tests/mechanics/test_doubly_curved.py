@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -165,3 +166,14 @@ def test_a_contact_that_slopes_too_much_is_no_pass() -> None:
     found = check(bent(yamada().with_(skin={"curvature_radius": 12.0}, slot=None), 8.0), force=50.0)
     assert "slopes by" in found.beyond
     assert not found.passed
+
+
+@pytest.mark.parametrize("radius", [20.0, 40.0])
+def test_the_slope_that_is_told_is_where_the_plate_cuts_the_crest(radius: float) -> None:
+    """A crest along y is a circle of radius R + h; a plate d below its top cuts it where it slopes by
+    sqrt(1 - (1 - d / (R + h))^2)."""
+    design = bent(yamada().with_(slot=None, film=None), radius)
+    found = check(design, force=0.5, tier="winkler")
+    depth = (found.approach.value or 0.0) / (radius + design.ridge.height)  # the middle ridge touches first
+    slope = math.sqrt(1 - (1 - depth) ** 2)
+    assert f"slopes of up to {slope:.2g} along y" in " ".join(found.warnings)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -82,3 +83,12 @@ def test_without_fields_only_the_numbers(tmp_path: Path) -> None:
 def test_a_share_far_above_one_is_a_ratio() -> None:
     assert film_figures._share(8.43, 0.87) == "8.4 ± 0.9 times"
     assert film_figures._share(0.31, 0.02) == "31% ± 2% of"
+
+
+def test_the_colours_end_where_the_largest_part_of_the_area_lies() -> None:
+    """97 % of the area lies within: of areas 96, 2 and 2 the second stress, whichever way triangles lie."""
+    corners = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0]])
+    place = np.concatenate([corners * math.sqrt(area) for area in (96.0, 2.0, 2.0)])
+    triangles = np.arange(9).reshape(3, 3)
+    values = np.repeat([-1.0, 2.0, 5.0], 3)
+    assert film_figures.usual(place, triangles, values) == 2.0

@@ -87,3 +87,13 @@ def test_a_polygon_has_a_loops_corners_to_the_last_digit() -> None:
     """(4 - 14.6) / 2 - (-14.6 - 4) / 2 is 4 + 1e-15: a bore that ends at 4 would stay closed by a film."""
     block = rectangle(-26.519999999999996, 26.52, -14.6, 4.0)
     assert {tuple(p) for p in polygon(block, 1e-3)} == {tuple(s.start) for s in block}
+
+
+@pytest.mark.parametrize("heading", np.linspace(0.1, 6.2, 12))
+@pytest.mark.parametrize("bulge", [0.15, 0.9])
+def test_the_top_is_the_highest_of_many_points(heading: float, bulge: float) -> None:
+    start = Point(0.3, -0.2)
+    arc = Segment(start, Point(start.x + 2 * math.cos(heading), start.z + 2 * math.sin(heading)), bulge)
+    seen = arc.points(np.linspace(0.0, 1.0, 20001))[:, 1].max()
+    # between two of the points the arc rises by (its angle between them)^2 R / 8, below 1e-8 mm
+    assert arc.top == pytest.approx(seen, abs=1e-8)
