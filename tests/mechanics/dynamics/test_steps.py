@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from functools import cache
 
+import ngsolve as ng
 import numpy as np
 import pytest
 from scipy import sparse
@@ -314,6 +315,22 @@ def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     aside = np.roll(system.lift, int(system.contact[0] - found.body.along_x[0]) * -1)[free]
     sways = int(np.argmax(np.abs(modes.T @ mass @ aside)))
     assert math.sqrt(squares[sways]) / (2 * math.pi) == pytest.approx(wanted, rel=0.005)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.499])
+def test_all_of_a_shear_relaxes_and_of_a_swelling_nothing(ratio: float) -> None:
+    """Twice the energies of u = (z, 0) and (x, z): the square of the strain without its mean, times 2 G.
+    To rounding: the fields are linear."""
+    piece = piece_of(replace(block(3.0, 1.0, ratio), density=1000.0), 0.0)
+    found = moving(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    space = found.body.system.space.components[0]
+    shear = piece.pad.young_modulus / (2 * (1 + ratio))
+    volume = 3.0 * 1.0 * piece.pad.length / (2 if piece.mirrored else 1)
+    for field, share in ((ng.CF((ng.y, 0)), 1.0), (ng.CF((ng.x, ng.y)), 4 / 3)):
+        moved = ng.GridFunction(space)
+        moved.Set(unit_of(piece.pad) * field)
+        u = moved.vec.FV().NumPy()[: found.soft.shape[0]]
+        assert u @ found.soft @ u == pytest.approx(share * shear * volume, rel=1e-10)
 
 
 def test_a_pad_creeps_as_its_material() -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from skincad.base.errors import InputError
 from skincad.mechanics.tiers.prices import LAWS
-from skincad.mechanics.tiers.table import AUTO, TIERS, below
+from skincad.mechanics.tiers.table import AUTO, TIERS, below, tier_of
 
 
 @pytest.mark.parametrize("name", TIERS)
@@ -25,3 +26,9 @@ def test_every_tier_has_its_law_of_time_and_auto_climbs_by_price() -> None:
     assert set(LAWS) == set(TIERS)
     prices = [TIERS[name].price for name in AUTO]
     assert prices == sorted(prices)
+
+
+def test_a_tier_is_had_by_its_name_alone() -> None:
+    assert all(tier_of(name) is TIERS[name] for name in TIERS)
+    with pytest.raises(InputError, match="did you mean 'linear'"):
+        tier_of("lineer")
