@@ -10,6 +10,7 @@ import pytest
 from manifold3d import Manifold, OpType
 
 import skincad
+from skincad.fabrication import filling
 from skincad.fabrication.filling import best_tilt, filling_findings, pockets
 from skincad.fabrication.levels import cells, trapped, vertical
 from skincad.fabrication.meshes import manifold
@@ -139,6 +140,16 @@ def test_air_under_a_hood_is_the_prism_between_its_legs(yamada: Design) -> None:
     assert pocket.where == "shim-5-S3, at end b's edge"
     (level,) = pockets(yamada, hooded(mold(yamada)), 0.0)
     assert level.volume == pytest.approx(1.8 * 0.9 * 12, rel=ROUNDING)
+
+
+@pytest.mark.parametrize(("least", "helps"), [(0.0, True), (0.8, True), (0.95, False)])
+def test_a_tilt_is_advised_where_it_saves_a_tenth_of_the_air(
+    yamada: Design, monkeypatch: pytest.MonkeyPatch, least: float, helps: bool
+) -> None:
+    hood, traps = hooded(mold(yamada)), filling_findings(yamada, hooded(mold(yamada)))[0].measured
+    monkeypatch.setattr(filling, "best_tilt", lambda *_: (7.0, least * traps))
+    (finding,) = filling_findings(yamada, hood)
+    assert finding.remedy.startswith("mold.pour_tilt = 7" if helps else "no tilt traps less: fill under")
 
 
 def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None:

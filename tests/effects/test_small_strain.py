@@ -1,0 +1,40 @@
+"""What is told of a condensed pad's state: the work that friction takes, from points on springs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skincad.effects.kinds import Share, Step
+from skincad.effects.small_strain import condensed
+from skincad.mechanics.contact.grip import Cone, Drive
+from skincad.mechanics.film.sliding import Sliding
+
+FLEXIBLE = 0.25  # mm/N
+
+
+def springs() -> Sliding:
+    """Two points at the same height on springs of their own, alike in x and in z."""
+    one, two = np.eye(4), np.zeros(2)
+    ridge = np.array([0, 1])
+    return Sliding(FLEXIBLE * one, two, np.array([-1.0, 1.0]), ridge, np.ones(2), np.zeros((0, 3, 4)), 4)
+
+
+@pytest.mark.parametrize("coefficient", [0.2, 0.7])
+def test_friction_takes_what_the_plate_gives_and_no_spring_keeps(coefficient: float) -> None:
+    """The plate's work in x is what springs keep and friction takes; friction takes mu N times the slide."""
+    skin, cone = condensed(springs()), Cone(coefficient, coefficient)
+    state = skin.start()
+    drives = [Drive(2.0, travel=0.0), *(Drive(2.0, travel=0.05 * i) for i in range(1, 41))]
+    before, taken, given = Drive(0.0, travel=0.0), 0.0, 0.0
+    for drive in drives:
+        step = Step(0.0, 1.0, before, drive, 0.0)
+        after = skin.advanced(state, step, [Share(cone=cone)])
+        told = skin.reading(state, after)
+        given += (after.travel - state.travel) * (state.tangential.sum() + after.tangential.sum()) / 2
+        taken += told.dissipated
+        state, before = after, drive
+    held = coefficient * 2.0  # N, on both points together
+    stretched = FLEXIBLE * held / 2
+    assert taken == pytest.approx(held * (2.0 - stretched), rel=0.05)
+    assert given == pytest.approx(taken + held * stretched / 2, rel=1e-9)
