@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,6 +42,13 @@ def test_the_shipped_set_is_as_near_to_the_paper_as_any_that_is_found(shipped: C
     assert misfit(shipped) == pytest.approx(1.82, abs=0.01)
     assert found.rms == pytest.approx(misfit(shipped), abs=0.01)
     assert found.agreeing >= 2  # more than one start ended there
+
+
+def test_the_ranges_searched_are_those_of_the_page() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "circuit.md").read_text("utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", page, re.M)
+    told = {name: (float(low), float(high)) for name, low, high in rows if name in BOUNDS}
+    assert told == BOUNDS
 
 
 def test_every_shipped_constant_lies_in_its_bounds(shipped: Constants) -> None:
