@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
+from skincad.circuit.bode import gain
+from skincad.circuit.model import load_circuit
 from skincad.circuit.slopes import fit_slopes
 
 F = np.geomspace(10.0, 20_000.0, 400)
@@ -68,3 +74,23 @@ def test_points_spread_unevenly_weigh_by_their_share_of_the_range() -> None:
 def test_too_few_points_are_told() -> None:
     with pytest.raises(InputError, match="at least 20"):
         fit_slopes(F[:10], F[:10], 10.0, 8000.0)
+
+
+@pytest.mark.parametrize(("below", "above", "flatter"), [
+    (20.0, 60.0, "below"), (-20.0, 5.0, "above"), (None, 0.5, "below"), (0.5, None, "above"),
+])  # fmt: skip
+def test_mid_band_is_on_the_flatter_side_of_the_cutoff(
+    below: float | None, above: float | None, flatter: str
+) -> None:
+    """A side without a slope is flat. Its middle is that of logarithms, from end to cut-off."""
+    found = gain(load_circuit("transimpedance"))
+    sides = {
+        "cutoff": Estimate(100.0, 1.0, "Hz"),
+        "below": Estimate(below, None, "dB/dec"),
+        "above": Estimate(above, None, "dB/dec"),
+    }
+    middle, level = replace(found, slopes=replace(found.slopes, **sides)).mid_band
+    end = found.frequency[0] if flatter == "below" else found.circuit.sweep.fit_high
+    assert middle == pytest.approx(math.sqrt(100.0 * end))
+    nearest = int(np.abs(found.frequency - middle).argmin())
+    assert level == pytest.approx(found.gain[nearest], abs=0.5)  # between two points of the sweep

@@ -152,6 +152,17 @@ def test_a_tilt_is_advised_where_it_saves_a_tenth_of_the_air(
     assert finding.remedy.startswith("mold.pour_tilt = 7" if helps else "no tilt traps less: fill under")
 
 
+def test_the_best_tilt_is_the_best_of_all_half_degrees_near_it(yamada: Design) -> None:
+    hood = hooded(mold(yamada))
+    tilt, least = best_tilt(yamada, hood)
+    low, high = filling.TILTS
+    others = [t for t in np.arange(tilt - 2.0, tilt + 2.25, 0.5) if low <= t <= high]
+    kept = {float(t): sum(p.volume for p in pockets(yamada, hood, float(t))) for t in others}
+    assert 2 * tilt == round(2 * tilt)
+    assert least == pytest.approx(min(kept.values()), abs=1e-3)
+    assert kept[tilt] == pytest.approx(least, abs=1e-3)
+
+
 def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None:
     (finding,) = filling_findings(yamada, hooded(mold(yamada)))
     assert (finding.rule, finding.severity, finding.unit) == ("trapped air", "warning", "mm3")

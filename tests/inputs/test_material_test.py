@@ -166,3 +166,20 @@ def test_more_rows_than_any_test_has_are_refused(tmp_path: Path) -> None:
     path.write_text("ridge;crest_mm\n" + ";\n" * (MOST_ROWS + 1))
     with pytest.raises(InputError, match=f"must have at most {MOST_ROWS} rows"):
         read_columns(path, ("ridge", "crest_mm"))
+
+
+@pytest.mark.parametrize("span", [0.02, 1.0, 50.0])
+@pytest.mark.parametrize(("back", "taken"), [(0.03, True), (0.08, False)])
+def test_a_crosshead_may_go_back_by_a_twentieth_of_its_way(
+    tmp_path: Path, span: float, back: float, taken: bool
+) -> None:
+    travel = np.linspace(0.0, span, 30)
+    travel[15] = travel[14] - back * span
+    path = tmp_path / "test.csv"
+    rows = zip(travel, np.linspace(0.0, 2.0, 30), strict=True)
+    path.write_text("approach_mm,force_N\n" + "\n".join(f"{a:.9g},{b:.9g}" for a, b in rows))
+    if taken:
+        assert material_test(path).deformation.size == 30
+    else:
+        with pytest.raises(InputError, match="row 16: approach_mm goes back"):
+            material_test(path)

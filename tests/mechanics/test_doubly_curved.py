@@ -177,3 +177,13 @@ def test_the_slope_that_is_told_is_where_the_plate_cuts_the_crest(radius: float)
     depth = (found.approach.value or 0.0) / (radius + design.ridge.height)  # the middle ridge touches first
     slope = math.sqrt(1 - (1 - depth) ** 2)
     assert f"slopes of up to {slope:.2g} along y" in " ".join(found.warnings)
+
+
+@pytest.mark.parametrize("radius", [20.0, 40.0, 1e5])
+def test_the_bars_at_usual_sizes_are_what_was_measured_and_little_more(radius: float) -> None:
+    """In 47 cases F9 was up to 2.07 times, the approach 1.53 times and a share 0.17 of the mean off."""
+    design = bent(yamada().with_(slot=None, film=None), radius)
+    found = check(design, tier="winkler")
+    threshold, approach = found.all_touch_force, found.approach
+    assert 1.07 <= (threshold.error or 0.0) / (threshold.value or 1.0) <= 1.5
+    assert 0.53 <= (approach.error or 0.0) / (approach.value or 1.0) <= 0.8

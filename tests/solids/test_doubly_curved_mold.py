@@ -17,6 +17,7 @@ from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
+from skincad.solids.bowl import gap_beside
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import solid, volume
@@ -284,3 +285,28 @@ def test_a_split_cavity_is_refused_where_ridges_need_it_only() -> None:
 def test_cast_in_strips_stay_refused(yamada: Design) -> None:
     with pytest.raises(InputError, match=r"mold.method: needs straight strips"):
         yamada.with_(mold={"method": "cast-in"}, skin={"curvature_radius_y": 60.0})
+
+
+def test_the_gap_beside_a_bent_carrier_ends_on_the_molds_back(closed: ClosedMold) -> None:
+    carrier = closed.part("carrier").body
+    assert isinstance(carrier, Prism)
+    assert carrier.grid is not None
+    arcs = [s for piece in gap_beside(carrier, 0.3) for s in piece.outline if s.bulge]
+    assert len(arcs) == 4  # both sides' whole backs, and what is left beside each end
+    for arc in arcs:
+        assert arc.radius == pytest.approx(carrier.grid.centre, rel=1e-9)
+        assert math.hypot(arc.point(0.5).x, arc.point(0.5).z - carrier.grid.centre) == pytest.approx(
+            carrier.grid.centre, rel=1e-9
+        )
+
+
+@pytest.mark.parametrize("radius", RADII)
+def test_what_is_lifted_off_a_bent_mold_comes_clear_of_all_that_stays(radius: float) -> None:
+    closed = mold(bent("yamada-2002", radius, "ridge.count=3", "skin.length=20.0"))
+    heights = {part.name: manifold(part, 0.05).bounding_box()[2::3] for part in closed.parts}
+    left = set(heights)
+    for move in closed.opening:
+        left -= set(move.parts)
+        if move.axis == "z" and move.travel > 0 and left:
+            lowest = min(heights[name][0] for name in move.parts) + move.travel
+            assert lowest > max(heights[name][1] for name in left)

@@ -13,10 +13,10 @@ from skincad.shape.cross_section import section
 from skincad.shape.curves import area, rectangle
 from skincad.solids.body import Bore
 from skincad.solids.inserts import STUB
-from skincad.solids.layout import BOLT_RADIUS, LEDGE
+from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part, box
-from skincad.solids.roles import PartRole
+from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.undercut import undercuts
 
 
@@ -306,3 +306,19 @@ def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
 def test_what_random_designs_broke_is_refused(template: str, settings: list[str], words: str) -> None:
     with pytest.raises(InputError, match=words):
         mold(load(template, settings))
+
+
+def test_under_a_nut_enough_of_a_thin_end_plate_is_left() -> None:
+    """The pocket goes as deep as the nut is high, or leaves 1 mm of a plate that is too thin for both."""
+    for thick in (3.0, 3.5, 6.0):
+        closed = mold(load("lab-bench").with_(mold={"end_plate": thick}))
+        holes = [
+            cut
+            for part in closed.parts
+            if part.role in (PartRole.COMB, PartRole.END_PLATE) and part.end == "b"
+            for cut in part.cuts
+            if isinstance(cut, Bore) and cut.role is CutRole.END_BOLT
+        ]
+        assert holes
+        for hole in holes:
+            assert hole.length == pytest.approx(max(thick - NUT_DEPTH, 1.0))

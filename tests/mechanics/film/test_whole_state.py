@@ -54,3 +54,11 @@ def test_a_plate_through_the_flanks_is_a_fault() -> None:
     # the plate falls towards -x: what is met lies in the mirrored half
     assert "meets the plate" in pad.whole.fault(0 * force(), part.whole.top, 0.3)
     assert "meets the plate" in pad.whole.fault(0 * force(), part.whole.top, -0.3)
+
+
+def test_ridges_that_give_more_at_the_ends_let_the_plate_down() -> None:
+    """A plate 0.4 mm too deep meets the flanks; no longer where the ends let every ridge down by as much."""
+    part, _, pad = meshed()
+    deep, x = part.whole.top - 0.4, np.array([-1.0, 1.0])
+    assert pad.whole.fault(0 * force(), deep, 0.0, (x, np.full(2, 0.4))) is None
+    assert "meets the plate" in pad.whole.fault(0 * force(), deep, 0.0, (x, np.full(2, 0.01)))

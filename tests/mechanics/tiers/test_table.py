@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.mechanics.tiers.linear import RUNGS
 from skincad.mechanics.tiers.prices import LAWS
 from skincad.mechanics.tiers.table import AUTO, TIERS, below, tier_of
 
@@ -32,3 +33,11 @@ def test_a_tier_is_had_by_its_name_alone() -> None:
     assert all(tier_of(name) is TIERS[name] for name in TIERS)
     with pytest.raises(InputError, match="did you mean 'linear'"):
         tier_of("lineer")
+
+
+def test_finer_rungs_are_nearer_and_the_finest_is_taken_whatever_is_asked() -> None:
+    usual = [rung.usual for rung in RUNGS]
+    assert usual == sorted(usual, reverse=True)
+    assert usual[-1] == 0.0
+    assert [(rung.fineness, rung.order) for rung in RUNGS] == sorted({(r.fineness, r.order) for r in RUNGS})
+    assert all(rung.price >= 1 for rung in RUNGS)
