@@ -1,9 +1,9 @@
-"""What the tests see: random small changes of the code, each with the tests of the file that it is in.
+"""What the tests see: random small changes of the code, each with fast tests that run the changed line.
 
 `python -m bench.mutants --seed 1 --count 300` changes one operator or constant at a time in a copy of this
-tree (see `bench.mutate`), runs the tests of the changed file (see `bench.mirrored`) and writes a JSON line of
-each to out/mutants-SEED.jsonl; started again it goes on. A run that takes several times as long as it does
-without the change counts as seen. At the end: the share seen, and what was not.
+tree (see `bench.mutate`), runs tests that reach it (see `bench.covered`, which runs the fast tests once) and
+writes a JSON line of each to out/mutants-SEED/records.jsonl; started again it goes on. A run that takes many
+times as long as it does without the change counts as seen. At the end: the share seen, and what was not.
 """
 
 from __future__ import annotations
@@ -22,18 +22,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from itertools import count, islice
+from itertools import count
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Lock
 from time import perf_counter
 from typing import Any
 
-from bench.mirrored import covering
+from bench.covered import Covered, recorded
 from bench.mutate import Site, mutated, sites
 
 HERE = Path(__file__).parents[1]
-SLOWER = 5.0  # times the unchanged tests' run: a change that makes a loop endless is seen
+SLOWER, START = 6.0, 10.0  # times the unchanged tests and s: a change that makes a loop endless is seen
+MISSING = 4  # pytest's status where it knows no such test
 MEMORY = 16 * 2**20  # KiB of address space: a change may ask for all there is
 TICKS = count(1)  # times of change, s, that no file has
 
@@ -76,8 +77,8 @@ def copy(tree: Path, target: Path) -> None:
             shutil.copy2(tree / name, target / name)
 
 
-def verdict(tree: Path, test: str, limit: float | None) -> tuple[str | None, float]:
-    """Return the first test of a file that fails against a tree (None if all pass), and s taken."""
+def verdict(tree: Path, tests: Sequence[str], limit: float | None) -> str | None:
+    """Return the first of these tests that fails against a tree, None if all pass."""
     pytest = [
         "-m",
         "pytest",
@@ -93,9 +94,8 @@ def verdict(tree: Path, test: str, limit: float | None) -> tuple[str | None, flo
     ]
     limited = ["sh", "-c", f'ulimit -v {MEMORY}; exec "$@"', "sh"]
     environment = {"PYTHONPATH": str(tree), "TMPDIR": str(tree.parent), "OPENBLAS_NUM_THREADS": "1"}
-    started = perf_counter()
     process = subprocess.Popen(
-        [*limited, sys.executable, *pytest, test],
+        [*limited, sys.executable, *pytest, *tests],
         cwd=tree,
         env={**os.environ, **environment},
         stdout=subprocess.PIPE,
@@ -108,65 +108,52 @@ def verdict(tree: Path, test: str, limit: float | None) -> tuple[str | None, flo
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
-        said = f"FAILED {test}:too-long"
-    spent = perf_counter() - started
+        return "too long"
     if process.returncode == 0 and " passed" in said:  # not all skipped or deselected
-        return None, spent
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", said, re.MULTILINE)
-    return failed[1] if failed else f"{test}:{process.returncode}", spent
+        return None
+    failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", said, re.MULTILINE)
+    if process.returncode == MISSING and not failed:
+        raise ValueError(f"not all of {' '.join(tests)} are there: {said}")
+    return failed[1] if failed else f"status {process.returncode}"
 
 
 class Bench:
-    """Copies of the tree, one a worker, and the records: changes, and what a test file takes without one."""
+    """Copies of the tree, one a worker, what their tests run, and the records of changes."""
 
-    def __init__(self, out: Path, folder: Path, workers: int, shortest: float) -> None:
-        self.out, self.shortest = out, shortest
-        self.lock, self.trees = Lock(), SimpleQueue[Path]()
+    def __init__(self, out: Path, folder: Path, workers: int) -> None:
+        self.out, self.lock, self.trees = out / "records.jsonl", Lock(), SimpleQueue[Path]()
         self.records: list[dict[str, Any]] = []
-        if out.exists():
-            self.records = [json.loads(line) for line in out.read_text("utf-8").splitlines()]
+        if self.out.exists():
+            self.records = [json.loads(line) for line in self.out.read_text("utf-8").splitlines()]
         for each in range(workers):
             copy(HERE, folder / str(each) / "tree")
             self.trees.put(folder / str(each) / "tree")
+        self.covered: Covered = recorded(folder / "0" / "tree", out, HERE)
 
-    def record(self, told: dict[str, Any]) -> None:
+    def known(self, mutant: Mutant) -> dict[str, Any] | None:
+        """Return a change's record."""
+        told = asdict(mutant)
+        return next((each for each in self.records if told.items() <= each.items()), None)
+
+    def judge(self, mutant: Mutant, site: Site, budget: float) -> None:
+        """Run tests that reach a change, and record what they say."""
+        if self.known(mutant):
+            return
+        with self.lock:  # the coverage's file has one reader
+            tests = self.covered.tests(mutant.file, mutant.line, budget)
+        tree, started, by = self.trees.get(), perf_counter(), None
+        try:
+            with changed(tree / mutant.file, site, mutant.after):
+                if tests:
+                    by = verdict(tree, tests, SLOWER * (START + self.covered.spent(tests)))
+        finally:
+            self.trees.put(tree)
+        spent = {"tests": len(tests), "seconds": round(perf_counter() - started, 1)}
+        told = {**asdict(mutant), "seen": by is not None, "by": by, **spent}
         with self.lock, self.out.open("a", encoding="utf-8") as file:
             self.records.append(told)
             file.write(json.dumps(told) + "\n")
-
-    def known(self, told: dict[str, Any]) -> dict[str, Any] | None:
-        """Return the record that holds all these keys."""
-        return next((each for each in self.records if told.items() <= each.items()), None)
-
-    def normal(self, tree: Path, test: str) -> float | None:
-        """Return what a test file takes without a change, s; None if it fails even so, or runs nothing."""
-        if not (record := self.known({"test": test})):
-            failed, spent = verdict(tree, test, None)
-            self.record(record := {"test": test, "failed": failed, "normal_s": round(spent, 1)})
-        return None if record["failed"] else float(record["normal_s"])
-
-    def judge(self, mutant: Mutant, site: Site, most: int) -> None:
-        """Run a change's tests, the cheapest first, and record what they say."""
-        if self.known(asdict(mutant)):
-            return
-        tree, started, by = self.trees.get(), perf_counter(), None
-        try:
-            times = ((self.normal(tree, test), test) for test in covering(HERE, mutant.file))
-            usable = sorted(islice(((spent, test) for spent, test in times if spent is not None), most))
-            with changed(tree / mutant.file, site, mutant.after):
-                for spent, test in usable:
-                    by = by or verdict(tree, test, max(self.shortest, SLOWER * spent))[0]
-        finally:
-            self.trees.put(tree)
-        tests = [test for _, test in usable]
-        told = {
-            "seen": by is not None,
-            "by": by,
-            "tests": tests,
-            "seconds": round(perf_counter() - started, 1),
-        }
-        self.record({**asdict(mutant), **told})
-        print(f"{'seen' if by else 'NOT SEEN'}  {line(asdict(mutant))}", file=sys.stderr, flush=True)
+        print(f"{'seen' if by else 'NOT SEEN'}  {line(told)}", file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -202,21 +189,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--file", default="*.py", metavar="GLOB", help="only such files, as skincad/scenes/*")
     parser.add_argument(
-        "--timeout", type=float, default=60.0, metavar="S", help="the shortest limit of a test file"
-    )
-    parser.add_argument(
-        "--files", type=int, default=3, metavar="N", help="at most so many test files without a mirror"
+        "--budget", type=float, default=40.0, metavar="S", help="the tests' own time a change is worth"
     )
     parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
-    parser.add_argument("-o", dest="out", type=Path, help="records; default out/mutants-SEED.jsonl")
+    parser.add_argument("-o", dest="out", type=Path, help="folder of records; default out/mutants-SEED")
     told = parser.parse_args(arguments)
-    out = told.out or HERE / "out" / f"mutants-{told.seed}.jsonl"
-    out.parent.mkdir(parents=True, exist_ok=True)
+    out = told.out or HERE / "out" / f"mutants-{told.seed}"
+    out.mkdir(parents=True, exist_ok=True)
     mutants = drawn(HERE, told.file, told.seed, told.count)
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(told.workers) as pool:
-        bench = Bench(out, Path(folder), told.workers, told.timeout)
-        list(pool.map(lambda each: bench.judge(*each, told.files), mutants))
-    print(summary([found for mutant, _ in mutants if (found := bench.known(asdict(mutant)))]))
+        bench = Bench(out, Path(folder), told.workers)
+        list(pool.map(lambda each: bench.judge(*each, told.budget), mutants))
+    print(summary([found for mutant, _ in mutants if (found := bench.known(mutant))]))
 
 
 if __name__ == "__main__":

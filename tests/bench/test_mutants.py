@@ -5,12 +5,13 @@ from __future__ import annotations
 import ast
 import json
 import shutil
+import textwrap
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from bench import mirrored, mutants
+from bench import covered, mutants
 from bench.mutate import mutated, sites
 
 HERE = Path(__file__).parents[2]
@@ -70,31 +71,8 @@ def tree(path: Path, files: dict[str, str]) -> Path:
     for name, text in files.items():
         file = path / f"{name}.py"
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text)
+        file.write_text(textwrap.dedent(text).lstrip())
     return path
-
-
-def test_a_files_tests_are_its_mirror_or_the_nearest_that_import_it(tmp_path: Path) -> None:
-    here = tree(
-        tmp_path,
-        {
-            "skincad/a/one": "",
-            "skincad/a/two": "",
-            "skincad/a/lazy": 'PLACE = "skincad.a.two:there"',
-            "skincad/b/three": "from skincad.a import two",
-            "tests/a/test_one": "",
-            "tests/test_both": "import skincad.a.two, skincad.b.three",
-            "tests/test_two": "from skincad.a.two import there",
-            "tests/a/test_here": "from skincad.a import two, one",
-            "tests/test_far": "from skincad.b.three import two",
-            "tests/test_lazy": "from skincad.a import lazy",
-            "tests/test_none": "import skincad",
-        },
-    )
-    assert mirrored.covering(here, "skincad/a/one.py") == ["tests/a/test_one.py"]
-    found = mirrored.covering(here, "skincad/a/two.py")
-    assert found[:3] == ["tests/a/test_here.py", "tests/test_two.py", "tests/test_both.py"]
-    assert set(found[3:]) == {"tests/test_far.py", "tests/test_lazy.py"}
 
 
 def test_drawing_is_the_same_of_the_same_seed() -> None:
@@ -106,35 +84,71 @@ def test_drawing_is_the_same_of_the_same_seed() -> None:
     assert {Path(mutant.file).parent.as_posix() for mutant in one} == {"skincad/base"}
 
 
+@pytest.mark.slow
 def test_a_run_tells_what_is_seen_and_goes_on_where_it_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Of a function's two constants the test sees one; of a table, read while it is imported, the first row;
+    of what no test runs, nothing."""
     here = tree(
         tmp_path / "tree",
         {
             "skincad/__init__": "",
-            "skincad/x": "SEEN = 3\nUNSEEN = 4\n",
-            "tests/test_x": "from skincad.x import SEEN\n\n\ndef test_seen():\n    assert SEEN == 3\n",
+            "skincad/x": """
+                TABLE = (
+                    10,
+                    20,
+                )
+
+
+                def both():
+                    return (
+                        3,
+                        4 + TABLE[0],
+                    )
+
+
+                def never():
+                    return 5
+            """,
+            "tests/__init__": "",
+            "tests/test_x": """
+                from skincad.x import both
+
+
+                def test_seen():
+                    assert both()[0] == 3
+                    assert both()[1] == 14
+
+
+                def test_elsewhere(): ...
+            """,
         },
     )
     monkeypatch.setattr(mutants, "HERE", here)
     monkeypatch.setattr(mutants, "copy", shutil.copytree)
-    out = tmp_path / "records.jsonl"
-    mutants.main(["--count", "9", "-o", str(out)])
+    out = tmp_path / "out"
+    mutants.main(["--count", "99", "-o", str(out)])
     said = capsys.readouterr().out.splitlines()
-    assert said[0] == "1 of 2 seen (50%), not seen:"
-    assert said[1].startswith("skincad/x.py:2:9  '4' -> ")
-    records = [json.loads(line) for line in out.read_text().splitlines()]
-    assert [each["by"] for each in records if each.get("seen")] == ["tests/test_x.py::test_seen"]
-    assert (here / "skincad" / "x.py").read_text() == "SEEN = 3\nUNSEEN = 4\n"
+    records = [json.loads(line) for line in (out / "records.jsonl").read_text().splitlines()]
+    assert {(each["before"], each["by"]) for each in records} == {
+        *((before, "tests/test_x.py::test_seen") for before in ("10", "3", "4", "+", "0")),
+        ("20", None),
+        ("5", None),
+    }
+    assert {each["before"]: each["tests"] for each in records} == dict.fromkeys(
+        ("10", "20", "3", "4", "+", "0"), 1
+    ) | {"5": 0}
+    assert said[0] == "5 of 7 seen (71%), not seen:"
+    assert [line.partition("  ")[2][:4] for line in said[1:]] == ["'20'", "'5' "]
+    assert said[2].endswith("(no test)")
 
     def never(*_: Any) -> None:
         raise AssertionError
 
     monkeypatch.setattr(mutants, "verdict", never)
-    mutants.main(["--count", "9", "-o", str(out)])
-    assert capsys.readouterr().out.splitlines() == said
-    assert [json.loads(line) for line in out.read_text().splitlines()] == records
+    mutants.main(["--count", "99", "-o", str(out)])
+    assert sorted(capsys.readouterr().out.splitlines()) == sorted(said)
 
 
 def test_a_run_without_end_is_seen_and_one_without_tests_is_not_a_pass(tmp_path: Path) -> None:
@@ -145,5 +159,21 @@ def test_a_run_without_end_is_seen_and_one_without_tests_is_not_a_pass(tmp_path:
             "tests/test_y": "import pytest\n\n\n@pytest.mark.skip\ndef test_skipped(): ...\n",
         },
     )
-    assert mutants.verdict(here, "tests/test_x.py", 1.0)[0] == "tests/test_x.py:too-long"
-    assert mutants.verdict(here, "tests/test_y.py", None)[0] == "tests/test_y.py:0"
+    assert mutants.verdict(here, ["tests/test_x.py"], 1.0) == "too long"
+    assert mutants.verdict(here, ["tests/test_y.py"], None) == "status 0"
+    with pytest.raises(ValueError, match="test_none are there"):
+        mutants.verdict(here, ["tests/test_x.py::test_none"], None)
+
+
+@pytest.mark.parametrize(
+    ("line", "span", "alone"),
+    [(1, (1, 5), False), (3, (1, 5), False), (7, (7, 10), False), (10, (10, 11), True), (11, (11, 14), True)],
+)
+def test_a_statement_is_whole_and_a_head_without_its_body(
+    line: int, span: tuple[int, int], alone: bool
+) -> None:
+    head, body = (
+        "T = (\n    1,\n    2,\n)\n\n\ndef f(\n    x=1,\n):\n",
+        "    if x:\n        return (\n            x\n        )\n",
+    )
+    assert covered.statement(head + body, line) == (range(*span), alone)
