@@ -1,9 +1,11 @@
-"""Shared designs, and one `make` of the default design for all tests that look at its files."""
+"""Shared designs, and one `make` of the default design for all tests of a run that look at its files."""
 
 from __future__ import annotations
 
+import fcntl
 import io
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -48,7 +50,7 @@ def variants(yamada: Design) -> dict[str, Design]:
 
 @dataclass(frozen=True)
 class Made:
-    """A design as made, and what was written of it."""
+    """A design as made, and what was written of it; no solids and meshes where another process made it."""
 
     result: MakeResult
     written: Written
@@ -70,7 +72,16 @@ def make_into(design: Design, folder: Path) -> Made:
 
 @pytest.fixture(scope="session")
 def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> Made:
-    return make_into(yamada, tmp_path_factory.mktemp("made") / "yamada-2002")
+    """Made by the worker that is first to ask for it; the others wait, and read what it left."""
+    folder = tmp_path_factory.getbasetemp()
+    # a worker's folder lies in the run's
+    shared = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+    left = shared / "made.pickle"
+    with (shared / "made.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not left.exists():
+            left.write_bytes(pickle.dumps(make_into(yamada, shared / "made" / "yamada-2002")))
+    return pickle.loads(left.read_bytes())
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -22,7 +22,7 @@ from tests.conftest import skincad_process
 JOBS = {
     "make": ("make", "yamada-2002"),
     "simulate": ("simulate", "yamada-2002-press-and-pull", "--set", "history.steps=20"),
-    "circuit": ("circuit", "yamada-2002"),
+    "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
 }
 OTHER_NUMPY = os.environ.get("SKINCAD_OTHER_NUMPY", "")
 FIRST = os.pathsep.join([OTHER_NUMPY, *filter(None, [os.environ.get("PYTHONPATH")])])

@@ -38,6 +38,7 @@ write_step(workplane(skin_part(design)), Path("skin.step"))
 
 
 def written(folder: Path, **environment: str) -> dict[str, bytes]:
+    """What a process of its own writes, in a folder and environment."""
     environment = {**os.environ, **environment}
     done = subprocess.run(
         [sys.executable, "-c", WRITERS],
@@ -48,18 +49,27 @@ def written(folder: Path, **environment: str) -> dict[str, bytes]:
         check=False,
     )
     assert done.returncode == 0, done.stderr
+    return contents(folder)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
     return {name: (folder / name).read_bytes() for name in ("gain.png", "section.dxf", "skin.step")}
 
 
 @pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline"])
-def test_same_bytes_whatever_rc_files_and_backends_say(backend: str, tmp_path: Path) -> None:
+def test_same_bytes_whatever_rc_files_and_backends_say(
+    backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As this process writes them, which no file of settings reached."""
     clean, hostile = tmp_path / "clean", tmp_path / "hostile"
     for folder in (clean, hostile):
         folder.mkdir()
     for name, text in FILES.items():
         (hostile / name).write_text(text)
     ini = str(hostile / "ezdxf.ini")
-    assert written(hostile, MPLBACKEND=backend, EZDXF_CONFIG_FILE=ini) == written(clean)
+    monkeypatch.chdir(clean)
+    exec(WRITERS, {})
+    assert written(hostile, MPLBACKEND=backend, EZDXF_CONFIG_FILE=ini) == contents(clean)
 
 
 def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import json
 import os
 import random
 import resource
@@ -14,7 +15,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -26,8 +28,12 @@ from skincad.base.outfolder import checked_folder, replaced
 from tests.conftest import run_skincad
 
 JOBS = {
-    "make": ("make", "plain-ridges", "--format", "stl", "--set", "ridge.count=3", "--set", "skin.width=5.0"),
-    "simulate": ("simulate", "yamada-2002-press", "--set", "readout.ridges=[]", "--set", "effects.film=none"),
+    "make": ("make", "plain-ridges", "--format", "stl", "--set", "ridge.count=1", "--set", "skin.width=3.0"),
+    "simulate": (
+        *("simulate", "yamada-2002-press", "--set", "skin=steep-fingertip"),  # three ridges
+        *("--set", "history.normal_force_N=[0.0, 0.5]", "--set", "readout.ridges=[]"),
+        *("--set", "effects.film=none"),
+    ),
     "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
 }
 OTHER = {
@@ -37,6 +43,11 @@ OTHER = {
 }
 FIRST = {"make": (), "simulate": ("--set", "history.steps=8"), "circuit": ()}
 SLOW = ["circuit", *(pytest.param(job, marks=pytest.mark.slow) for job in ("make", "simulate"))]
+LOADED = {  # what a job imports and what takes long to import
+    "make": ("skincad.solids.occ", "skincad.fabrication.measures", "skincad.mechanics.tiers.linear"),
+    "simulate": ("skincad.scenes.simulation", "skincad.mechanics.tiers.linear", "skincad.pictures.canvas"),
+    "circuit": ("skincad.circuit.bode", "skincad.pictures.circuit_figures"),
+}
 TIMED = {"simulate.json"}  # tells how long the run took
 
 Contents = dict[str, str]
@@ -77,31 +88,83 @@ def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
         return tuple(sorted(contents(Path(folder) / "here").items())), seconds
 
 
+FORKING = """
+import importlib, json, os, signal, sys, time
+from skincad.cli import main
+for module in sys.argv[1:]:
+    importlib.import_module(module)
+for line in sys.stdin:
+    folder, arguments, seconds = json.loads(line)
+    child = os.fork()
+    if not child:
+        os.chdir(folder)
+        sys.argv = ["skincad", *arguments]
+        null = os.open(os.devnull, os.O_RDWR)
+        for number in range(3):
+            os.dup2(null, number)
+        try:
+            main()
+        except SystemExit as end:
+            os._exit(int(end.code or 0))
+        os._exit(99)
+    if seconds is not None:
+        time.sleep(seconds)
+        os.kill(child, signal.SIGKILL)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+"""
+Ran = Callable[[bool, Path, float | None], int]
+
+
+@contextmanager
+def forking(job: str) -> Iterator[Ran]:
+    """Run the job in a child of a process that has imported all of it, and kill it after so many seconds:
+    a status. The libraries' seconds, in which nothing is written, are spent once."""
+    with subprocess.Popen(
+        [sys.executable, "-c", FORKING, *LOADED[job]],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as parent:
+
+        def ran(other: bool, cwd: Path, seconds: float | None = None) -> int:
+            assert parent.stdin is not None
+            assert parent.stdout is not None
+            cwd.mkdir(exist_ok=True)
+            parent.stdin.write(json.dumps([str(cwd), command(job, other)[3:], seconds]) + "\n")
+            parent.stdin.flush()
+            return int(parent.stdout.readline())
+
+        yield ran
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("job", "times"), [("make", 9), ("simulate", 9), ("circuit", 12)])
 def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
-    results = [dict(whole(job, other)[0]) for other in (False, True)]
-    seconds = whole(job, True)[1]
-    assert results[0] != results[1]
-    run_skincad(*command(job, False)[3:], cwd=tmp_path)
-    dice = random.Random(2002)
-    for i in range(times):
-        # a third of the moments near the end, where files are written and folders renamed
-        moment = dice.uniform(0.85, 1.05) if i % 3 == 0 else dice.uniform(0.1, 1.0)
-        running = started(job, i % 2 == 0, tmp_path)
-        time.sleep(moment * seconds)
-        running.kill()
-        running.wait()
-        there = tmp_path / "here"
-        if not (there / f"{job}.json").exists():  # killed between two renames: the next run puts it right
-            assert list(there.glob(".skincad-*/old"))
-            assert any(contents(there).items() <= result.items() for result in results)  # never a mixture
-            checked_folder(there, job)
-        assert contents(there) in results
-    assert started(job, True, tmp_path).wait(timeout=300) in (0, 1)
-    assert contents(tmp_path / "here") == results[1]
-    assert [p.name for p in tmp_path.iterdir()] == ["here"]
-    assert not list((tmp_path / "here").glob(".*"))  # what killed runs left is gone
+    dice, killed = random.Random(2002), 0
+    place, there = tmp_path / "place", tmp_path / "place" / "here"
+    with forking(job) as ran:
+        results = []
+        for other in (False, True):  # what an undisturbed run leaves
+            began = time.monotonic()
+            assert ran(other, tmp_path / f"{other}", None) in (0, 1)
+            seconds = time.monotonic() - began
+            results.append(contents(tmp_path / f"{other}" / "here"))
+        assert results[0] != results[1]
+        assert ran(False, place, None) in (0, 1)
+        for i in range(times):
+            # a third of the moments near the end, where files are written and folders renamed
+            moment = dice.uniform(0.85, 1.05) if i % 3 == 0 else dice.uniform(0.1, 1.0)
+            killed += ran(i % 2 == 0, place, moment * seconds) == -signal.SIGKILL
+            if not (there / f"{job}.json").exists():  # killed between two renames: the next run puts it right
+                assert list(there.glob(".skincad-*/old"))
+                assert any(contents(there).items() <= result.items() for result in results)  # never a mixture
+                checked_folder(there, job)
+            assert contents(there) in results
+        assert killed > times // 3
+        assert ran(True, place, None) in (0, 1)
+    assert contents(there) == results[1]
+    assert [p.name for p in place.iterdir()] == ["here"]
+    assert not list(there.glob(".*"))  # what killed runs left is gone
 
 
 OLD = {"a": "old", "same": "same", "gone": "old"}

@@ -54,7 +54,7 @@ def test_a_file_never_takes_the_place_of_a_closed_descriptor(tmp_path: Path) -> 
 
 @pytest.mark.parametrize(
     ("command", "status", "buffered"),
-    [(CHECK, 0, ""), (CHECK, 0, "1"), (FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")],
+    [("templates", 0, ""), (FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")],
 )
 def test_a_reader_who_has_had_enough_changes_no_status(
     command: str, status: int, buffered: str, tmp_path: Path
@@ -107,15 +107,11 @@ def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> N
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
 
 
-@pytest.mark.parametrize(
-    ("encoding", "sign"),
-    [("utf-8", "±".encode()), ("ascii", b"+-"), ("latin-1", b"\xb1"), ("cp1251", b"\xb1")],
-)
+@pytest.mark.parametrize(("encoding", "sign"), [("ascii", b"+-"), ("latin-1", b"\xb1")])
 def test_an_error_has_a_plus_minus_sign_where_the_encoding_has_one(
     encoding: str, sign: bytes, tmp_path: Path
 ) -> None:
-    command = f"{SKINCAD} check plain-ridges --tier winkler"
-    done = shell(command, tmp_path, PYTHONIOENCODING=encoding)
+    done = shell(f"{SKINCAD} {CHECK}", tmp_path, PYTHONIOENCODING=encoding)
     assert b" " + sign + b" " in done.stdout
     assert b"\\x" not in done.stdout
 
@@ -123,6 +119,8 @@ def test_an_error_has_a_plus_minus_sign_where_the_encoding_has_one(
 def test_signs_in_a_row_are_each_replaced() -> None:
     codecs.register_error("escape", process.escaped)
     assert "é±±日±".encode("ascii", "escape") == rb"\xe9+-+-\u65e5+-"
+    assert "é±日".encode("cp1251", "escape") == b"\\xe9\xb1\\u65e5"
+    assert "é±日".encode("utf-8", "escape") == "é±日".encode()
 
 
 def test_a_name_that_is_not_utf_8_is_refused_before_any_work(tmp_path: Path) -> None:

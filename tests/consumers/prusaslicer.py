@@ -22,7 +22,7 @@ from skincad.outputs.making import PartReport
 from tests.consumers import Job, volume_slack
 
 PROGRAM = "prusa-slicer"
-PIXELS = 2500  # along the longer side of the part
+PIXELS = 1250  # along the longer side of the part
 LAYERS = 37  # so that no middle of a layer lies on a step of round numbers, where either side is right
 MARGIN = 2.0  # mm of display round the part
 SLICED = 3e-4  # relative: grey has 256 steps, corners are rounded to 1e-6 mm

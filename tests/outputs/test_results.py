@@ -18,7 +18,6 @@ from skincad.outputs import accuracies, gains, makes, simulations
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.simulation import at_level
 from tests.base.test_portable import FILMED
-from tests.conftest import Made
 from tests.small_scene import small_scene
 
 PACKAGE = Path(skincad.__file__).parent
@@ -26,14 +25,21 @@ ENTERED = {"make", "check", "simulate", "gain", "accuracy", "fit_material", "fil
 
 
 @pytest.fixture(scope="module")
-def results(made: Made, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
+def small(yamada: skincad.Design) -> skincad.Design:
+    """One ridge, with film, so that all files of a make are there."""
+    return yamada.with_(ridge={"count": 1}, skin={"width": 3.0})
+
+
+@pytest.fixture(scope="module")
+def results(small: skincad.Design, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
+    made = skincad.make(small)
     folder = tmp_path_factory.mktemp("results")
     rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
     (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
     few = "history.steps=4", "readout.ridges=[2]", "history.normal_force_N=[0.0, 0.3]"
     return {
-        "make": made.result,
-        "check": made.result.check,
+        "make": made,
+        "check": made.check,
         "gain": skincad.gain(skincad.load_circuit("yamada-2002", ["sweep.points=50"])),
         "simulate": at_level(small_scene(folder, "yamada-2002-press", *few), LEVELS[0]),
         "accuracy": skincad.accuracy(skincad.load("plain-ridges"), ["circuit"], repeats=1),
@@ -80,8 +86,8 @@ def test_write_writes_the_files_and_their_manifest(
     assert json.loads((tmp_path / "out" / manifest).read_text())["files"] == sorted(result.files())
 
 
-def test_what_will_be_written_is_known_before(results: dict[str, Any], yamada: skincad.Design) -> None:
-    assert makes.names(yamada) == list(results["make"].files())
+def test_what_will_be_written_is_known_before(results: dict[str, Any], small: skincad.Design) -> None:
+    assert makes.names(small) == list(results["make"].files())
     assert gains.names(measured=False) == list(results["gain"].files())
     assert set(simulations.names(results["simulate"].scene)) == set(results["simulate"].files())
     assert accuracies.names(["circuit"]) == list(results["accuracy"].files())

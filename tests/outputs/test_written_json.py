@@ -26,7 +26,7 @@ RUNS = {  # with values that may be missing: a verdict that fails, no slip, no c
     "templates": ("templates",),
 }
 DEAR = {
-    "make": ("make", "yamada-2002"),
+    "make": ("make", "yamada-2002", "--set", "ridge.count=1", "--set", "skin.width=3.0"),
     "simulate": ("simulate", *SCENE),
     "simulate to gross slip": (
         "simulate",

@@ -22,17 +22,18 @@ from skincad.pictures.film_figures import film_stress_figure
 
 @cache
 def states() -> tuple[FilmStress, ...]:
-    design = load("yamada-2002").with_(ridge={"count": 5}, skin={"width": 7.0})
+    design = load("yamada-2002").with_(ridge={"count": 4}, skin={"width": 6.0})
     return film_stresses(design, 2.0, (0.0, 0.5), show=(2, 3))
 
 
-@pytest.fixture
-def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, list[Axes], str]:
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Axes], str]:
     """A picture, its axes and its note."""
     drawn: list[Figure] = []
-    monkeypatch.setattr(canvas, "FigureCanvasAgg", lambda f: drawn.append(f) or Agg(f))
-    path = tmp_path / "stress.png"
-    canvas.save(film_stress_figure(*states()), path)
+    path = tmp_path_factory.mktemp("drawn") / "stress.png"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(canvas, "FigureCanvasAgg", lambda f: drawn.append(f) or Agg(f))
+        canvas.save(film_stress_figure(*states()), path)
     return path, drawn[0].axes, drawn[0].get_supxlabel()
 
 
@@ -66,11 +67,9 @@ def test_the_note_tells_the_lean_with_its_figure(written: tuple[Path, list[Axes]
     assert "Full stick is an assumption" in written[2]
 
 
-def test_bytes_repeat(tmp_path: Path) -> None:
-    paths = [tmp_path / "a.png", tmp_path / "b.png"]
-    for path in paths:
-        canvas.save(film_stress_figure(*states()), path)
-    assert paths[0].read_bytes() == paths[1].read_bytes()
+def test_bytes_repeat(written: tuple[Path, list[Axes], str], tmp_path: Path) -> None:
+    canvas.save(film_stress_figure(*states()), tmp_path / "again.png")
+    assert (tmp_path / "again.png").read_bytes() == written[0].read_bytes()
 
 
 def test_without_fields_only_the_numbers(tmp_path: Path) -> None:
