@@ -354,12 +354,14 @@ def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_pat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", ["make plain-ridges --format dxf", "circuit yamada-2002"])
-def test_signals_at_random_moments(command: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("command", "times"), [("make plain-ridges --format dxf", 5), ("circuit yamada-2002", 6)]
+)
+def test_signals_at_random_moments(command: str, times: int, tmp_path: Path) -> None:
     """In the first seconds, from when skincad listens: the handlers are set before it is imported itself."""
     dice = random.Random(2002)
     text = AT.replace("== AT", "== 'skincad.cli'").replace("SEND", "os.write(2, b'.')")
-    for i in range(8):
+    for i in range(times):
         signum = (signal.SIGINT, signal.SIGTERM)[i % 2]
         running = subprocess.Popen(
             [sys.executable, "-c", text, *command.split(), "-o", f"{i}"],

@@ -129,7 +129,7 @@ BAD = {
     "a long hexadecimal height": b"name = 'x'\n[ridge]\nheight = 0x" + b"f" * 6000,
     "a list of 1e5 numbers": b"name = 'x'\n[skin]\nwidth = [" + b"1.0," * 100_000 + b"]",
     "a key of 1e5 letters": b"a" * 100_000 + b" = 1",
-    "1e5 unknown keys": b"\n".join(b"k%d = 1" % i for i in range(100_000))[:LARGEST_FILE],
+    "1e4 unknown keys": b"\n".join(b"k%d = 1" % i for i in range(10_000)),  # 90,000: BOMBS
     "a NUL": b"name = 'a\x00b'",
     "an escaped NUL": b'name = "a\\u0000b"',
     "half of a letter": b"name = '\xc3'",
@@ -233,7 +233,7 @@ def test_no_table_takes_work_out_of_proportion(name: str, tmp_path: Path) -> Non
     assert len(str(refusal.value)) < 2000
 
 
-@pytest.mark.parametrize("key", ["ridge", "ridge.height", "printer", "contact.plate"])
+@pytest.mark.parametrize("key", ["ridge.height", "printer"])  # a value and a table
 @pytest.mark.parametrize("name", [name for name, text in BOMBS.items() if text.startswith("a = ")])
 def test_no_override_does_either(name: str, key: str) -> None:
     with bounded(), pytest.raises(InputError) as refusal:

@@ -11,7 +11,7 @@ from bench.error_bars import TOPS, Row, groups, outcome
 from bench.table_error_bars import table
 
 HELD, WIDEST = 0.95, 10.0
-SEEDS = [seed for seed in range(12) if seed % TOPS]  # the whole 200: python -m bench.table_error_bars
+SEEDS = [seed for seed in range(2, 12) if seed % TOPS]  # the whole 200: python -m bench.table_error_bars
 
 
 def row(stated: float, true: float, *, top: bool = False) -> Row:
@@ -42,8 +42,9 @@ def test_a_seed_gives_the_same_rows_again() -> None:
 
 @pytest.mark.slow
 def test_bars_of_random_designs_hold(record_property: Callable[[str, object], None]) -> None:
-    """By tier and part, over both quantities: of some 20 cases one may miss."""
-    rows = [r for seed in SEEDS for r in outcome(seed, solids=False).rows]
+    """By tier and part, over both quantities: of some 20 cases one may miss. Every other seed is also held
+    against the model with free ends, which costs four times the rest."""
+    rows = [r for seed in SEEDS for r in outcome(seed, solids=False, ends=seed % 2 == 0).rows]
     told = "\n".join(table(rows))
     record_property("summary", told)
     print(told)

@@ -6,8 +6,10 @@ import pytest
 
 import skincad
 from skincad.inputs.catalog import template_names
-from tests.conftest import make_into
+from tests.conftest import files_into
 from tests.consumers import Job
+
+READ = ("step", "stl", "3mf", "dxf", "md")  # all that a consumer opens
 
 
 def _marks(name: str) -> list[pytest.MarkDecorator]:
@@ -20,4 +22,4 @@ def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     design = skincad.load(request.param)
     if request.param == "yamada-2002":
         return Job(design, request.getfixturevalue("made"))
-    return Job(design, make_into(design, tmp_path_factory.mktemp("made") / request.param))
+    return Job(design, files_into(design, tmp_path_factory.mktemp("made") / request.param, READ))
