@@ -31,14 +31,13 @@ CHECK_KEYS = {
     "seconds",
     "warnings",
 }
-ONE_RIDGE = ("--set", "ridge.count=1", "--set", "skin.width=3.0")
+ONE_RIDGE = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--set", "contact.force=0.4")
 MAKE_KEYS = {"name", "passed", "files", "parts", "findings", "check", "seconds"}
 PART_KEYS = {"name", "volume_mm3", "area_mm2", "faces", "valid", "watertight", "deviation_mm"}
 
 
 def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -> None:
-    light = (*ONE_RIDGE, "--set", "contact.force=0.4")
-    done = run_skincad("make", "plain-ridges", *light, "--json", cwd=tmp_path)
+    done = run_skincad("make", "plain-ridges", *ONE_RIDGE, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     assert result.keys() >= MAKE_KEYS
