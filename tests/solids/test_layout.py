@@ -7,15 +7,18 @@ import math
 import pytest
 
 import skincad
+from skincad.base.errors import InputError
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
+from skincad.shape.cross_section import section
 from skincad.solids.body import Bore, Prism
-from skincad.solids.layout import NUT_FLATS, fits
+from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
+from skincad.solids.shrinkage import poured
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
 
@@ -135,3 +138,29 @@ def test_nicks_tell_where_the_strips_numbers_begin(end: str) -> None:
     assert len(marks) == {"a": 1, "b": 2}[end]
     for mark in marks:
         assert max(s.start.x for s in mark.outline) < 0  # ridge 1 has the smallest x
+
+
+@pytest.mark.parametrize("shrinks", [0.0, 0.02])
+@pytest.mark.parametrize(
+    ("bent", "what"), [(None, "the pins of a mold's cover"), (100.0, "bolts and pins of a mold")]
+)
+def test_too_short_a_skin_is_told_by_the_length_that_was_written(
+    yamada: Design, shrinks: float, bent: float | None, what: str
+) -> None:
+    """What is poured is longer, and so is what it needs: a skin as long as it is told to be has room."""
+
+    def refused(length: float) -> list[InputError]:
+        skin = {"length": length, "curvature_radius_y": bent}
+        design = poured(yamada.with_(mold={"shrinkage": shrinks}, skin=skin))
+        return [each for each in layout(design, section(design))[1] if each.key == "skin.length"]
+
+    (told,) = refused(2.5)
+    assert told.value == pytest.approx(2.5, rel=1e-9)  # a length is put on a grid of 1e-12 mm
+    assert what in str(told)
+    least = float(str(told).split()[5])
+    assert refused(least) == []
+    (nearly,) = refused(least - 0.002)
+    assert f"at least {least:g} mm" in str(nearly)
+    # pins of 2 mm with their gap and 0.8 mm beside them, or two rows of screws
+    room = 2 * (1.0 + yamada.mold.clearance + 0.8) if bent is None else 9.0
+    assert least == pytest.approx((1 - shrinks) * room, abs=1.1e-3)  # rounded up to 1 um

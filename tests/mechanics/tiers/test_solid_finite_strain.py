@@ -346,3 +346,17 @@ def test_the_changes_error_on_variants(name: str, monkeypatch: pytest.MonkeyPatc
     assert ratios(coarse)[1] == pytest.approx(ratios(fine)[1], rel=ERRORS.approach)
     change = [s.finite.ridge_force - s.small.ridge_force for s in (coarse, fine)]
     assert change[0] == pytest.approx(change[1], abs=ERRORS.share * 4.0 / 9)
+
+
+@pytest.mark.parametrize("along", [FEW, Layers(0.6, 2.0, 3), Layers(0.4, 1.5, 2)])
+def test_the_unknowns_that_are_refused_are_those_that_would_be_solved(
+    along: Layers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    meshed = meshed_of(block(3.0, 2.0, 0.3))
+    count = body_of(meshed, along).displacements
+    monkeypatch.setattr(solid_finite_strain, "MOST_UNKNOWNS", count)
+    assert body_of(meshed, along).displacements == count
+    monkeypatch.setattr(solid_finite_strain, "MOST_UNKNOWNS", count - 1)
+    with pytest.raises(InputError, match=f"at most {count - 1} unknowns") as refused:
+        body_of(meshed, along)
+    assert refused.value.value == count

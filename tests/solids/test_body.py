@@ -1,0 +1,172 @@
+"""Bodies by themselves: volumes by hand or by slices, places there and back, outlines as meshes have them."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from skincad.shape.curves import Point, Segment, loop, rectangle
+from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned, corners, plain
+from skincad.solids.grid import Grid
+from skincad.solids.roles import CutRole
+
+SQUARE, HOLE = rectangle(-1.0, 2.0, 3.0, 5.0), rectangle(0.0, 0.5, 3.5, 4.5)
+SAME = 1e-12  # rounding of sums of a few mm
+
+
+def test_a_prism_has_its_area_times_its_length() -> None:
+    assert Prism(SQUARE, "y", -1.0, 3.0).volume == pytest.approx(3 * 2 * 4, rel=SAME)
+    assert Prism(SQUARE, "y", -1.0, 3.0, (HOLE, HOLE)).volume == pytest.approx((6 - 2 * 0.5) * 4, rel=SAME)
+
+
+def test_a_bore_is_a_cylinder_or_a_frustum() -> None:
+    assert Bore((1.0, 2.0, 3.0), "y", 4.0, 0.5).volume == pytest.approx(math.pi * 0.25 * 4, rel=SAME)
+    cone = Bore((1.0, 2.0, 3.0), "z", 4.0, 2.0, 0.5)
+    whole, cut_off = math.pi * 4 * (16 / 3) / 3, math.pi * 0.25 * (4 / 3) / 3
+    assert cone.volume == pytest.approx(whole - cut_off, rel=SAME)
+    assert (cone.far_radius, Bore((0.0, 0.0, 0.0), "z", 4.0, 2.0).far_radius) == (0.5, 2.0)
+
+
+@pytest.mark.parametrize(("radius", "end"), [(0.5, None), (5.0, None), (0.5, 5.0), (5.0, 0.5)])
+@pytest.mark.parametrize("tolerance", [1.0, 0.02, 1e-3])
+def test_a_bores_chords_are_as_few_as_keep_the_tolerance(
+    radius: float, end: float | None, tolerance: float
+) -> None:
+    bore = Bore((0.0, 0.0, 0.0), "z", 1.0, radius, end)
+    widest = max(radius, end or 0.0)
+    count = bore.circle(tolerance)
+    assert widest * (1 - math.cos(math.pi / count)) <= tolerance
+    assert count == 12 or widest * (1 - math.cos(math.pi / (count - 1))) > tolerance
+    assert count >= 12
+    for multiple in (2, 4, 8):
+        more = bore.circle(tolerance, multiple)
+        assert max(12, count) <= more < max(13, count + multiple)
+        assert more == 12 or more % multiple == 0
+
+
+@pytest.mark.parametrize(("y", "wide"), [(0.0, 1.0), (3.0, 1.6), (-5.0, 0.7)])
+def test_a_bore_from_outside_an_arc_counts_what_lies_inside(y: float, wide: float) -> None:
+    """By slices of equal height: of each disk what lies between the arc's two sides."""
+    axis, limit, low, long = 20.0, 20.0, -1.0, 7.0
+    bore = Bore((1.0, y, low), "z", long, 1.0, wide, within=(axis, limit))
+
+    def disk(z: float) -> float:
+        """Area at this height of what lies above the arc, z >= axis - sqrt(limit^2 - y^2)."""
+        radius, reach = 1.0 + (wide - 1.0) * (z - low) / long, math.sqrt(max(0.0, limit**2 - (axis - z) ** 2))
+
+        def part(v: float) -> float:
+            v = min(radius, max(-radius, v))
+            return v * math.sqrt(radius**2 - v * v) + radius**2 * math.asin(v / radius)
+
+        return part(reach - y) - part(-reach - y)
+
+    kinks = [axis - math.sqrt(limit**2 - min(19.0, abs(y) + s) ** 2) for s in (-1.0, 0.0, 1.0, wide)]
+    bounds = sorted({0.0, low + long, *(k for k in kinks if 0 < k < low + long)})
+    pieces = pairwise(bounds)
+    sliced = math.fsum(quad(disk, a, b, limit=200, epsabs=1e-9)[0] for a, b in pieces)
+    assert bore.volume == pytest.approx(sliced, rel=1e-7)  # the slices' own error, at their kinks
+
+
+def test_what_turns_has_its_rings_volume_on_either_side_of_the_axis() -> None:
+    """A ring's part: half the angle times the difference of the squares of its radii, times its width."""
+    for centre, radii, hole in ((10.0, (7.0, 5.0), (6.5, 5.5)), (-4.0, (9.0, 7.0), (8.5, 7.5))):
+        ring = (radii[0] ** 2 - radii[1] ** 2) / 2 * 3
+        less = (hole[0] ** 2 - hole[1] ** 2) / 2 * 0.5
+        assert Revolved(SQUARE, centre, -0.2, 0.5).volume == pytest.approx(0.7 * ring, rel=SAME)
+        assert Revolved(SQUARE, centre, -0.2, 0.5, (HOLE,)).volume == pytest.approx(
+            0.7 * (ring - less), rel=SAME
+        )
+
+
+@pytest.mark.parametrize("centre", [10.0, -4.0, 1e9])
+@pytest.mark.parametrize("angle", [0.0, 0.3, -1.2])
+def test_section_points_turn_about_the_axis_and_back(centre: float, angle: float) -> None:
+    points = np.array([[1.0, 3.0], [-2.0, 5.0], [0.5, 3.5]])
+    angle = angle * min(1.0, 10 / abs(centre))  # some mm of arc about a far axis
+    body = Revolved(SQUARE, centre, -0.2, 0.5)
+    placed = body.placed(points, angle)
+    away = np.abs(points[:, 1] - centre)
+    assert placed[:, 0] == pytest.approx(points[:, 0])
+    assert placed[:, 1] == pytest.approx(away * math.sin(angle), rel=1e-9, abs=SAME)
+    # how far z comes towards the axis: arm (1 - cos), written so that no digits go
+    drawn = np.sign(centre - points[:, 1]) * 2 * away * math.sin(angle / 2) ** 2
+    assert placed[:, 2] == pytest.approx(points[:, 1] + drawn, abs=1e-9)
+    straight = body.straightened(placed)
+    assert straight[:, [0, 2]] == pytest.approx(points, abs=1e-9)
+    assert straight[:, 1] == pytest.approx(np.full(3, angle * abs(centre)), rel=1e-6, abs=SAME)
+
+
+@pytest.mark.parametrize(
+    "body", [Bore((1.0, 6.0, 2.0), "y", 3.0, 0.5, role=CutRole.NUT), Prism(SQUARE, "y", 6.0, 9.0)]
+)
+def test_a_turned_body_keeps_its_shape_and_has_its_base_on_the_axis_foot(body: Bore | Prism) -> None:
+    turned = Turned(body, 20.0, 0.3, 6.0)
+    assert (turned.volume, turned.role) == (body.volume, body.role)
+    points = np.array([[0.0, 6.0, 20.0], [0.0, 6.0, 0.0], [3.0, 9.0, 0.0], [1.0, -4.0, 7.0]])
+    placed = turned.placed(points)
+    assert placed[0] == pytest.approx([0.0, 0.0, 20.0], abs=SAME)  # on the axis nothing moves
+    assert placed[1] == pytest.approx([0.0, 20 * math.sin(0.3), 20 - 20 * math.cos(0.3)], abs=SAME)
+    assert placed[2] - placed[1] == pytest.approx([3.0, 3 * math.cos(0.3), 3 * math.sin(0.3)], abs=SAME)
+    assert turned.returned(placed) == pytest.approx(points, abs=SAME)
+    turn, _ = turned.placement()
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=SAME)
+    assert np.linalg.det(turn) == pytest.approx(1.0, rel=SAME)
+
+
+def test_a_reaching_cut_counts_what_it_takes_away() -> None:
+    short, long = (
+        Bore((0.0, 0.0, 0.0), "z", 2.0, 1.0, role=CutRole.VENT),
+        Bore((0.0, 0.0, -1.0), "z", 4.0, 1.0),
+    )
+    assert Reaching(short, long).volume == short.volume
+    assert Reaching(short, long).role is CutRole.VENT
+    turned = Turned(short, 20.0, 0.3, 0.0)
+    for cut in (short, turned, Reaching(short, long), Reaching(turned, long)):
+        assert plain(cut) is short
+
+
+def bowl(radius: float, half: float) -> Prism:
+    """Block in (y, z) whose upper side is the back's arc, z = 0 in its middle, about the axis above."""
+    y, z = radius * math.sin(half), 2 * radius * math.sin(half / 2) ** 2
+    arc = Segment(Point(y, z), Point(-y, z), -math.tan(half / 2))
+    ends = [Point(-y, z), Point(-y, -3.0), Point(y, -3.0), Point(y, z)]
+    lines = [Segment(a, b) for a, b in pairwise(ends)]
+    return Prism((arc, *lines), "x", -1.0, 1.0, grid=Grid(radius, half, radius + 3.0))
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_an_arc_that_turns_has_its_corners_on_the_grid(upside_down: bool) -> None:
+    body, tolerance = bowl(25.0, 0.4), 1e-2
+    outline = tuple(s.reversed() for s in reversed(body.outline)) if upside_down else body.outline
+    points = corners(body, outline, tolerance)
+    assert body.grid
+    angles = body.grid.angles(-0.4, 0.4, tolerance)
+    assert len(points) == len(angles) + 2  # the block's two lower corners; no end twice
+    assert [z for _, z in points if z < 0] == [-3.0, -3.0]
+    on_arc = points[points[:, 1] >= 0]
+    assert np.hypot(on_arc[:, 0], on_arc[:, 1] - 25.0) == pytest.approx(np.full(len(angles), 25.0), rel=SAME)
+    found = np.arctan2(on_arc[:, 0], 25.0 - on_arc[:, 1])
+    assert np.sort(found) == pytest.approx(angles, abs=SAME)
+    steps = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    assert steps.min() > 0.1  # in order, none twice
+    around = 2 * 25 * (0.4 + math.sin(0.4)) + 2 * (3 + on_arc[:, 1].max())
+    assert steps.sum() == pytest.approx(around, rel=1e-3)
+    x, z = points.T
+    area = float(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1))) / 2
+    sector = 25**2 * (0.4 - math.sin(0.4) * math.cos(0.4))  # between the arc and its ends' level
+    block = 2 * 25 * math.sin(0.4) * (3 + on_arc[:, 1].max()) - sector
+    assert abs(area) == pytest.approx(block, abs=tolerance * 20)
+    assert (area < 0) == upside_down
+
+
+def test_any_other_outline_is_a_polygon_within_the_tolerance() -> None:
+    round_end = loop([Point(0.0, 0.0), Point(2.0, 0.0), Point(2.0, 2.0)])
+    assert len(corners(Prism(round_end, "x", 0.0, 1.0), round_end, 0.01)) == 3
+    body = bowl(25.0, 0.4)
+    along_y = Prism(body.outline, "y", -1.0, 1.0, grid=body.grid)
+    coarse, fine = (len(corners(along_y, body.outline, tolerance)) for tolerance in (0.1, 1e-3))
+    assert fine > 5 * coarse / 2  # as the root of the tolerance, two corners aside
