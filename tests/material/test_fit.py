@@ -317,3 +317,24 @@ def test_the_tiers_own_approaches_give_back_their_modulus(curve: PadCurve) -> No
 
 def solid_alone() -> MaterialTest:
     return MaterialTest("pad", np.append(0.0, SOLID), np.append(0.0, FORCE), 6, ())
+
+
+def test_a_varied_curve_scales_all_approaches_and_what_finite_strain_changes() -> None:
+    small = np.linspace(0.0, 0.2, 30)
+    curve = PadCurve(0.8, 20 * small**1.5, small, 1 - small / 2)
+    for scale, strained in ((1.0, 1.0), (1.2, 1.0), (0.9, 0.0), (1.1, 1.5), (1.0, 0.5)):
+        varied = curve.varied(scale, strained)
+        assert varied.approach == pytest.approx(scale * small * (1 - strained * small / 2), rel=1e-12)
+        assert varied.force is curve.force
+
+
+def test_a_curve_gives_its_table_nothing_before_the_touch_and_goes_straight_on() -> None:
+    small = np.linspace(0.0, 0.2, 30)
+    curve = PadCurve(0.8, 20 * small**1.5, small, 1 - small / 2)
+    assert curve.force_at(curve.approach) == pytest.approx(curve.force, abs=1e-12)
+    assert curve.force_at(np.array([-1.0, -1e-9])) == pytest.approx([0.0, 0.0], abs=1e-12)
+    last, step = float(curve.approach[-1]), 1e-4
+    rising = curve.force_at(last + step * np.array([-1.0, 0.0, 1.0, 100.0]))
+    slope = (rising[2] - rising[1]) / step
+    assert rising[3] - rising[1] == pytest.approx(100 * step * slope, rel=1e-6)
+    assert (rising[1] - rising[0]) / step == pytest.approx(slope, rel=0.02)  # smooth at the table's end

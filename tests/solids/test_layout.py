@@ -164,3 +164,24 @@ def test_too_short_a_skin_is_told_by_the_length_that_was_written(
     # pins of 2 mm with their gap and 0.8 mm beside them, or two rows of screws
     room = 2 * (1.0 + yamada.mold.clearance + 0.8) if bent is None else 9.0
     assert least == pytest.approx((1 - shrinks) * room, abs=1.1e-3)  # rounded up to 1 um
+
+
+@pytest.mark.parametrize(("thickness", "carrier"), [(3.0, 4.0), (3.0, 3.0), (2.5, 3.5)])
+def test_the_least_floor_of_a_split_cavity_leaves_its_pins_apart_in_the_walls(
+    thickness: float, carrier: float
+) -> None:
+    """A wall has the cover's pins from above and the base's from below; 1.2 mm stay between their holes."""
+    change = {"skin": {"thickness": thickness}, "slot": None, "film": None, "contact": {"film": None}}
+    steep = skincad.load("steep-fingertip").with_(**change, mold={"carrier_thickness": carrier, "floor": 9.0})
+    with pytest.raises(InputError, match=r"^mold.floor: must be at least") as refused:
+        mold(steep)
+    least = float(str(refused.value).split()[5])
+    closed = mold(steep.with_(mold={"floor": least}))
+    above, below = closed.part("pin-cover-right").body, closed.part("pin-base-right").body
+    assert isinstance(above, Bore)
+    assert isinstance(below, Bore)
+    between = above.start[2] - (below.start[2] + below.length) - 2 * steep.mold.clearance
+    assert between == pytest.approx(1.2, abs=1.1e-3)  # the least is rounded up to 1 um
+    # and the pieces stand on the base with a foot of 1 mm or more under the deepest ridge
+    base, skin = closed.part("cavity-base"), closed.part("skin")
+    assert manifold(base, 0.01).bounding_box()[5] + 1.0 <= manifold(skin, 0.01).bounding_box()[2]
