@@ -357,3 +357,109 @@ def test_refused_before_anything_is_meshed(key: str, monkeypatch: pytest.MonkeyP
 def test_crushed_ridges_have_no_verdict() -> None:
     with pytest.raises(RefusedError, match="range ends"):
         film_stresses(three(), 20.0)
+
+
+def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.UnderLoad:
+    return stick.UnderLoad(
+        np.array(strips), np.array(force[0]), np.array(force[1]), np.array(node), np.zeros(1)
+    )
+
+
+def stuck(
+    pressed: stick.UnderLoad, pulled: stick.UnderLoad | None, bonded: list[bool]
+) -> stick.StickSolution:
+    return stick.StickSolution(pressed, pulled, np.array(bonded), 10, 1e-9, {}, None)
+
+
+def two_ridges(mirrored: bool) -> stick.PadPiece:
+    pad = pad_of(three().with_(ridge={"count": 2}))
+    return stick.PadPiece(pad, pad, mirrored, pad.section.slots, 0.028, 1.0)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: bool) -> None:
+    """Of five points one is not bonded and one on the cut, where the pull changes nothing: it counts once."""
+    normal, none = [[1.5, 2.5], [0.0, 0.0]], [[0.0] * 3] * 4
+    pressed = under_load(none, normal, [0.5, 0.25, 1.0, 0.1, 0.8])
+    pulled = under_load(none, [[-0.25, 0.25], [0.5, 0.5]], [0.5, -0.5, -0.5, -9.0, 0.0])
+    piece, found = two_ridges(mirrored), stuck(pressed, pulled, [True, True, True, False, True])
+
+    def notes(tangential: float) -> list[str]:
+        return list(film_rungs._stick_notes(piece, found, [Estimate(0.25, 0.0, "1")] * 2, tangential))
+
+    assert notes(0.0) == []
+    assert not any("tension" in note for note in notes(0.5))  # 0.25 N less 0.25 N is none
+    # by 2 N: 1.5, -0.75, 0 and 0.8 N; in the image -0.5, 1.25 and 2 N
+    count, total, pulling = (2, 7, 1.25) if mirrored else (1, 4, 0.75)
+    words = f"{count} of {total} bonded points are in tension, with {pulling / 4:.1%} of the force in all"
+    assert notes(2.0)[-1] == words
+    assert list(film_rungs._stick_notes(piece, replace(found, pulled=None), [], 2.0)) == []
+
+
+def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lifts() -> None:
+    piece, none = two_ridges(False), [[0.0] * 3] * 4
+    still = under_load(none, [[2.0, 2.0], [0.0, 0.0]], [1.0])
+    found = stuck(still, still, [True])
+    for values_told, words in (
+        ((0.2, 0.5), "full stick needs a friction coefficient of 0.5 (at ridge 2)"),
+        ((0.7, 0.5), "full stick needs a friction coefficient of 0.7 (at ridge 1)"),
+        ((0.7, None), "the pull takes the normal force off ridge 2: no full stick there"),
+        ((None, None), "the pull takes the normal force off ridge 1, 2: no full stick there"),
+    ):
+        friction = [Estimate(value, None if value is None else 0.0, "1") for value in values_told]
+        assert list(film_rungs._stick_notes(piece, found, friction, 1.0)) == [film_rungs.PATH, words]
+
+
+def test_needed_friction_is_a_ratio_with_the_errors_of_both_forces() -> None:
+    def of(normal: float, along: float) -> Estimate:
+        (found,) = film_rungs._friction([Estimate(normal, 0.1, "N")], [Estimate(along, 0.01, "N")])
+        return found
+
+    for way in (1, -1):
+        found = of(2.0, way * 0.5)
+        assert found.value == 0.25
+        # to first order: what the ratio moves by when either force does
+        moves = ((0.5 + 0.01) / 2 - 0.25) + (0.5 / 2 - 0.5 / (2 + 0.1))
+        assert found.error == pytest.approx(moves, rel=0.05)
+    assert (of(2.0, 0.0).value, of(2.0, 0.0).error) == (0.0, 0.0)
+    assert of(0.1, 0.5).value is of(-1.0, 0.5).value is of(0.1, 0.5).error is None
+    assert of(0.11, 0.5).value is not None
+
+
+def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twice_the_change() -> None:
+    """Rows of strips are ridge 1's S1 and S2, then ridge 2's; all of a kind share the largest error."""
+    piece = two_ridges(False)
+    sides = [(slot.ridge, slot.side) for slot in piece.whole.section.slots]
+    order = [sides.index(each) for each in ((1, "S1"), (1, "S2"), (2, "S1"), (2, "S2"))]
+    rows = np.arange(12.0).reshape(4, 3)
+    pressed = np.empty((4, 3))
+    pressed[order] = rows
+    pulled = under_load((10 * pressed).tolist(), [[-1.0, 1.0], [0.25, 0.75]], [0.0])
+    best = stuck(under_load(pressed.tolist(), [[1.5, 2.5], [0.5, -0.5]], [1.0]), pulled, [True])
+    other = pressed.copy()
+    other[order[3]] += [0.5, -0.25, 0.125]
+    lower = replace(
+        best, pressed=under_load(other.tolist(), [[1.4, 2.6], [0.5, -0.25]], [1.0]), residual=1e-8
+    )
+    found = film_rungs._estimated(piece, best, lower, 4.0, 2.0)
+    across, along, lengthwise = (21 * rows).T
+    for told, expected, error in (
+        (found.s1, across[::2], 1.0),
+        (found.s2, across[1::2], 1.0),
+        (found.differential, across[::2] - across[1::2], 1.0),
+        (found.along1, along[::2], 0.5),
+        (found.along2, along[1::2], 0.5),
+        (found.lengthwise1, lengthwise[::2], 0.25),
+        (found.lengthwise2, lengthwise[1::2], 0.25),
+        (found.ridge_force, np.array([-0.5, 4.5]), 0.2),
+        (found.ridge_tangential, np.array([1.0, 1.0]), 0.5),
+    ):
+        assert values(told) == pytest.approx(expected, rel=1e-12)
+        assert [each.error for each in told] == pytest.approx([error] * 2, rel=1e-9)  # rounding of 2.6 - 2.5
+    assert {each.unit for each in (*found.ridge_force, *found.ridge_tangential)} == {"N"}
+    assert {each.unit for each in (*found.s1, *found.differential, *found.along2)} == {"MPa"}
+    assert (found.residual, found.unknowns, found.force, found.tangential) == (1e-8, 10, 4.0, 2.0)
+    largest = float(across.max())
+    assert film_rungs._relative_error(found) == pytest.approx(1.0 / largest, rel=1e-12)
+    alone = film_rungs._estimated(piece, replace(best, pulled=None), replace(lower, pulled=None), 4.0, 0.0)
+    assert values(alone.s1) == pytest.approx(rows[::2, 0], rel=1e-12)
