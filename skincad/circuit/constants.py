@@ -45,7 +45,7 @@ class Constants:
     feedback_capacitance: float = 0.0  # F, beside R3 + R4; none in the paper
 
     def __post_init__(self) -> None:
-        for name, value in asdict(self).items():
+        for name, value in vars(self).items():
             if not math.isfinite(value):
                 raise InputError(name, "must be a finite number", value)
             rules = {"d33": (value != 0, "not be 0"), "feedback_capacitance": (value >= 0, "not be below 0")}

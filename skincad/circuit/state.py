@@ -112,10 +112,11 @@ def _solved(rows: Exact) -> Exact:
         if not pivots.size:
             raise RefusedError("the network has no state equations: a loop of capacitors, or a loose node")
         rows[[k, k + pivots[0]]] = rows[[k + pivots[0], k]]
-        rows[k] /= rows[k, k]
+        filled = np.flatnonzero(rows[k])  # most are 0, and a fraction's product with 0 costs as much as any
+        rows[k, filled] /= rows[k, k]
         for i in np.flatnonzero(rows[:, k]):
             if i != k:
-                rows[i] -= rows[i, k] * rows[k]
+                rows[i, filled] -= rows[i, k] * rows[k, filled]
     return np.asarray(rows[:, count:])
 
 

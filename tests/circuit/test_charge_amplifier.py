@@ -41,25 +41,17 @@ def test_loop_node_and_state_equations_agree_on_200_random_sets() -> None:
         assert np.abs(decibels(loop_response(c, BAND) / exact)).max() < 1e-7
         np.testing.assert_allclose(response(network(c), BAND), exact, rtol=1e-12)
         s = state_space(network(c))
-        found = np.array([s.c @ np.linalg.solve(p * np.eye(5) - s.a, s.b * c.d33) for p in jw])
+        found = np.linalg.solve(jw[:, None, None] * np.eye(5) - s.a, s.b[:, None] * c.d33)[:, :, 0] @ s.c
         np.testing.assert_allclose(found, exact, rtol=1e-5)
 
 
 @needs_ngspice
-def test_spices_gain_and_transient(tmp_path: Path) -> None:
+def test_spices_gain(tmp_path: Path) -> None:
+    """Its transient is test_state's, as every circuit's."""
     lines = ["Vload load 0 DC 0 AC 1", *element_lines(NETWORK)]
     found = vectors(tmp_path, lines, "ac dec 10 0.01 20000", ["v(vout)"])
     ratio = response(NETWORK, found["frequency"].real) / found["v(vout)"]
     assert np.abs(ratio - 1).max() < 1e-7  # 1e-6 dB
-    (tmp_path / "out.raw").unlink()
-    time = np.arange(4001) * 1e-6
-    load = np.sin(np.pi * np.clip(time / 2e-3, 0.0, 1.0)) ** 2
-    points = " ".join(f"{t!r} {x!r}" for t, x in zip(time.tolist(), load.tolist(), strict=True))
-    lines = [f"Vload load 0 PWL({points})", *element_lines(NETWORK), ".options method=trap"]
-    found = vectors(tmp_path, lines, "tran 1e-6 4e-3 0 1e-7", ["v(vout)"])
-    theirs = np.interp(time, found["time"], found["v(vout)"])
-    ours = output(NETWORK, C.d33 * load, 1e6)
-    assert np.abs(ours - theirs).max() < 1e-4 * np.abs(ours).max()
 
 
 def test_a_step_of_charge_is_held_and_fades_with_the_feedbacks_time() -> None:
