@@ -1,0 +1,30 @@
+"""Pads meshed and condensed once, for all scenes that march on the same: the march is what they look at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+
+import pytest
+
+from skincad.mechanics.bodies import mesh
+from skincad.mechanics.film import sliding
+
+triangles = lru_cache(maxsize=8)(mesh.triangles)
+condensed = lru_cache(maxsize=8)(sliding.sliding)
+
+
+@contextmanager
+def shared() -> Iterator[None]:
+    """Give the same mesh for the same pad and sizes, and of it the same condensed pad for the same order."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mesh, "triangles", triangles)
+        patch.setattr(sliding, "sliding", condensed)
+        yield
+
+
+def forget() -> None:
+    """Mesh and condense anew from here on."""
+    triangles.cache_clear()
+    condensed.cache_clear()
