@@ -185,13 +185,14 @@ def _prism(prism: Prism, tolerance: float) -> _Made:
     rim = {(i, a + (i - a + 1) % (b - a)) for a, b in pairwise(first) for i in range(a, b)}
     made = _Made([], [], [], [])
     open_edges: dict[tuple[int, int], int] = {}
+    low, high = (_lifted(plane, third, level) for level in (prism.low, prism.high))
     for cell, triangle in enumerate(np.asarray(triangulate(loops)).tolist()):
-        ends = [_lifted(plane[triangle], third, level) for level in (prism.low, prism.high)]
+        ends = [low[triangle], high[triangle]]
         made.corners.append(np.vstack(ends))
         made.faces.extend([_Face(cell, third, sign, end) for sign, end in zip((-1, 1), ends, strict=True)])
         for edge in zip(triangle, (*triangle[1:], triangle[0]), strict=True):
-            levels = (prism.low, prism.high)
-            side = np.vstack([_lifted(plane[list(edge)], third, level) for level in levels])[[0, 1, 3, 2]]
+            one, other = edge
+            side = np.array([low[one], low[other], high[other], high[one]])
             if edge in rim:
                 if third == 1 and abs(plane[edge[0], 1] - plane[edge[1], 1]) < TOUCH:
                     outward = 1 if plane[edge[0], 0] > plane[edge[1], 0] else -1  # material on the left
