@@ -77,12 +77,25 @@ def contact(state: Any) -> Any:
     return getattr(state, "grip", state)
 
 
-def pressed(skin: Any, terms: list[Term], travel: float) -> tuple[Any, Drive]:
-    """A state after 60 steps: pressed by 1.2 N, then moved by `travel` mm."""
+@cache
+def pressed(name: str, case: int) -> tuple[Any, Drive]:
+    """A state of a case after 40 steps: pressed by 1.2 N."""
+    skin, terms = built(name, TERMS[case][1])
     state, before = skin.start(), Drive(0.0, travel=0.0)
-    for i in range(1, 61):
-        after = Drive(1.2 * min(1.0, i / 40), travel=travel * max(0.0, (i - 40) / 20))
+    for i in range(1, 41):
+        after = Drive(1.2 * i / 40, travel=0.0)
         state = advanced(skin, terms, state, before, after, i)
+        before = after
+    return state, before
+
+
+def moved(name: str, table: dict[str, Any], travel: float) -> tuple[Any, Drive]:
+    """A state after 20 more: moved by `travel` mm."""
+    skin, terms = built(name, table)
+    state, before = pressed(name, TERMS.index((name, table)))
+    for i in range(1, 21):
+        after = Drive(1.2, travel=travel * i / 20)
+        state = advanced(skin, terms, state, before, after, 40 + i)
         before = after
     return state, before
 
@@ -125,14 +138,14 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
 def test_tangent_against_finite_differences(name: str, table: dict[str, Any], travel: float) -> None:
     """dT/ds of a step as all sticks, as some slip and as all do; 1e-6: the step is linear while sets stay."""
     skin, terms = built(name, table)
-    state, before = pressed(skin, terms, travel)
+    state, before = moved(name, table, travel)
     ahead = replace(before, travel=(before.travel or 0.0) + travel / 20)
     here = contact(advanced(skin, terms, state, before, ahead, 61))
     small = 1e-7 * travel
 
     def pull(shift: float) -> tuple[float, Any]:
-        moved = replace(ahead, travel=(ahead.travel or 0.0) + shift)
-        found = contact(advanced(skin, terms, state, before, moved, 61))
+        further = replace(ahead, travel=(ahead.travel or 0.0) + shift)
+        found = contact(advanced(skin, terms, state, before, further, 61))
         return float(found.tangential.sum()), found.status
 
     (more, one), (less, other) = pull(small), pull(-small)

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from skincad.base.outfolder import replaced
+from skincad.ladders import circuit
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
 from skincad.ladders.machine import machine
 from skincad.pictures.canvas import save
@@ -47,6 +48,13 @@ SCHEMA = {
 }
 
 
+@pytest.fixture
+def _few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A short ladder: what is told of it does not hang on its length."""
+    monkeypatch.setattr(circuit, "PER_PERIOD", (16, 64))
+
+
+@pytest.mark.usefixtures("_few_samples")
 def test_json_files_and_manifest(tmp_path: Path) -> None:
     done = run_skincad(
         "accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "--json", cwd=tmp_path
@@ -78,6 +86,7 @@ def test_no_host_and_no_user_is_told() -> None:
     assert machine()["cores"] >= 1
 
 
+@pytest.mark.usefixtures("_few_samples")
 def test_another_jobs_files_stay(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with replaced(folder, "make") as staging:

@@ -15,6 +15,8 @@ from skincad.inputs.design import Design
 from skincad.ladders import circuit, contact, effects, slip, tessellation
 from skincad.ladders.circuit import HOLDS, PER_PERIOD
 from skincad.ladders.ladder import LADDERS, Ladder, Trial, ladder_of
+from skincad.mechanics.tiers import solid
+from skincad.mechanics.tiers.solid_level import Layers
 
 
 @pytest.fixture(scope="module")
@@ -78,22 +80,25 @@ def test_an_unknown_ladder_is_refused_with_what_was_meant() -> None:
         ladder_of("contcat")
 
 
-def test_holds_converge_at_their_orders(small: Design) -> None:
+@pytest.fixture(scope="module")
+def sampled(small: Design) -> Ladder:
+    return circuit.ladder(small, 1, None)
+
+
+def test_holds_converge_at_their_orders(sampled: Ladder) -> None:
     """Zero-order hold 1, the others 2: from 256 to 4096 samples, where higher terms are a few per cent."""
-    found = circuit.ladder(small, 1, None)
-    assert_whole(found)
+    assert_whole(sampled)
     finer = np.log(PER_PERIOD[-1] / PER_PERIOD[-3])
     for hold, order in zip(HOLDS, (2.0, 1.0, 2.0), strict=True):
-        output = errors(found, hold, "output")
+        output = errors(sampled, hold, "output")
         assert np.log(output[-3] / output[-1]) / finer == pytest.approx(order, abs=0.05)
 
 
-def test_the_first_order_hold_is_exact_for_a_kink(small: Design) -> None:
+def test_the_first_order_hold_is_exact_for_a_kink(sampled: Ladder) -> None:
     """Straight between samples, so only rounding of up to 40 000 steps is left; the others need the rate."""
-    found = circuit.ladder(small, 1, None)
-    assert max(errors(found, HOLDS[0], "kink")) < 1e-8
+    assert max(errors(sampled, HOLDS[0], "kink")) < 1e-8
     for hold in HOLDS[1:]:
-        kink = errors(found, hold, "kink")
+        kink = errors(sampled, hold, "kink")
         assert all(b < a for a, b in pairwise(kink))
         assert kink[-1] > 1e-6
 
@@ -124,6 +129,8 @@ def small_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
         {"linear": ((0.5, 2), (0.5, 3), (1.0, 4)), "finite-strain": ((0.5, 2), (0.5, 3), (0.5, 4))},
     )
     monkeypatch.setattr(contact, "MESH", 0.05)
+    layers = Layers(0.6, 2.0, 3), Layers(0.3, 1.8, 3)
+    monkeypatch.setattr(solid, "RUNGS", (solid.SolidRung(0.5, 3, *layers, 1.0),))
     monkeypatch.setattr(slip, "MESHES", ((0.5, 2), (0.5, 3)))
     monkeypatch.setattr(slip, "STEPS", (22, 55, 110, 220, 440))
     monkeypatch.setattr(effects, "STEPS", 22)

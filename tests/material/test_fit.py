@@ -196,17 +196,18 @@ def test_a_modulus_that_no_design_takes_is_refused(tmp_path: Path) -> None:
         fit_material(csv(tmp_path, "strain,stress_MPa", STRAIN, neo_hookean(STRAIN, 4000.0)))
 
 
-# A pad's own curve, pressed to 6 N at 0.8 MPa
+# The curve of a pad of three ridges, pressed to 2 N at 0.8 MPa
+PAD = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
 
 
 @pytest.fixture(scope="module")
 def small() -> PadCurve:
-    return small_strain_curve(yamada(), 0.8, Stopwatch())
+    return small_strain_curve(PAD, 0.8, Stopwatch())
 
 
 @pytest.fixture(scope="module")
 def curve(small: PadCurve) -> PadCurve:
-    return finite_strain_curve(small, yamada(), 6.0, Stopwatch())
+    return finite_strain_curve(small, PAD, 2.0, Stopwatch())
 
 
 def pressed(
@@ -228,7 +229,7 @@ def test_an_offset_of_approach_does_not_bias(curve: PadCurve, offset: float) -> 
     assert found.young_modulus.value == pytest.approx(0.55, rel=1e-6)
     assert found.offset is not None
     assert found.offset.value == pytest.approx(offset, abs=1e-6)
-    assert 0.0 < found.model < 0.065 * 0.55  # the curve's own parts add up to 6.1 % (pad_curve.py)
+    assert 0.0 < found.model < 0.046 * 0.55  # the curve's own parts add up to 4.3 % (pad_curve.py)
 
 
 def test_rows_before_the_touch_do_not_bias(curve: PadCurve) -> None:
@@ -254,13 +255,12 @@ def test_noisy_pads_lie_within_their_scatter(curve: PadCurve) -> None:
 
 
 def test_leaving_the_free_ends_out_would_bias(small: PadCurve, curve: PadCurve) -> None:
-    """The curve is 14 % softer than plane strain at 4 N, and finite strain makes it stiffer by 4 %."""
-    at = float(np.interp(4.0, small.force, small.small))
-    plane = skincad.check(yamada(), tier="linear").approach.value or 0.0
-    assert at / plane == pytest.approx(1.14, abs=0.01)
-    assert float(np.interp(4.0, curve.force, curve.strained)) == pytest.approx(
-        0.9646, abs=3e-3
-    )  # STRAINED_AT
+    """The curve is 10 % softer than plane strain at 1.3 N, and finite strain makes it stiffer by 3 %."""
+    at = float(np.interp(4 / 3, small.force, small.small))
+    plane = skincad.check(PAD, tier="linear", force=4 / 3).approach.value or 0.0
+    assert at / plane == pytest.approx(1.10, abs=0.01)
+    strained = float(np.interp(4 / 3, curve.force, curve.strained))
+    assert strained == pytest.approx(0.9695, abs=3e-3)  # STRAINED_AT
 
 
 def test_forces_beyond_the_model_are_refused(curve: PadCurve, small: PadCurve) -> None:
@@ -282,15 +282,15 @@ def test_a_negative_force_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_strips_keep_their_modulus_whatever_the_design_said(tmp_path: Path, curve: PadCurve) -> None:
-    """A pad of 0.8 MPa, said to be of 0.5, pressed to 4 N, used up to 2 N.
+    """A pad of 0.8 MPa, said to be of 0.5, pressed to 2 N, used up to 0.7 N.
 
     A curve of 0.5 MPa has strips that are too soft by 1.6 against the silicone, 3e-3 of modulus; after
     a second pass finite strain's change is read off other forces, 1e-3 of approach.
     """
     test = pressed(curve, 0.8, 0.2)
     path = csv(tmp_path, "approach_mm,force_N", test.deformation, test.load)
-    found = fit_material(path, yamada().with_(material={"young_modulus": 0.5}), up_to=2.0)
-    assert found.largest_load <= 2.0
+    found = fit_material(path, PAD.with_(material={"young_modulus": 0.5}), up_to=0.7)
+    assert found.largest_load <= 0.7
     assert found.rows == 60
     assert found.young_modulus.value == pytest.approx(0.8, rel=2e-3)
     assert any("the design's range so far was 0.5 to 0.5 MPa" in w for w in found.warnings)
@@ -305,8 +305,10 @@ FINITE_OVER_LINEAR = np.array([0.044572, 0.06856, 0.10492, 0.13580, 0.16255]) / 
 ]  # fmt: skip
 
 
-def test_the_tiers_own_approaches_give_back_their_modulus(curve: PadCurve) -> None:
+@pytest.mark.slow
+def test_the_tiers_own_approaches_give_back_their_modulus() -> None:
     """By a finer solid and finer finite strain; 1 % of E is worth 0.5 % of approach, the solid's error."""
+    curve = finite_strain_curve(small_strain_curve(yamada(), 0.8, Stopwatch()), yamada(), 6.0, Stopwatch())
     approach = np.append(0.0, SOLID * FINITE_OVER_LINEAR) + 0.25
     found = fitted_to(curve, MaterialTest("pad", approach, np.append(0.0, FORCE), 6, ()))
     assert found.young_modulus.value == pytest.approx(0.8, rel=0.01)
