@@ -19,6 +19,7 @@ CASES: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     "thin": ("plain-ridges", {"skin": {"thickness": 2.0}}),
     "five": ("plain-ridges", {"ridge": {"count": 5}}),
 }
+FAST = ("short", "thin", "five")
 TOO_WIDE = 10.0  # times the change; at most 7 over the calibration at nu 0.499 (left_out.py)
 
 
@@ -32,7 +33,7 @@ def assert_bounds(bound: LeftOut, without: Answer, computed: Answer, force: floa
     assert max(abs((a.value or 0.0) - (b.value or 0.0)) for a, b in pairs) <= bound.share * mean
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in CASES])
 def test_the_free_ends_lie_within_their_bound(name: str) -> None:
     template, change = CASES[name]
     design = load(template).with_(**change)

@@ -44,14 +44,27 @@ def test_reduced_model_judges_parts_as_the_condensed_one(
     asked = force / found.scale
     reduced = ridge_forces(model, drops, np.full(200, asked))
     ridges = found.ridges
+    touching = press(ridges.flexibility, ridges.gap, asked).active
     exact = np.array([
         [state.force[ridges.of_point == r].sum() for r in ridges.numbers]
         for row in drops
-        for state in [press(ridges.flexibility, ridges.lowered(row).gap, asked)]
+        for state in [press(ridges.flexibility, ridges.lowered(row).gap, asked, touching)]
     ])  # fmt: skip
     assert np.abs(reduced - exact).max() < 0.02 * asked
     wrong = np.mean((reduced > 0).all(axis=1) != (exact > 0).all(axis=1))
     assert wrong <= MODEL_MISCLASSIFIES + 0.02  # 200 parts: two standard errors of a 2 % share
+
+
+def test_a_force_far_below_what_closes_the_gaps_settles() -> None:
+    """On few ridges alone. Of a force so light the digits end at 1e-13 of what closes the gaps."""
+    force = np.linspace(0.0, 1.0, 5)
+    springs = RidgeModel(
+        np.array([0.3, 0.0, 0.3]), 0.4 * (1 - np.eye(3)), force, np.tile(force, (3, 1)), 1.0, 1.0
+    )
+    drops = np.array([[0.0, 0.0, 0.0], [0.0, 0.5, 0.0]])
+    found = ridge_forces(springs, drops, np.full(2, 1e-9))
+    assert found[0] == pytest.approx([0.0, 1e-9, 0.0], rel=0, abs=1e-13)
+    assert found[1] == pytest.approx([5e-10, 0.0, 5e-10], rel=0, abs=1e-13)
 
 
 def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
@@ -82,7 +95,8 @@ def test_share_of_failing_reference_parts() -> None:
     failing = [1 - m.passing.value for m in made]
     assert failing == pytest.approx([0.27, 0.45], abs=0.015)
     drops = np.random.default_rng(1).normal(0.0, 0.02 / unit_of(pad), (400, 9))
-    states = [press(ridges.flexibility, ridges.lowered(row).gap, asked) for row in drops]
+    start = press(ridges.flexibility, ridges.gap, asked).active
+    states = [press(ridges.flexibility, ridges.lowered(row).gap, asked, start) for row in drops]
     touching = [np.unique(ridges.of_point[state.force > 0]).size for state in states]
     # 400 parts: two standard errors of a share near a quarter
     assert np.mean([t < 9 for t in touching]) == pytest.approx(failing[0], abs=0.045)
@@ -152,8 +166,10 @@ def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: st
     own = all_touch(model, np.zeros((1, design.ridge.count)), threshold / model.scale)[0]
     asked = np.full(len(drops), force / model.scale * own / (threshold / model.scale))
     scaled = (ridge_forces(model, drops / model.unit, asked) > 0).all(axis=1)
+    start = press(ridges.flexibility, ridges.gap, force / scale).active
     states = [
-        press(ridges.flexibility, ridges.lowered(row / meshed.unit).gap, force / scale) for row in drops
+        press(ridges.flexibility, ridges.lowered(row / meshed.unit).gap, force / scale, start)
+        for row in drops
     ]
     exact = np.array([np.unique(ridges.of_point[s.force > 0]).size == design.ridge.count for s in states])
     assert 0.05 < exact.mean() < 0.95

@@ -8,14 +8,13 @@ from skincad.mechanics.problem import Request, pad_of
 from skincad.mechanics.tiers import corrected, linear
 from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, meshed_piece, pressed
 from skincad.mechanics.touching import check
-from tests.mechanics.designs import filleted, reference, yamada
-from tests.mechanics.tiers.test_solid import assert_inside, refined
+from tests.mechanics.designs import THREE, filleted, reference, yamada
+from tests.mechanics.tiers.test_solid import FORCE, assert_inside, refined
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("refined solid")
 def test_refined_solid_lies_inside() -> None:
-    found = corrected.answer(reference(), Request(4.0))
+    found = corrected.answer(reference().with_(**THREE), Request(FORCE))
     assert_inside(found, refined())
     # docs/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear tier's own error aside
     assert found.approach.value == pytest.approx(refined().approach, rel=5e-3)
@@ -23,9 +22,9 @@ def test_refined_solid_lies_inside() -> None:
 
 
 def test_shares_sum_to_the_force() -> None:
-    found = check(yamada(), tier="corrected", tol=0.05)
-    assert found.touching == 9
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(4.0, rel=1e-9)
+    found = check(yamada().with_(**THREE), force=FORCE, tier="corrected", tol=0.05)
+    assert found.touching == 3
+    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(FORCE, rel=1e-9)
     assert found.residual < 1e-6
     assert [bound.effect for bound in found.left_out] == ["finite strain"]
 
@@ -33,8 +32,9 @@ def test_shares_sum_to_the_force() -> None:
 @pytest.mark.slow
 def test_small_fillets_leave_the_change_alone() -> None:
     """What a sharp section spares: the change of approach and F9 differ by less than half their error."""
-    with_fillets = corrected.free_ends(pad_of(filleted()), 4.0, {})
-    without = corrected.free_ends(corrected.plain_pad(filleted()), 4.0, {})
+    design = filleted().with_(**THREE)
+    with_fillets = corrected.free_ends(pad_of(design), FORCE, {})
+    without = corrected.free_ends(corrected.plain_pad(design), FORCE, {})
     ratios = [(approach_ratio(e), threshold_ratio(e)) for e in (with_fillets, without)]
     assert ratios[0][0] == pytest.approx(ratios[1][0], rel=corrected.APPROACH_ERROR / 2)
     assert ratios[0][1] == pytest.approx(ratios[1][1], rel=corrected.THRESHOLD_ERROR / 2)
@@ -42,9 +42,9 @@ def test_small_fillets_leave_the_change_alone() -> None:
 
 @pytest.mark.slow
 def test_finer_layers_change_less_than_the_error() -> None:
-    pad = pad_of(reference())
+    pad = pad_of(reference().with_(**THREE))
     few, many = (
-        corrected.free_ends(pad, 4.0, {}, along) for along in (corrected.LAYERS, Layers(0.15, 1.8, 4))
+        corrected.free_ends(pad, FORCE, {}, along) for along in (corrected.LAYERS, Layers(0.15, 1.8, 4))
     )
     assert few.solid.approach == pytest.approx(many.solid.approach, rel=corrected.APPROACH_ERROR / 2)
     assert few.solid.all_touch_force == pytest.approx(
@@ -66,17 +66,17 @@ VARIANTS = {
 @pytest.mark.parametrize("name", VARIANTS)
 def test_the_changes_error_on_variants(name: str) -> None:
     """Against order 3 with fillets on a finer mesh and finer layers, both sides."""
-    design = filleted().with_(**VARIANTS[name])
-    coarse = corrected.free_ends(corrected.plain_pad(design), 4.0, {})
+    design = filleted().with_(**THREE).with_(**VARIANTS[name])
+    coarse = corrected.free_ends(corrected.plain_pad(design), FORCE, {})
     pad = pad_of(design)
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.25))
     forms = forms_of(meshed, 3)
-    plane, solid = (pressed(meshed, forms, along, 4.0, {}) for along in (None, Layers(0.3, 1.8, 4)))
+    plane, solid = (pressed(meshed, forms, along, FORCE, {}) for along in (None, Layers(0.3, 1.8, 4)))
     fine = corrected.Ends(plane, solid)
     assert approach_ratio(coarse) == pytest.approx(approach_ratio(fine), rel=corrected.APPROACH_ERROR)
     assert threshold_ratio(coarse) == pytest.approx(threshold_ratio(fine), rel=corrected.THRESHOLD_ERROR)
     change = [e.solid.ridge_force - e.plane.ridge_force for e in (coarse, fine)]
-    assert change[0] == pytest.approx(change[1], abs=corrected.SHARE_ERROR * 4.0 / 9)
+    assert change[0] == pytest.approx(change[1], abs=corrected.SHARE_ERROR * FORCE / 3)
 
 
 def approach_ratio(ends: corrected.Ends) -> float:
@@ -89,8 +89,8 @@ def threshold_ratio(ends: corrected.Ends) -> float:
 
 def test_a_long_pad_is_hardly_changed() -> None:
     """480 mm: the ends' share falls as 1 / L: the 28 % of docs/facts.md at 12 mm would be 0.7 % at 480 mm."""
-    long = reference().with_(skin={"length": 480.0}, contact={"force": 160.0})
-    ends = corrected.free_ends(pad_of(long), 160.0, {})
+    long = reference().with_(**THREE).with_(skin={"length": 480.0})
+    ends = corrected.free_ends(pad_of(long), 40 * FORCE, {})
     assert 1.0 < ends.solid.approach / ends.plane.approach < 1.01
 
 
@@ -98,27 +98,29 @@ def test_a_long_pad_is_hardly_changed() -> None:
     "force", [pytest.param(1e-3, marks=pytest.mark.slow), 1.0, pytest.param(20.0, marks=pytest.mark.slow)]
 )
 def test_any_force(force: float) -> None:
-    found = corrected.answer(filleted(), Request(force, tol=0.05))
+    found = corrected.answer(filleted().with_(**THREE), Request(force, tol=0.05))
     assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(force, rel=1e-9)
     assert all((f.value or 0.0) >= 0.0 for f in found.ridge_force)
 
 
 def test_one_ridge_needs_no_force() -> None:
-    found = corrected.answer(reference().with_(ridge={"count": 1}), Request(0.2, tol=0.05))
+    found = corrected.answer(
+        reference().with_(ridge={"count": 1}, skin={"width": 3.0}), Request(0.2, tol=0.05)
+    )
     assert found.all_touch_force.value == 0.0
 
 
 @pytest.mark.slow
 def test_a_tolerance_below_the_changes_error_is_said() -> None:
-    found = check(reference(), tier="corrected", tol=4e-3)
+    found = check(reference().with_(**THREE), force=FORCE, tier="corrected", tol=4e-3)
     assert any("the tolerance 0.004 is not met" in w for w in found.warnings)
 
 
 def test_a_part_measured_as_designed_is_corrected_as_designed() -> None:
     """On the whole pad's mesh instead of its half's: two coarse meshes, half the change's own error."""
-    design = reference()
-    part = corrected.answer(design, Request(4.0, 0.05, drops=(0.0,) * 9))
-    made = corrected.answer(design, Request(4.0, 0.05))
+    design = reference().with_(**THREE)
+    part = corrected.answer(design, Request(FORCE, 0.05, drops=(0.0,) * 3))
+    made = corrected.answer(design, Request(FORCE, 0.05))
     assert part.all_touch_force.value == pytest.approx(
         made.all_touch_force.value, rel=corrected.THRESHOLD_ERROR / 2
     )
