@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,11 @@ from scipy import integrate
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
+from skincad.mechanics.bodies.prisms import Solid
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.threshold import all_touch_force
 from skincad.mechanics.contact.under_plate import seen_by_plate
-from skincad.mechanics.problem import pad_of
+from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers import solid_level as level
 from skincad.mechanics.tiers.table import AUTO
 from skincad.mechanics.tiers.winkler import crest_gaps, line_forces, ridge_stiffness
@@ -35,12 +37,18 @@ def bent(design: Design, radius: float) -> Design:
     return design.with_(skin={"curvature_radius_y": radius})
 
 
+@lru_cache(maxsize=1)
+def condensed(pad: Pad) -> tuple[level.Meshed, Solid, float]:
+    """The straight pad, which all radii share."""
+    meshed = level.meshed_piece(pad, level.coarse_sizes(pad, 1.0))
+    return meshed, *level.condensed_pad(meshed, level.forms_of(meshed, 3), level.Layers(0.4, 1.8, 4), {})
+
+
 def solid_under_bent_gaps(design: Design, radius: float, force: float) -> tuple[float, float, np.ndarray]:
     """F9, approach and shares of the straight pad in three dimensions, its gaps those of the curved skin: to
     first order in thickness over radius that is the curved skin itself."""
     pad = pad_of(design)
-    meshed = level.meshed_piece(pad, level.coarse_sizes(pad, 1.0))
-    small, scale = level.condensed_pad(meshed, level.forms_of(meshed, 3), level.Layers(0.4, 1.8, 4), {})
+    meshed, small, scale = condensed(pad)
     straight = seen_by_plate(pad, small.seen, small.flexibility, meshed.unit)
     rows = small.seen.nodes.rows
     linear = np.linalg.lstsq(rows.toarray(), small.along, rcond=None)[0]  # the movement that is y itself

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
-from skincad import check, load
+from skincad import load
 from skincad.base.errors import InputError
 from skincad.inputs.skin_tables import Plate
 from skincad.mechanics.plate import rise
-from tests.mechanics.designs import linear_check
+from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers.table import run
+from tests.mechanics.designs import linear_check, plane
 
-PLAIN = load("plain-ridges")
+PLAIN = load("plain-ridges", ["ridge.count=5", "skin.width=7.0", "contact.force=2.2"])
 
 
-def on(**plate: object) -> object:
-    return linear_check(PLAIN.with_(contact={"plate": plate}), tol=0.01)
+def on(**plate: object) -> Answer:
+    return plane(PLAIN.with_(contact={"plate": plate}), tol=0.01)
+
+
+@cache
+def flat() -> Answer:
+    return plane(PLAIN, tol=0.01)
 
 
 def shares(found) -> np.ndarray:
@@ -24,7 +33,6 @@ def shares(found) -> np.ndarray:
 
 @pytest.mark.slow
 def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
-    flat = linear_check(PLAIN, tol=0.01)
     for plate in (
         {"shape": "tilted", "tilt": 0.0},
         {"shape": "cylinder", "radius": 1e8},
@@ -32,8 +40,8 @@ def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
     ):
         found = on(**plate)
         # the first touch is a sample here, the exact summit there: 1e-6 mm
-        assert found.all_touch_force.value == pytest.approx(flat.all_touch_force.value, rel=1e-4)
-        assert shares(found) == pytest.approx(shares(flat), abs=1e-4)
+        assert found.all_touch_force.value == pytest.approx(flat().all_touch_force.value, rel=1e-4)
+        assert shares(found) == pytest.approx(shares(flat()), abs=1e-4)
 
 
 def test_tilting_the_other_way_mirrors_the_shares() -> None:
@@ -54,25 +62,22 @@ def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
     x = np.array([-4.0, 0.0, 4.0])
     height = rise(Plate(shape="cylinder", radius=60.5), x)
     assert height == pytest.approx(60.5 - np.sqrt(60.5**2 - x**2), rel=1e-9)  # closed form, cancelling
-    assert (
-        on(shape="cylinder", radius=60.5).all_touch_force.value
-        > 1.9 * linear_check(PLAIN).all_touch_force.value
-    )
+    assert on(shape="cylinder", radius=60.5).all_touch_force.value > 1.9 * flat().all_touch_force.value
     assert np.isinf(rise(Plate(shape="cylinder", radius=2.0), x)[0])
 
 
 @pytest.mark.parametrize("tier", ["winkler", "linear"])
 def test_a_plate_that_is_higher_everywhere_is_the_flat_one(tier: str) -> None:
     raised = PLAIN.with_(contact={"plate": {"shape": "step", "height": 0.3, "position": -100.0}})
-    found, flat = check(raised, tier=tier, tol=0.9), check(PLAIN, tier=tier, tol=0.9)
-    assert found.approach.value == pytest.approx(flat.approach.value, rel=1e-4)  # first touch is sampled
-    assert shares(found) == pytest.approx(shares(flat), abs=1e-4)
+    found, same = (run(tier, each, Request(2.2, 0.9), {}, None) for each in (raised, PLAIN))
+    assert found.approach.value == pytest.approx(same.approach.value, rel=1e-4)  # first touch is sampled
+    assert shares(found) == pytest.approx(shares(same), abs=1e-4)
 
 
 def test_a_step_unloads_the_ridges_under_it() -> None:
-    found, flat = on(shape="step", height=0.05, position=1.5), linear_check(PLAIN, tol=0.01)
-    assert (shares(found)[6:] < shares(flat)[6:]).all()
-    assert shares(found)[:6].sum() > shares(flat)[:6].sum()
+    found = on(shape="step", height=0.05, position=0.5)
+    assert (shares(found)[3:] < shares(flat())[3:]).all()
+    assert shares(found)[:3].sum() > shares(flat())[:3].sum()
 
 
 @pytest.mark.parametrize(
@@ -87,5 +92,5 @@ def test_a_step_unloads_the_ridges_under_it() -> None:
 )
 def test_a_plate_out_of_range_is_refused(plate: dict, words: str) -> None:
     with pytest.raises(InputError) as refused:
-        on(**plate)
+        linear_check(PLAIN.with_(contact={"plate": plate}))
     assert str(refused.value).startswith(words)

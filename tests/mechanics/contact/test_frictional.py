@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from itertools import pairwise
 
@@ -121,29 +121,19 @@ def test_cattaneo_and_mindlin(share: float) -> None:
     assert stuck.max() == pytest.approx(wanted.stick, abs=step)
 
 
-def held(steps: int) -> tuple[Grip, Grip]:
-    drives = press_and_pull(1.2, 0.3)
-    state = first = march(skin(), drives, Cone(1.0, 1.0))[-1]
-    here = skin()
-    for _ in range(steps):
-        state = grip(here, state, drives[-1], Cone(1.0, 1.0))
-    return first, state
-
-
 def test_a_held_load_does_not_creep() -> None:
-    first, last = held(500)
-    assert last.touches.any()
-    assert not last.slips.any()
+    """A held step gives back the state it was given, bit for bit: 1e5 of them are as good as one."""
+    here, drive, cone = skin(), Drive(1.2, 0.3), Cone(1.0, 1.0)
+    first = march(here, press_and_pull(1.2, 0.3), cone)[-1]
+    once = grip(here, first, drive, cone)
+    assert once.touches.any()
+    assert not once.slips.any()
+    stuck = once.status == STICK
     # exactly, where it sticks: the anchor is kept, not integrated
-    stuck = last.status == STICK
-    assert (first.anchor[stuck] == last.anchor[stuck]).all()
-    assert last.travel == pytest.approx(first.travel, rel=1e-12)
-
-
-@pytest.mark.slow
-def test_a_held_load_does_not_creep_over_1e5_steps() -> None:
-    first, last = held(100_000)
-    assert last.travel == pytest.approx(first.travel, rel=1e-12)
+    assert (first.anchor[stuck] == once.anchor[stuck]).all()
+    assert once.travel == pytest.approx(first.travel, rel=1e-12)
+    again = grip(here, once, drive, cone)
+    assert all(np.array_equal(getattr(once, f.name), getattr(again, f.name)) for f in fields(Grip))
 
 
 def test_pulling_back_mirrors_everything() -> None:
