@@ -108,22 +108,23 @@ def stiffness(forms: SectionForms, line: AlongY) -> sparse.csr_matrix:
     blocks: list[list[Any]] = [[None] * 3 for _ in AXES]
     for i, a in enumerate(AXES):
         for j, b in enumerate(AXES[i:], i):
-            terms = [_term(forms.shear, along, b, a, 1.0), _term(forms.shear, along, a, b, -2 / 3)]
-            if a == b:
-                terms += [_term(forms.shear, along, c, c, 1.0) for c in AXES]
+            terms = [(b, a, 1.0), (a, b, -2 / 3), *((c, c, 1.0) for c in AXES if a == b)]
+            parts: dict[tuple[str, str], Any] = {}
+            for test, trial, factor in terms:  # what runs alike along y is added up in the section
+                key = _way(test), _way(trial)
+                parts[key] = factor * forms.shear[test, trial] + parts.get(key, 0)
             section = forms.volume[a].T @ forms.inverse @ forms.volume[b]
-            sides = strip["y" if a == "y" else "-"], strip["y" if b == "y" else "-"]
-            terms.append(sparse.kron(section, sides[0].T @ line.inverse @ sides[1], format="csr"))
-            blocks[i][j] = sum(terms[1:], terms[0])
+            swell = strip[_way(a)].T @ line.inverse @ strip[_way(b)]
+            blocks[i][j] = sparse.kron(section, swell, format="csr")
+            for key, part in parts.items():
+                blocks[i][j] = blocks[i][j] + sparse.kron(part, along[key], format="csr")
             if i != j:
                 blocks[j][i] = blocks[i][j].T
     return sparse.csr_matrix(sparse.bmat(blocks, format="csr"))
 
 
-def _term(shear: Any, along: Any, a: str, b: str, factor: float) -> sparse.csr_matrix:
-    """G (a of test) (b of trial): the section's part times y's."""
-    key = tuple("y" if c == "y" else "-" for c in (a, b))
-    return sparse.kron(factor * shear[a, b], along[key], format="csr")
+def _way(axis: str) -> str:
+    return "y" if axis == "y" else "-"
 
 
 def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False) -> Solid:
