@@ -42,6 +42,10 @@ def three() -> Design:
     return yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
 
 
+def one() -> Design:
+    return yamada().with_(ridge={"count": 1}, skin={"width": 3.0})
+
+
 @cache
 def found(name: str) -> tuple[FilmStress, ...]:
     return film_stresses(load(name), 4.0, (0.0, 1.0, 2.0))
@@ -168,7 +172,9 @@ def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
     return replace(pad, section=section, strips=strips, film_modulus=pad.young_modulus), thickness
 
 
-@pytest.mark.parametrize("degrees", [0.0, 30.0, 45.0, 90.0])
+@pytest.mark.parametrize(
+    "degrees", [*(pytest.param(a, marks=pytest.mark.slow) for a in (0.0, 45.0)), 30.0, 90.0]
+)
 def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
     """At nu = 0 a pressed block has one stress, -p along z; the elements hold it."""
     pad, thickness = strips_in_a_block(degrees)
@@ -206,13 +212,13 @@ def stress_at(body: strip_field.StripBody, points: np.ndarray, unit: float) -> n
 
 
 def test_ignored_film_is_the_silicone_without_any_strip() -> None:
-    design = three().with_(contact={"film": "ignored"})
-    each = film_stresses(design, 1.2)[0]
+    design = one().with_(contact={"film": "ignored"})
+    each = film_stresses(design, 0.4)[0]
     assert each.film == "ignored"
     assert any("the film is ignored" in w for w in each.warnings)
     pad = pad_of(design)
     assert not pad.strips
-    body = pressed_body(pad, triangles(pad, default_sizes(pad)), 4, 1.2, {"skin": (1.0, pad.poisson_ratio)})
+    body = pressed_body(pad, triangles(pad, default_sizes(pad)), 4, 0.4, {"skin": (1.0, pad.poisson_ratio)})
     at, share = np.polynomial.legendre.leggauss(12)
     for slot, told in zip(
         pad.section.slots, (e for pair in zip(each.s1, each.s2, strict=True) for e in pair), strict=True
@@ -227,9 +233,8 @@ def test_ignored_film_is_the_silicone_without_any_strip() -> None:
 
 def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     """Mean of n.sigma.n = contour integral of (n.t)(n.x) / area, here from the silicone's side."""
-    design = three()
-    pad, thickness = filled_pad(design)
-    told = film_stresses(design, 1.2)[0]
+    pad, thickness = filled_pad(three())
+    told = found_of_three()[0]
     rung = RUNGS[0]
     mesh = triangles(
         pad, rung.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, unit_of(pad)))
@@ -300,11 +305,11 @@ def test_similar_skins_have_similar_stress() -> None:
 
 
 def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
-    design = three().with_(contact={"plate": {"shape": "tilted", "tilt": 2.0}})
-    normal, pulled = film_stresses(design, 1.2, (0.0, 0.3))
-    assert abs(normal.differential[1].value) > 10 * normal.differential[1].error
-    assert values(pulled.ridge_force).sum() == pytest.approx(1.2, rel=1e-9)
-    assert values(pulled.ridge_tangential).sum() == pytest.approx(0.3, rel=1e-9)
+    design = one().with_(contact={"plate": {"shape": "tilted", "tilt": 2.0}})
+    normal, pulled = film_stresses(design, 0.4, (0.0, 0.1))
+    assert abs(normal.differential[0].value) > 10 * normal.differential[0].error
+    assert values(pulled.ridge_force).sum() == pytest.approx(0.4, rel=1e-9)
+    assert values(pulled.ridge_tangential).sum() == pytest.approx(0.1, rel=1e-9)
     assert any("vertical" in w for w in normal.warnings)
 
 
@@ -356,7 +361,7 @@ def test_refused_before_anything_is_meshed(key: str, monkeypatch: pytest.MonkeyP
 
 def test_crushed_ridges_have_no_verdict() -> None:
     with pytest.raises(RefusedError, match="range ends"):
-        film_stresses(three(), 20.0)
+        film_stresses(one(), 7.0)
 
 
 def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.UnderLoad:
