@@ -60,10 +60,13 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     most = min(place.outer - place.centres[-1] - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
     most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
     wide = own / 2 if own else min(most, max(CUP, end - inner + CUP_RIM))
-    y = min(end, end + design.mold.end_plate - EDGE / 2 - wide)
+    outmost = end + design.mold.end_plate - EDGE / 2
+    y = min(end, outmost - wide)
     need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
     if not need <= wide <= most:
-        rule = f"must be from {2 * need:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
+        least = max(end - inner, vent.start[1] + vent.radius - end, OVERLAP)
+        least = least if least <= outmost - end else (outmost - inner) / 2
+        rule = f"must be from {2 * least:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
         raise InputError("mold.reservoir", rule, 2 * wide)
     return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide, role=CutRole.RESERVOIR)
 
