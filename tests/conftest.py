@@ -7,6 +7,7 @@ import io
 import os
 import pickle
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -94,6 +95,12 @@ def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> Made:
         if not left.exists():
             left.write_bytes(pickle.dumps(files_into(yamada, shared / "made" / "yamada-2002")))
     return pickle.loads(left.read_bytes())
+
+
+def pytest_configure() -> None:
+    """Started in the background of a script, the tests' processes would inherit that Ctrl-C is ignored."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
