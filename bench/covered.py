@@ -1,7 +1,7 @@
 """Which tests run a line: one run of the fast tests under coverage, and what each of them takes.
 
-What runs while a file is imported (a constant, a table) has the tests that run its functions, and a file
-without functions those of its room.
+What runs while a file is imported (a constant, a table) has the tests that run its functions or import from
+it, or else those of its room.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -38,6 +39,7 @@ class Covered:
             found = {name for at in span for name in self._named(by_line.get(at, []))}
         else:
             found = {n for at, all_ in by_line.items() if statement(text, at)[1] for n in self._named(all_)}
+            found |= {name for name in self.seconds if self._names(name.partition("::")[0], file)}
             found = found or {name for name in self.seconds if Path(name.partition("::")[0]).parent == room}
 
         def rank(name: str) -> tuple[bool, bool, float]:
@@ -55,11 +57,22 @@ class Covered:
         """Return what these tests took, s."""
         return sum(self.seconds[name] for name in tests)
 
+    def _names(self, test: str, file: str) -> bool:
+        """Whether a test file imports from a file by its name."""
+        module = file.removesuffix(".py").replace("/", ".")
+        return f"from {module} import " in _text(self.tree / test)
+
     def _named(self, contexts: list[str]) -> set[str]:
         """The passed tests among the contexts of a line, as `tests/a/test_b.py::test_c|run`."""
         return {name for each in contexts if (name := each.rpartition("|")[0]) in self.seconds}
 
 
+@cache
+def _text(path: Path) -> str:
+    return path.read_text("utf-8")
+
+
+@cache
 def statement(text: str, line: int) -> tuple[range, bool]:
     """Return the lines of the statement at a line, of one with a body its head's, and whether it is in a
     function, and so runs by itself."""

@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--file", default="*.py", metavar="GLOB", help="only such files, as skincad/scenes/*")
     parser.add_argument(
-        "--budget", type=float, default=40.0, metavar="S", help="the tests' own time a change is worth"
+        "--budget", type=float, default=15.0, metavar="S", help="the tests' own time a change is worth"
     )
     parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
     parser.add_argument("-o", dest="out", type=Path, help="folder of records; default out/mutants-SEED")
