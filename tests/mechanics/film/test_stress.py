@@ -408,6 +408,7 @@ def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lif
     for values_told, words in (
         ((0.2, 0.5), "full stick needs a friction coefficient of 0.5 (at ridge 2)"),
         ((0.7, 0.5), "full stick needs a friction coefficient of 0.7 (at ridge 1)"),
+        ((0.0, 0.5), "full stick needs a friction coefficient of 0.5 (at ridge 2)"),
         ((0.7, None), "the pull takes the normal force off ridge 2: no full stick there"),
         ((None, None), "the pull takes the normal force off ridge 1, 2: no full stick there"),
     ):
@@ -431,18 +432,22 @@ def test_needed_friction_is_a_ratio_with_the_errors_of_both_forces() -> None:
     assert of(0.11, 0.5).value is not None
 
 
-def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twice_the_change() -> None:
+@pytest.mark.parametrize(("beside", "apart"), [(0.25, 0.5), (-0.25, 1.5)])
+def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twice_the_change(
+    beside: float, apart: float
+) -> None:
     """Rows of strips are ridge 1's S1 and S2, then ridge 2's; all of a kind share the largest error."""
     piece = two_ridges(False)
     sides = [(slot.ridge, slot.side) for slot in piece.whole.section.slots]
     order = [sides.index(each) for each in ((1, "S1"), (1, "S2"), (2, "S1"), (2, "S2"))]
-    rows = np.arange(12.0).reshape(4, 3)
+    rows = 0.01 * np.arange(12.0).reshape(4, 3)
     pressed = np.empty((4, 3))
     pressed[order] = rows
-    pulled = under_load((10 * pressed).tolist(), [[-1.0, 1.0], [0.25, 0.75]], [0.0])
+    pulled = under_load((10 * pressed).tolist(), [[-0.5, 0.5], [0.25, 0.75]], [0.0])
     best = stuck(under_load(pressed.tolist(), [[1.5, 2.5], [0.5, -0.5]], [1.0]), pulled, [True])
     other = pressed.copy()
     other[order[3]] += [0.5, -0.25, 0.125]
+    other[order[2], 0] += beside
     lower = replace(
         best, pressed=under_load(other.tolist(), [[1.4, 2.6], [0.5, -0.25]], [1.0]), residual=1e-8
     )
@@ -451,12 +456,12 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     for told, expected, error in (
         (found.s1, across[::2], 1.0),
         (found.s2, across[1::2], 1.0),
-        (found.differential, across[::2] - across[1::2], 1.0),
+        (found.differential, across[::2] - across[1::2], apart),
         (found.along1, along[::2], 0.5),
         (found.along2, along[1::2], 0.5),
         (found.lengthwise1, lengthwise[::2], 0.25),
         (found.lengthwise2, lengthwise[1::2], 0.25),
-        (found.ridge_force, np.array([-0.5, 4.5]), 0.2),
+        (found.ridge_force, np.array([0.5, 3.5]), 0.2),
         (found.ridge_tangential, np.array([1.0, 1.0]), 0.5),
     ):
         assert values(told) == pytest.approx(expected, rel=1e-12)
@@ -465,6 +470,7 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     assert {each.unit for each in (*found.s1, *found.differential, *found.along2)} == {"MPa"}
     assert (found.residual, found.unknowns, found.force, found.tangential) == (1e-8, 10, 4.0, 2.0)
     largest = float(across.max())
-    assert film_rungs._relative_error(found) == pytest.approx(1.0 / largest, rel=1e-12)
+    assert film_rungs._relative_error(found) == pytest.approx(max(1.0, apart) / largest, rel=1e-9)
     alone = film_rungs._estimated(piece, replace(best, pulled=None), replace(lower, pulled=None), 4.0, 0.0)
     assert values(alone.s1) == pytest.approx(rows[::2, 0], rel=1e-12)
+    assert film_rungs._relative_error(alone) == pytest.approx(max(1.0, apart) / 0.09, rel=1e-9)
