@@ -23,9 +23,11 @@ from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
-from skincad.solids.body import Prism, Revolved, Turned
+from skincad.shape.curves import rectangle
+from skincad.solids.body import Prism, Reaching, Revolved, Turned
+from skincad.solids.grid import Grid
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part
+from skincad.solids.plan import Part, box
 from skincad.solids.roles import CutRole, PartRole
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import make_into
@@ -221,3 +223,57 @@ def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
     assert {"assembly.step", "mold.3mf", "picture.png", "drawing.svg", "casting-sheet.md"} <= {
         file for file, _ in made.written.files
     }
+
+
+def ring(low: float, high: float, z: tuple[float, float], centre: float = 30.0, **more: object) -> Revolved:
+    return Revolved(rectangle(-2.0, 2.0, *z), centre, low, high, grid=Grid(centre, 0.4, centre + 5), **more)
+
+
+def shared(*bodies: Revolved | Part) -> list[float]:
+    """Volumes that parts share, mm3, of meshes of 0.1 mm."""
+    parts = [
+        each if isinstance(each, Part) else Part(f"part-{i}", PartRole.SHIM, each)
+        for i, each in enumerate(bodies)
+    ]
+    return [found.measured for found in interference(ClosedMold(tuple(parts), ()), 0.1)]
+
+
+@pytest.mark.parametrize("turned_over", [False, True])
+def test_rings_share_what_their_sections_do_to_the_last_digit(turned_over: bool) -> None:
+    """A ring's part: half the angle times the difference of the squares of its radii, times its width."""
+    one, other = ring(-0.3, 0.2, (-3.0, 0.0)), ring(-0.1, 0.4, (-1.0, 2.0))
+    expected = 0.3 * (31.0**2 - 30.0**2) / 2 * 4
+    pair = (other, one) if turned_over else (one, other)
+    assert shared(*pair) == pytest.approx([expected], rel=1e-9)  # coarse meshes would be 1e-3 off
+    hollow = replace(other, holes=(rectangle(-1.0, 1.0, -0.5, 0.5),))
+    less = 0.3 * (30.5**2 - 30.0**2) / 2 * 2
+    assert shared(one, hollow) == pytest.approx([expected - less], rel=1e-9)
+    assert shared(one, ring(0.2, 0.4, (-1.0, 2.0))) == []  # they meet at an angle
+    assert shared(one, ring(-0.3, 0.2, (0.0, 2.0))) == []  # and along a slot
+    assert shared(one, ring(-0.3, 0.2, (0.1, 2.0))) == []  # sections apart, boxes not
+    assert shared(one, ring(0.25, 0.4, (-1.0, 2.0))) == []
+
+
+def test_a_ring_in_anothers_cut_shares_nothing_and_beside_it_what_meshes_do() -> None:
+    slot = ring(-0.3, 0.3, (-2.0, -1.0))
+    cut = Part("cut", PartRole.SKIN, ring(-0.3, 0.3, (-3.0, 0.0)), (slot,))
+    filled = replace(slot, outline=rectangle(-2.0, 2.0, -1.9, -1.1))
+    assert shared(cut, filled) == []
+    volume = 0.2 * (30.5**2 - 30.0**2) / 2 * 4
+    beside = replace(slot, outline=rectangle(-2.0, 2.0, -0.5, 1.0), low=-0.1, high=0.1)
+    assert shared(cut, beside) == pytest.approx([volume], rel=0.02)  # chords within 0.1 mm of 30 mm
+
+
+def test_only_what_lies_all_in_a_cut_is_taken_as_clear() -> None:
+    """What fills the cut touches it everywhere; a little longer or thicker it shares that little."""
+    slot = ring(-0.3, 0.3, (-2.0, -1.0))
+    outer = Part("outer", PartRole.SKIN, ring(-0.4, 0.4, (-3.0, 0.0)), (Reaching(slot, slot),))
+    assert shared(outer, slot) == shared(slot, outer) == []
+    part = (32.0**2 - 31.0**2) / 2 * 4
+    for low, high in ((-0.35, 0.3), (-0.3, 0.35), (-0.35, 0.35)):
+        longer = replace(slot, low=low, high=high)
+        assert shared(outer, longer) == pytest.approx([(high - low - 0.6) * part], rel=0.02)  # chords
+    thicker = replace(slot, outline=rectangle(-2.0, 2.0, -2.0, -0.9))
+    assert shared(thicker, outer) == pytest.approx([0.6 * (31.0**2 - 30.9**2) / 2 * 4], rel=0.02)
+    block = Part("block", PartRole.COVER, box(1.0, (-2.0, 2.0), (-1.8, -0.5)))
+    assert shared(outer, block)[0] == pytest.approx(2 * 4 * 0.5, rel=0.2)  # the cut's upper side is an arc
