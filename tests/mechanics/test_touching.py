@@ -13,6 +13,7 @@ import pytest
 from netgen.meshing import NgException
 
 from skincad.base.errors import ExhaustedError, InputError, RefusedError
+from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.mechanics import touching as check_module
@@ -483,3 +484,28 @@ def test_a_tier_is_priced_by_its_unknowns() -> None:
     # what the law is asked at, against what is counted
     three = strips.with_(**THREE)
     assert prices.plane_unknowns(three) == pytest.approx(plane(three).unknowns, rel=0.3)
+
+
+@pytest.mark.parametrize("hopeful", [True, False])
+def test_within_a_budget_the_linear_tier_is_taken_where_its_law_lets_it(
+    hopeful: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A budget a little above or below its law's seconds over HOPELESS: solved, or not even loaded."""
+    asked: list[float | None] = []
+
+    def plane(design: Any, request: Any, *_: object) -> Answer:
+        asked.append(request.budget)
+        shares = (Estimate(4.0 / 9, 0.0, "N"),) * 9
+        first, down = Estimate(3.0, 0.0, "N"), Estimate(0.1, 0.0, "mm")
+        return Answer(9, first, down, shares, 10, 0.0, {"mesh": 1e-3})
+
+    law, load_tier = expected("linear", yamada(), set()), tiers.load
+    monkeypatch.setattr(tiers, "load", lambda name: plane if name == "linear" else load_tier(name))
+    budget = law / check_module.HOPELESS * (1.01 if hopeful else 0.99)
+    found = check(yamada(), budget=budget, tol=0.45)
+    assert found.tier == ("linear" if hopeful else "winkler")
+    assert len(asked) == hopeful
+    late = [w for w in found.warnings if "would take about" in w]
+    assert late == (
+        [] if hopeful else [f"the linear tier would take about {law:.2g} s of the budget of {budget:g} s"]
+    )
