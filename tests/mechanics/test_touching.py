@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 import sys
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,12 @@ from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.mechanics import touching as check_module
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.problem import Answer, pad_of
+from skincad.mechanics.left_out import LeftOut
+from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.tiers import linear, prices, solid
 from skincad.mechanics.tiers import table as tiers
 from skincad.mechanics.tiers.linear import level
-from skincad.mechanics.tiers.prices import LAWS, expected, own
+from skincad.mechanics.tiers.prices import LAWS, TimeLaw, expected, own
 from skincad.mechanics.touching import check
 from skincad.mechanics.validity import buckling_force
 from skincad.mechanics.verdict import ContactCheck
@@ -509,3 +511,175 @@ def test_within_a_budget_the_linear_tier_is_taken_where_its_law_lets_it(
     assert late == (
         [] if hopeful else [f"the linear tier would take about {law:.2g} s of the budget of {budget:g} s"]
     )
+
+
+PRICES = {"linear": 1.0, "corrected": 2.0, "finite-strain": 4.0, "corrected-finite-strain": 0.5, "solid": 8.0}
+LEFT = {"free ends": 0.2, "finite strain": 0.1}
+
+
+class MadeUp:
+    """Tiers that take twice their price in seconds of a clock of their own, and answer at once: F9 of `value`
+    N with 1 % of it as the mesh's error (`mesh`); what is left out of a model is LEFT."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, value: float = 3.0) -> None:
+        self.value, self.mesh, self.now = value, 0.01, 100.0
+        self.asked: dict[str, Request] = {}
+        self.refusals: dict[str, Exception] = {}
+        winkler = tiers.load("winkler")
+        patch.setattr(
+            tiers, "load", lambda name: winkler if name == "winkler" else partial(self.answer, name)
+        )
+        patch.setattr(check_module, "perf_counter", lambda: self.now)
+        patch.setattr(check_module, "expected", self.expected)
+        patch.setattr(check_module, "LAWS", {"linear": TimeLaw(10.0, 1.0, 1.0)})
+        patch.setattr(check_module, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
+
+    def answer(self, name: str, _: Any, request: Request, *__: object) -> Answer:
+        seconds = 2 * PRICES.get(name, 3.0)
+        if request.must_fit and request.budget is not None and seconds > request.budget:
+            raise LateError(seconds)
+        if name in self.refusals:
+            raise self.refusals[name]
+        self.now += seconds
+        self.asked[name] = request
+        first, down = Estimate(self.value, self.mesh * self.value, "N"), Estimate(0.1, 0.0, "mm")
+        shares = (Estimate(request.force / 9, 0.0, "N"),) * 9
+        return Answer(9, first, down, shares, 10, 0.0, {"contact": seconds, "yield": 50.0})
+
+    def expected(self, name: str, _: Any, done: set[str]) -> float:
+        return math.fsum(PRICES.get(each, 3.0) for each in {*tiers.below(name), name} - done - {"winkler"})
+
+    def bound(self, effect: str) -> LeftOut:
+        return LeftOut(effect, LEFT[effect], LEFT[effect], LEFT[effect])
+
+
+@pytest.mark.parametrize(
+    ("tol", "tier", "climbed"),
+    [
+        (0.9, "winkler", []),  # its own bar is 0.8
+        (0.35, "linear", []),
+        (0.305, "corrected", ["linear"]),  # the model alone would do, not with its mesh
+        (0.25, "corrected", []),
+        (0.105, "corrected-finite-strain", ["corrected"]),
+        (0.05, "corrected-finite-strain", []),
+        (0.001, "solid-finite-strain", ["corrected-finite-strain"]),
+    ],
+)
+def test_a_tolerance_begins_with_the_first_tier_that_may_meet_it(
+    tol: float, tier: str, climbed: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = MadeUp(monkeypatch)
+    found = check(yamada(), tol=tol)
+    assert (found.tier, [name for name, _, _ in found.climbed]) == (tier, climbed)
+    model = {"linear": 0.3, "corrected": 0.1}.get(tier, 0.0)
+    if tier != "winkler":
+        assert found.all_touch_force.error == pytest.approx((0.01 + model) * 3.0, rel=1e-12)
+        mesh = made.asked[tier].tol
+        assert 0.2 * min(tol, 0.02) <= (mesh or 0.0) <= 0.5 * tol  # a part of it is the mesh's
+    assert [w for w in found.warnings if "not met" in w] == (
+        ["the all-touch force's error is 0.01 of its value: the tolerance 0.001 is not met"]
+        if tol < 0.01
+        else []
+    )
+    assert all(request.budget is None and not request.must_fit for request in made.asked.values())
+
+
+@pytest.mark.parametrize(
+    ("value", "tier", "climbed", "passed"),
+    [
+        (3.0, "linear", [], True),  # 3 N and 31 % are less than 4 N
+        (6.0, "linear", [], False),
+        (3.5, "corrected", ["linear"], True),
+        (4.6, "corrected", ["linear"], False),
+        (3.9, "corrected-finite-strain", ["linear", "corrected"], True),
+        (3.99, "solid-finite-strain", ["linear", "corrected", "corrected-finite-strain"], False),
+    ],
+)
+def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
+    value: float, tier: str, climbed: list[str], passed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    MadeUp(monkeypatch, value)
+    told: list[tuple[str, float | None]] = []
+    found = check(yamada(), force=4.0, progress=lambda stage, left=None: told.append((stage, left)))
+    assert (found.tier, [name for name, _, _ in found.climbed], found.passed) == (tier, climbed, passed)
+    assert [seconds for _, _, seconds in found.climbed] == pytest.approx([2.0, 4.0, 9.0][: len(climbed)])
+    following = {"linear": ("corrected", 4.0), "corrected": ("corrected-finite-strain", 9.0)}
+    last = ("solid-finite-strain", 22.0)
+    expected_next = None if tier == "solid-finite-strain" else following.get(tier, last)
+    assert found.next_tier == expected_next
+    # the first by the law's machine, the others at the speed seen: half as fast
+    assert told[:2] == [("linear tier", 1.0), ("corrected tier", 4.0)][: 1 + bool(climbed)]
+    assert not any("not met" in w for w in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("budget", "tier", "late"),
+    [
+        (0.66, "winkler", "would take about 1 s of the budget"),  # by its law, as long as 1.5 budgets
+        (0.68, "winkler", "would take about 2 s of the budget"),  # tried, and too slow here
+        (2.1, "linear", ""),
+        (5.9, "linear", ""),
+        (6.1, "corrected", ""),
+        (14.9, "corrected", ""),
+        (15.1, "corrected-finite-strain", ""),
+        (36.9, "corrected-finite-strain", ""),
+        (37.1, "solid-finite-strain", ""),
+    ],
+)
+def test_a_budget_is_climbed_as_far_as_the_next_tier_fits(
+    budget: float, tier: str, late: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At half the laws' speed the tiers end after 2, 6, 15 and 37 s, however clear the verdict is."""
+    made = MadeUp(monkeypatch)
+    found = check(yamada(), budget=budget)
+    assert found.tier == tier
+    assert [w for w in found.warnings if "budget" in w] == (
+        [f"the linear tier {late} of {budget:g} s"] if late else []
+    )
+    if late:
+        assert found.next_tier == ("linear", 1.0 if budget < 0.67 else 2.0)
+        return
+    ends = {"linear": 0.0, "corrected": 2.0, "finite-strain": 6.0, "solid": 15.0}
+    for name, begun in ends.items():
+        if name in made.asked:
+            assert made.asked[name].budget == pytest.approx(budget - begun)
+            assert made.asked[name].must_fit == (name == "linear")
+
+
+def test_a_budget_ends_where_a_tolerance_is_met_and_what_took_longer_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = MadeUp(monkeypatch)
+    assert check(yamada(), budget=100.0, tol=0.4).tier == "linear"
+    assert check(yamada(), budget=100.0, tol=0.2).tier == "corrected"
+    assert check(yamada(), budget=6.1, tol=0.05).tier == "corrected"
+    monkeypatch.setitem(PRICES, "corrected", 5.0)
+    monkeypatch.setattr(made, "expected", lambda *_: 0.5)
+    monkeypatch.setattr(check_module, "expected", made.expected)
+    slow = check(yamada(), budget=4.0, tol=0.2)
+    assert slow.tier == "corrected"
+    assert [w for w in slow.warnings if "took" in w] == ["took 12 s, more than the budget of 4 s"]
+
+
+def test_a_pad_too_large_for_any_mesh_has_the_closed_forms_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = MadeUp(monkeypatch)
+    made.refusals["linear"] = SizeError("ridge.count", "too many", 900, "take fewer ridges")
+    found = check(yamada())
+    assert (found.tier, found.next_tier) == ("winkler", None)
+    assert any(
+        w.startswith("the linear tier, which leaves out less, cannot judge this") for w in found.warnings
+    )
+    made.refusals["linear"] = InputError("ridge.count", "too many", 900, "take fewer ridges")
+    with pytest.raises(InputError, match="too many"):
+        check(yamada())
+
+
+def test_a_force_that_a_better_tier_calls_too_large_is_no_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = MadeUp(monkeypatch, 3.5)
+    made.refusals["corrected"] = InputError("force", "must be below 3 N", 4.0)
+    found = check(yamada(), force=4.0)
+    assert (found.tier, found.passed, found.next_tier) == ("linear", False, None)
+    assert found.beyond == "the force must be below 3 N (according to the corrected tier)"
+    made.refusals["corrected"] = RefusedError("it does not balance")
+    found = check(yamada(), force=4.0)
+    assert (found.tier, found.beyond, found.next_tier) == ("linear", "", None)
