@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.problem import Request
 from skincad.mechanics.tiers import linear, winkler, winkler_error
 from skincad.mechanics.touching import check
-from tests.mechanics.designs import BARE, plane, reference, yamada
+from tests.mechanics.designs import BARE, filleted, plane, reference, yamada
 
 VARIANTS = {
     "reference": {},
@@ -130,3 +132,178 @@ def test_many_ridges_have_a_verdict_with_a_bar(ridges: int) -> None:
     assert found.all_touch_force.error is not None
     assert found.all_touch_force.error > (found.all_touch_force.value or 0.0)  # a thin layer, confined
     assert (found.approach.error or 0.0) < (found.approach.value or 0.0)
+
+
+def test_a_ridge_and_its_part_of_the_base_are_springs_in_series() -> None:
+    """By hand, yamada-2002's: 9 x 4 mm / 11 mm of base, 0.5 mm over a mean of 0.625 mm of ridge."""
+    base, ridge = winkler_error.compliances(reference())
+    assert (base, ridge) == pytest.approx((36 / 11, 0.5 / 0.625), rel=1e-12)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.499])
+def test_springs_are_stiffer_by_what_is_shared_confined_and_held(nu: float) -> None:
+    """Each of the three at its limit: one ridge carries, many do, a tip gives way."""
+    design = reference().with_(material={"poisson_ratio": nu})
+    base, ridge = winkler_error.compliances(design)
+    confined = ridge / winkler_error.confinement(ridge, nu)
+    # idle ridges hold up the base: it sinks by 0.44 forces over E' a ridge that carries
+    one = winkler_error.stiffening(design, 0.0, 1e-3)
+    assert one == pytest.approx((base + ridge) / (0.44e-3 + confined), rel=1e-4)  # 2 ln 2 / pi = 0.4413
+    # all carry: the base as a layer, at most by what it is confined and by a strip's own stiffness
+    thick = 4.0 / 11.0
+    layer = winkler_error.confinement(thick, nu)
+    assert layer == pytest.approx(1.0) if nu == 0.0 else layer > 1.0
+    shared = base / (layer + winkler_error.COUPLED + winkler_error.PER_THICKNESS * thick)
+    many = winkler_error.stiffening(design, 0.0, 1e9)
+    assert many == pytest.approx((base + ridge) / (shared + confined), rel=1e-12)
+    # a tip counts as it gives way, but no more than the ridge
+    for tip in (0.5 * ridge, ridge, 1e9):
+        softer = winkler_error.stiffening(design, tip, 1e9)
+        assert softer == pytest.approx((base + ridge) / (shared + confined + min(tip, ridge)), rel=1e-12)
+
+
+def test_confinement_between_its_limits_is_their_harmonic_sum() -> None:
+    """What is more than 1: Gent's 1 / (4 slender)^2 and the layer's without strain sideways, in series."""
+    for slender, nu in ((0.02, 0.49), (0.1, 0.4), (0.3, 0.499)):
+        gent, most = 1 / (4 * slender) ** 2, (1 - nu) ** 2 / (1 - 2 * nu) - 1
+        more = winkler_error.confinement(slender, nu) - 1
+        assert 1 / more == pytest.approx(1 / gent + 1 / most, rel=1e-9)
+
+
+def rounded(design: Design) -> float:
+    """By how much the fillets' rounding lowers a tip's edge, mm."""
+    return winkler_error.tip_approach(design.with_(ridge={"crown": 0.0}), 4, 1e3)
+
+
+def test_a_plate_that_leans_like_a_tip_is_level_to_it() -> None:
+    """At most what the tip rises over its width: lean and slope of the plate add up, and cancel."""
+    crowned, tip = filleted(), filleted().ridge.tip_width
+    level = [winkler_error.tip_approach(crowned, 4, line) for line in (1e-6, 1e-3, 1e3)]
+    for ridge in (0, 2, 7):
+        lean = math.degrees(crowned.lean(ridge + 1))
+        # the sine of the lean against the tangent of the tilt: apart by its cube, 3e-4
+        back = crowned.with_(contact={"plate": {"shape": "tilted", "tilt": -lean}})
+        found = [winkler_error.tip_approach(back, ridge, line) for line in (1e-6, 1e-3, 1e3)]
+        assert found == pytest.approx(level, rel=2e-2)
+        on = crowned.with_(contact={"plate": {"shape": "tilted", "tilt": lean}})
+        slope = math.sin(abs(math.radians(lean))) + math.tan(abs(math.radians(lean)))
+        assert winkler_error.tip_approach(on, ridge, 1e3) == pytest.approx(
+            level[2] + slope * tip / 2, rel=1e-9
+        )
+
+
+def test_under_a_cylinder_the_plate_rises_over_a_tip_by_its_curvature() -> None:
+    """Its slope at a tip is the chord's from edge to edge; over the middle of a symmetric tip it is none."""
+    plate = {"shape": "cylinder", "radius": 30.0}
+    round_plate = filleted().with_(contact={"plate": plate})
+    assert winkler_error.tip_approach(round_plate, 4, 1e3) == winkler_error.tip_approach(filleted(), 4, 1e3)
+    lean, tip = filleted().lean(8), filleted().ridge.tip_width
+    middle = 60.5 * math.sin(lean)
+    chord = [30 - math.sqrt(900 - (middle + sign * tip / 2) ** 2) for sign in (-1, 1)]
+    tilt = math.sin(lean) + (chord[1] - chord[0]) / tip
+    level = winkler_error.tip_approach(filleted(), 4, 1e3)
+    found = winkler_error.tip_approach(round_plate, 7, 1e3)
+    assert found == pytest.approx(level + tilt * tip / 2, rel=1e-9)
+
+
+def test_a_tip_is_touched_on_its_crown_up_to_the_crowns_own_slope_and_on_an_edge_beyond() -> None:
+    """A parabola of height c over a width w slopes by 4 c / w at its edge. Up to there the give is the root's
+    of the contact, as of a level tip; of a flat tip it is the edge's and the ridge's bending."""
+    tip, line = filleted().ridge.tip_width, 1e-9
+    high = reference().with_(ridge={"crown": 0.04})
+    lean = abs(high.lean(1))
+    assert 4 * 0.04 / tip > 1.5 * lean
+    most = 0.04 + math.sin(lean) * tip / 2
+    on_crown = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
+    assert winkler_error.tip_approach(high, 0, line) == pytest.approx(line * on_crown, rel=1e-9)
+    flat = reference().with_(ridge={"crown": 0.0})
+    rise = math.sin(lean) * tip / 2
+    on_edge = max(math.log1p(math.sqrt(math.pi * rise / 2) / math.sqrt(line)), math.log((line + rise) / line))
+    bent = 3 * (tip / ((flat.ridge.root_width + tip) / 2)) ** 2 * 0.8
+    whole = line * (winkler_error.EDGE * on_edge + bent)
+    assert winkler_error.tip_approach(flat, 0, line) == pytest.approx(whole, rel=1e-9)
+    # between: by the share of the lean that is beyond the crown's own slope
+    low = reference().with_(ridge={"crown": math.sin(lean) * tip / 16})
+    most = low.ridge.crown + rise
+    crowned = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
+    edged = winkler_error.EDGE * max(crowned, math.log((line + rise) / line)) + bent
+    assert winkler_error.tip_approach(low, 0, line) == pytest.approx(
+        line * (crowned / 4 + 0.75 * edged), rel=1e-9
+    )
+    assert winkler_error.tip_approach(low, 0, 0.0) == 0.0
+
+
+def test_fillets_round_a_tip_off_as_far_as_it_is_wide() -> None:
+    flat = reference().with_(ridge={"crown": 0.0, "height": 1.0})
+    found = [rounded(flat.with_(ridge={"tip_fillet": r})) for r in (0.0, 0.1, 0.2)]
+    assert found[0] == 0.0
+    assert found[2] == pytest.approx(2 * found[1], rel=1e-12)
+    assert (
+        0.05 * 0.1 < found[1] < (1 - math.sqrt(0.5)) * 0.1
+    )  # less than where an arc has turned by 45 degrees
+
+
+def widths(design: Design, depth: float, carrying: float, last: float) -> winkler_error.Widths:
+    """The half-widths where the fifth ridge is the most loaded, by its depth over the give."""
+    line = np.zeros(design.ridge.count)
+    line[4] = depth / sum(winkler_error.compliances(design))
+    return winkler_error.half_widths(design, line, depth, carrying, last)
+
+
+def test_bars_are_the_usual_ones_or_what_an_indicator_says() -> None:
+    """F9: what stiffens all ridges, or what a hardly touched tip adds when the last one touches. Approach:
+    what tips add now, or what stiffens those that carry."""
+    plain = reference().with_(material={"poisson_ratio": 0.3})
+    give = sum(winkler_error.compliances(plain))
+    usual = widths(plain, 0.15, 9.0, 0.133)
+    assert (usual.threshold, usual.share) == (0.8, 0.5)
+    assert usual.approach == pytest.approx(0.45 + 1.1 / 9, rel=1e-12)
+    assert widths(plain.with_(ridge={"count": 5}), 0.15, 5.0, 0.133).approach == pytest.approx(0.67)
+    wide = reference().with_(
+        skin={"thickness": 6.0, "width": 60.0, "curvature_radius": 1e4},
+        ridge={"count": 50},
+        material={"poisson_ratio": 0.4999},
+    )
+    found = widths(wide, 0.2, 20.0, 0.1)
+    wide_give = sum(winkler_error.compliances(wide))
+
+    def tip(design: Design, depth: float) -> float:
+        return winkler_error.tip_approach(design, 4, depth / sum(winkler_error.compliances(design))) / depth
+
+    stiffer = winkler_error.stiffening(wide, tip(wide, 0.1) * wide_give, 50)
+    assert found.threshold == pytest.approx(winkler_error.SLACK * (stiffer - 1), rel=1e-12)
+    assert found.threshold > 0.8
+    held = winkler_error.stiffening(wide, tip(wide, 0.2) * wide_give, 20.0)
+    assert found.stiffer == pytest.approx(max(1 + found.threshold, winkler_error.SLACK * held), rel=1e-12)
+    # few carry: the others hold up the base, so the shares of stiffer springs are looked at too
+    few = widths(plain, 0.15, 0.05, 0.133)
+    held = winkler_error.stiffening(plain, tip(plain, 0.15) * give, 0.05)
+    assert few.approach == pytest.approx(1 - 1 / held, rel=1e-12)
+    assert few.approach > usual.approach
+    assert few.stiffer == pytest.approx(winkler_error.SLACK * held, rel=1e-12)
+    assert few.stiffer > 1.8
+    # hardly touched: a tip adds more than the springs give way
+    light = widths(plain, 1e-4, 1.0, 1e-4)
+    added = tip(plain, 1e-4)
+    assert added > 0.5
+    assert light.approach == pytest.approx(winkler_error.BESIDE_TIPS + added, rel=1e-12)
+    assert light.softer == pytest.approx(1 / (1 + light.approach), rel=1e-12)
+    edge = widths(plain.with_(ridge={"crown": 0.1}), 0.15, 9.0, 1e-60)
+    at_last = tip(plain.with_(ridge={"crown": 0.1}), 1e-60)
+    assert edge.threshold == pytest.approx(max(0.8, at_last / (1 + at_last)), rel=1e-12)
+    assert edge.threshold > 0.8
+    assert edge.softer == pytest.approx(1 / (1 + at_last), rel=1e-12)
+    assert edge.stiffer == 1 + edge.threshold  # no springs that carry are stiffer here
+    still = widths(plain, 0.0, 9.0, 0.0)  # no tip gives way, and nothing is divided by 0
+    stiffer = winkler_error.stiffening(plain, 0.0, 9)
+    assert still.threshold == pytest.approx(winkler_error.SLACK * (stiffer - 1), rel=1e-12)
+    assert still.approach == usual.approach
+
+
+def test_a_shares_bar_is_the_usual_or_how_far_other_springs_are() -> None:
+    found = winkler_error.Widths(0.8, 0.5, 0.5, 2.0, 0.5)
+    shares = np.array([1.0, 2.0, 3.0])
+    near, far = shares + np.array([0.1, 0.0, -0.1]), shares + np.array([-2.0, 1.0, 1.0])
+    assert winkler_error.share_error(found, shares, (near, near)) == 1.0  # half of the mean
+    for others in ((near, far), (far, near)):
+        assert winkler_error.share_error(found, shares, others) == pytest.approx(2.0 + 0.05 * 2.0, rel=1e-12)
