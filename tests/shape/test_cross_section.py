@@ -159,3 +159,14 @@ def test_a_ridge_without_fillets_has_no_tiny_edges(yamada: Design) -> None:
         outline = section(sharp.with_(ridge={"root_width": float(root)})).outline
         assert min(s.chord for s in outline) > 1e-3
         assert not any(s.kind in ("tip_fillet", "root_fillet") for s in outline)
+
+
+@pytest.mark.parametrize("fillets", [(0.05, 0.08), (0.02, 0.15)])
+def test_arcs_have_the_radii_that_the_design_gives(yamada: Design, fillets: tuple[float, float]) -> None:
+    tip, root = fillets
+    design = yamada.with_(ridge={"tip_fillet": tip, "root_fillet": root})
+    wanted = {"tip_fillet": tip, "root_fillet": root, "base": design.skin.curvature_radius}
+    found = [(s.kind, s.radius) for s in section(design).outline if s.bulge and s.kind in wanted]
+    assert {kind for kind, _ in found} == set(wanted)
+    for kind, radius in found:
+        assert radius == pytest.approx(wanted[kind], rel=1e-6)  # an arc of little turn has few digits

@@ -97,3 +97,19 @@ def test_the_top_is_the_highest_of_many_points(heading: float, bulge: float) -> 
     seen = arc.points(np.linspace(0.0, 1.0, 20001))[:, 1].max()
     # between two of the points the arc rises by (its angle between them)^2 R / 8, below 1e-8 mm
     assert arc.top == pytest.approx(seen, abs=1e-8)
+
+
+@pytest.mark.parametrize("bulge", [0.02, 0.4, 1.0])
+@pytest.mark.parametrize("tolerance", [1e-4, 0.01])
+def test_an_arc_is_cut_into_as_few_chords_as_keep_within_the_tolerance(
+    bulge: float, tolerance: float
+) -> None:
+    """Of n equal chords each is off by R (1 - cos(sweep / 2 n)) in its middle."""
+    arc = Segment(Point(0.0, 0.0), Point(2.0, 1.0), bulge)
+
+    def off(chords: int) -> float:
+        return 2 * arc.radius * math.sin(arc.sweep / (4 * chords)) ** 2
+
+    found = arc.pieces(tolerance)
+    assert off(found) <= tolerance
+    assert found == 1 or off(found - 1) > tolerance
