@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.tiers.linear import RUNGS
 from skincad.mechanics.tiers.prices import LAWS
-from skincad.mechanics.tiers.table import AUTO, TIERS, below, tier_of
+from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, tier_of
 
 
 @pytest.mark.parametrize("name", TIERS)
@@ -41,3 +46,42 @@ def test_finer_rungs_are_nearer_and_the_finest_is_taken_whatever_is_asked() -> N
     assert usual[-1] == 0.0
     assert [(rung.fineness, rung.order) for rung in RUNGS] == sorted({(r.fineness, r.order) for r in RUNGS})
     assert all(rung.price >= 1 for rung in RUNGS)
+
+
+def test_which_tiers_judge_which_skins(yamada: Design) -> None:
+    """Measured crests: all in plane strain and what is built on it. A plate of any shape: small strains. A
+    skin that is curved along y too: springs alone."""
+    small = {"winkler", "linear", "corrected", "solid"}
+    plane = {"linear", "corrected", "finite-strain", "corrected-finite-strain"}
+    tilted = yamada.with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}})
+    bent = yamada.with_(skin={"curvature_radius_y": 60.0})
+    assert all(able(name, yamada, False) == "" for name in TIERS)
+    for design, drops, tiers, key in (
+        (yamada, True, plane, "measured: "),
+        (tilted, False, small, "contact.plate.shape: must be 'flat'"),
+        (bent, False, {"winkler"}, "skin.curvature_radius_y: must not be given"),
+    ):
+        assert {name for name in TIERS if not able(name, design, drops)} == tiers
+        assert all(able(name, design, drops).startswith(key) for name in set(TIERS) - tiers)
+
+
+def test_a_tier_leaves_out_what_its_name_does_not_tell() -> None:
+    for name, tier in TIERS.items():
+        if name != "winkler":  # its bars are the springs' own
+            ends = "corrected" in name or "solid" in name
+            left = {FREE_ENDS} - ({FREE_ENDS} if ends else set()) | (
+                set() if "finite-strain" in name else {FINITE_STRAIN}
+            )
+            assert set(tier.leaves_out) == left
+            assert len(tier.leaves_out) == len(left)
+    assert {TIERS[name].leaves_out for name in ("corrected-finite-strain", "solid-finite-strain")} == {()}
+
+
+def test_prices_are_those_of_the_documents_table() -> None:
+    text = (Path(__file__).parents[3] / "docs" / "verdicts.md").read_text("utf-8")
+    rows = re.findall(r"^\| `([\w-]+)`, .*\| ([\d./]+) \|$", text, re.MULTILINE)
+    assert {name for name, _ in rows} == set(TIERS)
+    for name, told in rows:
+        price = 1 / float(told[2:]) if told.startswith("1/") else float(told)
+        # the springs' is told to the digit: 0.4 to 1 ms against the linear tier's 1 to 2 s
+        assert TIERS[name].price == pytest.approx(price, rel=1.0 if name == "winkler" else 1e-9)
