@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -56,9 +57,15 @@ class Page:
         return float(found[1])
 
 
+def wide_skin() -> Design:
+    """Wider by far than it is high, its middle between two ridges."""
+    return skincad.load("plain-ridges", ["skin.width=60", "skin.curvature_radius=500", "ridge.count=10"])
+
+
 @cache
 def page(name: str) -> Page:
-    design = three_ridges() if name == "bent" else skincad.load(name)
+    own = {"bent": three_ridges, "wide": wide_skin}
+    design = own[name]() if name in own else skincad.load(name)
     closed = mold(design)
     root = ET.fromstring(drawing(design, closed))
     lines = [
@@ -196,3 +203,40 @@ def test_all_lines_and_words_are_on_the_page(name: str) -> None:
         assert start > 0
         assert start + 2 * half < PAGE[0]
         assert 2.8 < y < PAGE[1]
+
+
+def words_box(words: str, place: tuple[float, float, str]) -> np.ndarray:
+    """Lowest and highest corner of a text, `(2, 2)`: letters are half as wide as high, about."""
+    x, y, anchor = place
+    long = 0.5 * 2.8 * len(words)
+    left = {"start": x, "middle": x - long / 2, "end": x - long}[anchor]
+    return np.array([[left, y - 2.0], [left + long, y]])
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> bool:
+    return bool((one[1] <= other[0]).any() or (other[1] <= one[0]).any())
+
+
+@pytest.mark.parametrize("name", [*NAMES, "wide"])
+def test_views_and_words_lie_apart_each_caption_under_its_view(name: str) -> None:
+    seen = page(name)
+    kinds = seen.outlines
+    views = [kinds["skin"][0], kinds["skin"][1], np.vstack([*kinds["mold"], *kinds.get("hole", [])])]
+    boxes = [np.array([points.min(axis=0), points.max(axis=0)]) for points in views]
+    assert all(apart(one, other) for one, other in combinations(boxes, 2))
+    words = {text: words_box(text, place) for text, place in seen.texts.items()}
+    assert all(apart(one, other) for one, other in combinations(words.values(), 2))
+    assert all(apart(box, text) for box in boxes for text in words.values())
+    ridges = seen.design.ridge.count
+    for begin, box in zip(("section", f"ridge {math.ceil(ridges / 2)}", "closed mold"), boxes, strict=True):
+        (caption,) = (text for text in words if text.startswith(begin))
+        assert seen.texts[caption][0] == pytest.approx(box[:, 0].mean(), abs=0.02)  # chords, enlarged
+        assert 0 < seen.texts[caption][1] - box[1, 1] < 35
+    size = np.ptp(boxes[0], axis=0)
+    assert size == pytest.approx([120.0, 45.0], abs=0.02) or (size <= (120.02, 45.02)).all()
+    assert (size >= (119.9, 44.9)).any()  # as large as the page has room
+    own = np.ptp(boxes[1], axis=0)
+    assert own[0] == pytest.approx(38.0, abs=0.02) or own[1] == pytest.approx(24.0 * 1.2, rel=0.03)
+    root = seen.design.ridge.root_width * seen.scale("ridge")
+    assert own[0] > 1.2 * root  # some of the base on either side
+    assert (own <= (38.02, 29.5)).all()

@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -7,7 +8,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame, section
+from skincad.shape.cross_section import concentric_hit, frame, section
 from skincad.shape.curves import area, polygon
 
 
@@ -161,12 +162,47 @@ def test_a_ridge_without_fillets_has_no_tiny_edges(yamada: Design) -> None:
         assert not any(s.kind in ("tip_fillet", "root_fillet") for s in outline)
 
 
-@pytest.mark.parametrize("fillets", [(0.05, 0.08), (0.02, 0.15)])
-def test_arcs_have_the_radii_that_the_design_gives(yamada: Design, fillets: tuple[float, float]) -> None:
+@pytest.mark.parametrize("fillets", [(0.05, 0.08), (0.1, 0.02), (0.0, 0.05), (0.03, 0.0)])
+def test_fillets_have_their_radius_and_touch_what_they_join(
+    yamada: Design, fillets: tuple[float, float]
+) -> None:
+    """A tip fillet touches flank and crown, a root fillet flank and base circle: heads agree there."""
     tip, root = fillets
-    design = yamada.with_(ridge={"tip_fillet": tip, "root_fillet": root})
-    wanted = {"tip_fillet": tip, "root_fillet": root, "base": design.skin.curvature_radius}
-    found = [(s.kind, s.radius) for s in section(design).outline if s.bulge and s.kind in wanted]
-    assert {kind for kind, _ in found} == set(wanted)
-    for kind, radius in found:
-        assert radius == pytest.approx(wanted[kind], rel=1e-6)  # an arc of little turn has few digits
+    shape = section(yamada.with_(ridge={"tip_fillet": tip, "root_fillet": root}))
+    ridge = [s for s in shape.outline if s.ridge == 9]
+    kinds = [s.kind for s in ridge]
+    half = [*(["root_fillet"] if root else []), "flank", *(["tip_fillet"] if tip else [])]
+    assert kinds == [*half, "crown", *half[::-1]]
+    for one, two in pairwise(ridge):
+        if "fillet" in one.kind + two.kind:
+            heads = [math.atan2(s.end.z - s.start.z, s.end.x - s.start.x) for s in (one, two)]
+            turn = heads[1] - two.sweep / 2 - (heads[0] + one.sweep / 2)
+            assert math.remainder(turn, 2 * math.pi) == pytest.approx(
+                0.0, abs=1e-9
+            )  # rounding of short chords
+    for each in ridge:
+        if each.kind == "tip_fillet":
+            assert each.radius == pytest.approx(tip, rel=1e-9)
+            assert each.bulge > 0
+        if each.kind == "root_fillet":
+            assert each.radius == pytest.approx(root, rel=1e-9)
+            assert each.bulge < 0
+
+
+@pytest.mark.parametrize("radius", [2.0, 60.0, 1e7])
+@pytest.mark.parametrize("level", [-0.5, 0.0, 0.3])
+def test_a_line_meets_a_circle_that_is_concentric_with_the_base(radius: float, level: float) -> None:
+    start, along = np.array([0.4, -0.6]), np.array([0.28, 0.96])
+
+    def over(u: float) -> float:
+        """Distance of the line's point from the circle of this radius about (0, -radius)."""
+        x, n = start + u * along
+        return float((x * x + n * n + 2 * radius * n) / (math.hypot(x, n + radius) + radius))
+
+    u = concentric_hit(start, along, 1 / radius, level + level**2 / (2 * radius))
+    assert u is not None
+    assert over(u) == pytest.approx(level, abs=1e-9)
+    assert concentric_hit(start, -along, 1 / radius, 0.3) is None  # it falls
+    assert concentric_hit(np.array([0.0, -0.6]), np.array([1.0, 0.0]), 1 / radius, 0.3) is None  # it is level
+    beside = np.array([-3 * radius, 0.0])
+    assert concentric_hit(beside, np.array([0.0, 1.0]), 1 / radius, 0.0) is None  # it misses the circle

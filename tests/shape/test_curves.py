@@ -99,17 +99,18 @@ def test_the_top_is_the_highest_of_many_points(heading: float, bulge: float) -> 
     assert arc.top == pytest.approx(seen, abs=1e-8)
 
 
-@pytest.mark.parametrize("bulge", [0.02, 0.4, 1.0])
-@pytest.mark.parametrize("tolerance", [1e-4, 0.01])
-def test_an_arc_is_cut_into_as_few_chords_as_keep_within_the_tolerance(
-    bulge: float, tolerance: float
+@pytest.mark.parametrize("sweep", [0.02, 1.0, -2.5, 6.0])
+@pytest.mark.parametrize("radius", [0.05, 60.0, 1e6])
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
+def test_an_arc_has_as_few_chords_as_keep_the_tolerance(
+    sweep: float, radius: float, tolerance: float
 ) -> None:
-    """Of n equal chords each is off by R (1 - cos(sweep / 2 n)) in its middle."""
-    arc = Segment(Point(0.0, 0.0), Point(2.0, 1.0), bulge)
-
-    def off(chords: int) -> float:
-        return 2 * arc.radius * math.sin(arc.sweep / (4 * chords)) ** 2
-
-    found = arc.pieces(tolerance)
-    assert off(found) <= tolerance
-    assert found == 1 or off(found - 1) > tolerance
+    """A chord over an angle a lies up to R (1 - cos(a / 2)) off its arc."""
+    reach = 2 * radius * abs(math.sin(sweep / 2))
+    arc = Segment(Point(0.0, 0.0), Point(reach, 0.0), math.tan(sweep / 4))
+    assert arc.radius == pytest.approx(radius, rel=1e-9)
+    count = arc.pieces(tolerance)
+    most = tolerance * (1 + 1e-6)  # rounding of a radius by its chord
+    assert 2 * radius * math.sin(sweep / 4 / count) ** 2 <= most
+    assert count == 1 or 2 * radius * math.sin(sweep / 4 / (count - 1)) ** 2 > tolerance * (1 - 1e-6)
+    assert Segment(arc.start, arc.end).pieces(tolerance) == 1
