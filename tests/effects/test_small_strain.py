@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,3 +40,35 @@ def test_friction_takes_what_the_plate_gives_and_no_spring_keeps(coefficient: fl
     stretched = FLEXIBLE * held / 2
     assert taken == pytest.approx(held * (2.0 - stretched), rel=0.05)
     assert given == pytest.approx(taken + held * stretched / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("before", "after", "mean"),
+    [
+        (0.2, 0.6, 0.4),
+        (0.6, 0.0, 0.3),  # at the step's end it carries nothing
+        (0.0, 0.6, 0.3),
+        (-0.2, 0.6, 0.6),  # the force turned round before the point slipped, and dragged it all the way
+    ],
+)
+def test_friction_takes_the_mean_force_of_a_step_times_the_slide(
+    before: float, after: float, mean: float, way: float
+) -> None:
+    skin, slid = condensed(springs()), 0.1
+    first, last = skin.start(), skin.start()
+    first = replace(first, tangential=way * np.array([before, 0.0]), normal=np.array([2.0, 2.0]))
+    last = replace(
+        last,
+        tangential=way * np.array([after, 0.1]),
+        normal=np.array([2.0, 1.0]),
+        slipped=-way * np.array([slid, 0.0]),
+        residual=1e-11,
+    )
+    told = skin.reading(first, last)
+    assert told.dissipated == pytest.approx(mean * slid, rel=1e-12)
+    assert (told.normal, told.tangential) == (pytest.approx(3.0), pytest.approx(way * (after + 0.1)))
+    # what the springs hold: half of flexibility times force squared, in both directions
+    assert told.elastic == pytest.approx(FLEXIBLE / 2 * (2.0**2 + 1.0**2 + after**2 + 0.1**2), rel=1e-12)
+    assert told.residual == 1e-11
+    assert told.work is None  # the plate does not turn

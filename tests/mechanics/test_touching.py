@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,6 +18,7 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
+from skincad.mechanics import manufacture as manufacturing
 from skincad.mechanics import touching as check_module
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.left_out import LeftOut
@@ -683,3 +685,30 @@ def test_a_force_that_a_better_tier_calls_too_large_is_no_pass(monkeypatch: pyte
     made.refusals["corrected"] = RefusedError("it does not balance")
     found = check(yamada(), force=4.0)
     assert (found.tier, found.beyond, found.next_tier) == ("linear", "", None)
+
+
+def test_the_yields_time_is_told_with_the_tiers_and_expected_again_of_the_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = MadeUp(monkeypatch, 3.9)
+    answer = made.answer
+
+    def with_parts(*asked: Any) -> Answer:
+        return replace(answer(*asked), parts=object())
+
+    def sampled(*_: object) -> object:
+        made.now += 3.0
+        return object()
+
+    monkeypatch.setattr(made, "answer", with_parts)
+    winkler = tiers.load("winkler")
+    monkeypatch.setattr(
+        tiers, "load", lambda name: winkler if name == "winkler" else partial(made.answer, name)
+    )
+    monkeypatch.setattr(manufacturing, "manufacture", sampled)
+    found = check(yamada(), force=4.0)
+    assert [name for name, _, _ in found.climbed] == ["linear", "corrected"]
+    # each tier's own time (see above) and 3 s of its yield; the yield's model took the linear tier 50 s
+    assert [seconds for _, _, seconds in found.climbed] == pytest.approx([5.0, 7.0])
+    assert found.seconds["yield"] == pytest.approx(50.0 + 3 * 3.0)
+    assert found.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 3.0))

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from skincad.mechanics.bodies.mesh import Sizes, triangles
+from skincad.mechanics.contact import frictional
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import (
     OPEN,
@@ -238,3 +239,24 @@ def test_frictional_patch(travel: float, slips: bool) -> None:
     assert traction == pytest.approx(expected, rel=5e-4)
     assert (state.slips[middle] == slips).all()
     assert not slips or state.slips[state.touches].all()
+
+
+@pytest.mark.parametrize(("coefficient", "weaker"), [(0.2, 0), (frictional.SLIGHT, 0), (0.5, 3)])
+def test_sets_that_do_not_settle_are_told_with_all_the_sweeps_tried(
+    coefficient: float, weaker: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the last sets, from sliding either way and from sticking; of much friction with less and less too,
+    0.4, 0.32 and 0.256, whose sets might be near."""
+    swept: list[float] = []
+
+    def never(step: frictional._Step, *_: object) -> tuple[np.ndarray, np.ndarray]:
+        swept.append(step.cone.static)
+        return np.ones(1), np.full(1, STICK, dtype=np.int8)
+
+    monkeypatch.setattr(frictional._Step, "_violations", never)
+    monkeypatch.setattr(frictional, "SWEEPS", 3)
+    monkeypatch.setattr(frictional, "SINGLE", 2)
+    with pytest.raises(ContactError, match=r"do not settle in 20 sweeps"):
+        grip(block(), at_rest(1), Drive(2.0, travel=0.1), Cone(coefficient, coefficient))
+    tried = [coefficient * frictional.LESS**i for i in range(weaker + 1)]
+    assert swept == pytest.approx(np.repeat(tried, 4 * 5), rel=1e-12)

@@ -85,3 +85,11 @@ def test_prices_are_those_of_the_documents_table() -> None:
         price = 1 / float(told[2:]) if told.startswith("1/") else float(told)
         # the springs' is told to the digit: 0.4 to 1 ms against the linear tier's 1 to 2 s
         assert TIERS[name].price == pytest.approx(price, rel=1.0 if name == "winkler" else 1e-9)
+
+
+@pytest.mark.parametrize("name", TIERS)
+def test_a_tier_judges_no_design_that_one_below_it_cannot(name: str) -> None:
+    """A correction is of an answer, so that what is wrong in that is wrong in the corrected one."""
+    for other in TIERS[name].on:
+        for knows in ("shaped", "drops", "doubly"):
+            assert getattr(TIERS[other], knows) or not getattr(TIERS[name], knows)
