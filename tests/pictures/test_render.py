@@ -1,4 +1,4 @@
-"""Shaded pictures of a box: where it lies, how bright its faces are, where its edges are."""
+"""Shaded pictures: where a point lies, what is in front, which side is bright, and dark edges."""
 
 from __future__ import annotations
 
@@ -8,59 +8,94 @@ import trimesh
 
 from skincad.pictures.render import Camera, shaded, view
 
-SIDES = np.array([4.0, 2.0, 1.0])  # mm
-GREY = (0.8, 0.8, 0.8)
+RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def pictured(azimuth: float, height: float, size: tuple[int, int] = (120, 90)) -> tuple[Camera, np.ndarray]:
-    box = trimesh.creation.box(SIDES)
-    seen = view([box], azimuth, height, size)
-    return seen, shaded([box], [GREY], seen)
+def box(size: float, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> trimesh.Trimesh:
+    mesh = trimesh.creation.box((size, size, size))
+    mesh.apply_translation(at)
+    return mesh
 
 
-@pytest.mark.parametrize(("azimuth", "height"), [(0.0, 0.0), (90.0, 0.0), (30.0, 25.0), (-120.0, 60.0)])
-def test_it_is_seen_whole_and_fills_the_picture(azimuth: float, height: float) -> None:
-    seen, image = pictured(azimuth, height)
-    assert np.array([seen.right, seen.up, seen.towards]) @ np.array(
-        [seen.right, seen.up, seen.towards]
-    ).T == pytest.approx(np.eye(3), abs=1e-12)
-    painted = np.argwhere(image.min(axis=2) < 1.0)
-    free = painted.min(axis=0), np.array(image.shape[:2]) - 1 - painted.max(axis=0)
-    assert min(free[0].min(), free[1].min()) >= 1
-    assert min((free[0] / image.shape[:2]).min(), 1.0) <= 0.03  # 96 % of one side, the rest on both
-    corners = [seen.pixel(SIDES / 2 * [x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
-    assert painted.min(axis=0)[::-1] == pytest.approx(low, abs=1.5)  # pixels
-    assert painted.max(axis=0)[::-1] == pytest.approx(high, abs=1.5)
+def colour(image: np.ndarray, seen: Camera, point: tuple[float, float, float]) -> np.ndarray:
+    """What the picture shows where a point of the scene lies."""
+    x, y = seen.pixel(np.array(point))
+    return image[int(y), int(x)]
 
 
-def test_faces_are_lit_from_the_upper_right_and_edges_are_dark() -> None:
-    seen, image = pictured(30.0, 30.0)
+@pytest.mark.parametrize(("azimuth", "height"), [(0.0, 0.0), (32.0, 28.0), (90.0, 0.0), (200.0, 60.0)])
+def test_a_view_is_upright_and_just_holds_what_it_shows(azimuth: float, height: float) -> None:
+    shapes = [box(2.0), box(1.0, (5.0, 1.0, 2.0))]
+    seen = view(shapes, azimuth, height, (320, 200))
+    axes = np.array([seen.right, seen.up, seen.towards])
+    assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assert seen.right[2] == 0.0  # the horizon is level
+    assert seen.up[2] >= 0.0
+    assert seen.towards[2] == pytest.approx(np.sin(np.radians(height)))
+    pixels = np.array([seen.pixel(corner) for shape in shapes for corner in shape.vertices])
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    assert (low + high) / 2 == pytest.approx([160.0, 100.0], abs=1e-9)
+    filled = (high - low) / (320, 200)
+    assert filled.max() == pytest.approx(0.96, abs=1e-9)
 
-    def at(point: list[float]) -> float:
-        across, down = seen.pixel(SIDES / 2 * point)
-        return float(image[round(down), round(across), 0])
 
-    top, front, side = at([0.0, 0.0, 1.0]), at([0.0, -1.0, 0.0]), at([1.0, 0.0, 0.0])
-    assert 0.8 >= top > front > side >= 0.45 * 0.8
-    for edge in ([0.0, -1.0, 1.0], [1.0, 0.0, 1.0], [1.0, -1.0, 0.0]):
-        across, down = (round(float(each)) for each in seen.pixel(SIDES / 2 * edge))
-        near = image[down - 1 : down + 2, across - 1 : across + 2, 0]
-        assert near.min() < 0.9 * side  # darker than the darkest face beside it: a line of half a pixel
-        assert near.min() > 0.2 * side
-    assert (image[0] == 1.0).all()
+def test_angles_go_from_the_front_to_the_right_and_up() -> None:
+    shapes = [box(1.0)]
+    assert view(shapes, 0.0, 0.0, (10, 10)).towards == pytest.approx([0.0, -1.0, 0.0], abs=1e-12)
+    assert view(shapes, 90.0, 0.0, (10, 10)).towards == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
+    assert view(shapes, 0.0, 90.0, (10, 10)).towards == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
 
 
-def test_what_is_near_hides_what_is_behind_and_parts_have_a_line_between() -> None:
-    near, far = trimesh.creation.box([1.0, 1.0, 1.0]), trimesh.creation.box([3.0, 1.0, 3.0])
-    near.apply_translation([0.0, -2.0, 0.0])
-    seen = view([near, far], 0.0, 0.0, (90, 90))
-    image = shaded([near, far], [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)], seen)
-    red, blue = image[45, 45], image[10, 45]
-    assert red[0] > 0 == red[2]
-    assert blue[2] > 0 == blue[0]
-    row = image[45]
-    assert (row[:, 0].max(), row[:, 2].max()) == (1.0, 1.0)  # white beside it
-    border = round(seen.pixel(np.array([0.5, -2.5, 0.0]))[0])
-    dark = row[border - 2 : border + 2].max(axis=1).min()
-    assert dark < 0.7 * max(red[0], blue[2])
+def test_what_is_nearer_hides_what_is_behind_it_and_all_round_it_is_white() -> None:
+    near, far = box(1.0, (0.0, -3.0, 0.0)), box(3.0)
+    for shapes, colours in (([near, far], [RED, BLUE]), ([far, near], [BLUE, RED])):
+        seen = view(shapes, 0.0, 0.0, (180, 120))
+        image = shaded(shapes, colours, seen)
+        assert image.shape == (120, 180, 3)
+        assert (image >= 0).all()
+        assert (image <= 1).all()
+        front = colour(image, seen, (0.0, -3.5, 0.0))
+        assert front[0] > 0.4
+        assert front[2] == 0.0
+        beside = colour(image, seen, (1.2, -1.5, 1.2))
+        assert beside[2] > 0.4
+        assert beside[0] == 0.0
+        assert (image[:, :10] == 1.0).all()
+        assert (image[0] == 1.0).all()
+
+
+def test_the_side_towards_the_light_is_brighter_and_none_is_black() -> None:
+    """It comes from the viewer's upper right: the top is the brightest, then the front, then the right."""
+    shape = box(2.0)
+    seen = view([shape], 35.0, 30.0, (120, 120))
+    image = shaded([shape], [(1.0, 1.0, 1.0)], seen)
+    top, front, right = (
+        colour(image, seen, at)[0] for at in ((0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
+    )
+    assert 1.0 > top > front > right > 0.45
+    left = view([shape], -120.0, 0.0, (120, 120))  # turned away from the light: what is left of it is even
+    dark = shaded([shape], [(1.0, 1.0, 1.0)], left)
+    assert colour(dark, left, (-1.0, 0.0, 0.0))[0] == pytest.approx(0.45)
+
+
+def test_edges_between_faces_and_parts_are_dark_and_flat_faces_have_none() -> None:
+    shape = box(2.0)
+    seen = view([shape], 45.0, 0.0, (200, 200))  # two faces, one upright edge between them
+    image = shaded([shape], [(1.0, 1.0, 1.0)], seen)
+    row = image[100, :, 0]
+    assert row[97:103].min() < 0.85 * min(row[60], row[140])  # the edge between them
+    assert (row[60:95] == row[60]).all()  # none on a face, though it is of two triangles
+    assert (row[106:140] == row[106]).all()
+    # an outline against the white, and between two parts whose faces are in one plane
+    pair = [box(2.0), box(2.0, (2.0, 0.0, 0.0))]
+    seen = view(pair, 0.0, 0.0, (200, 100))
+    row = shaded(pair, [(1.0, 1.0, 1.0)] * 2, seen)[50, :, 0]
+    face = row[60]
+    assert row[97:103].min() < 0.85 * face
+    assert (row[10:90] == face).all()
+    assert (row[110:190] == face).all()
+    ends = np.flatnonzero(row < 1.0)[[0, -1]]
+    assert ends == pytest.approx(np.array([0.02, 0.98]) * 200, abs=1.01)  # 96 % of the picture's width
+    for outer in (row[ends[0] : ends[0] + 3], row[ends[1] - 2 : ends[1] + 1]):
+        assert outer.min() < 0.92 * face
