@@ -272,3 +272,15 @@ def test_the_sheet_tells_tilt_tip_and_reservoir(yamada: Design) -> None:
     opened = sheet(pour="open", pour_tilt=15.0)
     assert "Raise end b by 15 degrees. Set the carrier down at end a first" in opened
     assert "gate" not in opened.replace("gauge", "")
+
+
+def test_silicone_runs_off_over_the_cups_upper_rim(yamada: Design) -> None:
+    closed = mold(yamada)
+    (cup,) = bores(closed.part("cover"), CutRole.RESERVOIR)
+    rim = void(yamada, closed).rim
+    assert rim is not None
+    assert rim[:, 2] == pytest.approx(np.full(len(rim), closed.part("cover").body.high))
+    away = np.hypot(rim[:, 0] - cup.start[0], rim[:, 1] - cup.start[1])
+    assert away == pytest.approx(np.full(len(rim), cup.far_radius))
+    turns = np.sort(np.arctan2(rim[:, 1] - cup.start[1], rim[:, 0] - cup.start[0]))
+    assert np.diff(turns) == pytest.approx(np.full(len(rim) - 1, 2 * math.pi / len(rim)))
