@@ -11,12 +11,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from annotated_types import Gt
 
 from skincad.base.errors import InputError
+from skincad.base.tables import Table
 from skincad.circuit import bode
 from skincad.circuit.bode import gain
 from skincad.circuit.calibrate import calibrate
-from skincad.circuit.model import load_circuit
+from skincad.circuit.model import (
+    SHORT,
+    Amplifier,
+    Cable,
+    FilmCapacitor,
+    Indenter,
+    Motional,
+    Noise,
+    Sampling,
+    Sweep,
+    constants,
+    load_circuit,
+    noise_sources,
+)
 from skincad.inputs.catalog import template_names
 from tests.conftest import run_skincad
 
@@ -216,3 +231,43 @@ def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
     )
     assert not {"OCP", "cadquery", "ngsolve", "netgen"} & set(done.stderr.split())
     assert "scipy" in done.stderr.split()
+
+
+@pytest.mark.parametrize(
+    "table",
+    [FilmCapacitor, Cable, Motional, Amplifier, Noise, Sweep, Indenter, Sampling],
+    ids=lambda t: t.__name__,
+)
+def test_what_must_be_above_zero_may_be_as_small_as_one_likes(table: type[Table]) -> None:
+    for name, field in table.model_fields.items():
+        for rule in field.metadata:
+            assert not isinstance(rule, Gt) or rule.gt == 0.0, name
+
+
+def test_the_sweeps_defaults_are_the_papers_and_it_may_be_as_slow_as_one_likes() -> None:
+    paper = load_circuit("yamada-2002").sweep
+    assert Sweep().model_dump() == {**paper.model_dump(), "offset": 0.0}
+    slow = Sweep(low=1e-3, high=1e-1, fit_high=1e-2)  # the fit's range: from a decade, to all of it
+    assert Sweep(low=1e-3, high=1e-1, fit_high=1e-1).low == slow.low
+    for beyond in (0.99e-2, 1.01e-1):
+        with pytest.raises(InputError, match=r"fit_high: must be from 0\.01 Hz \(10 times low\) to 0\.1 Hz"):
+            Sweep(low=1e-3, high=1e-1, fit_high=beyond)
+
+
+def test_a_resistor_too_small_to_reckon_with_is_told() -> None:
+    settings = "amplifier.output_resistance={:g}".format
+    assert load_circuit("yamada-2002", [settings(SHORT)]).amplifier.output_resistance == SHORT
+    with pytest.raises(InputError, match=r"amplifier\.output_resistance: must be at least 1e-12 ohm"):
+        load_circuit("yamada-2002", [settings(0.99 * SHORT)])
+    assert load_circuit("yamada-2002", ["sampling.rate=20.1"]).sampling is not None
+    with pytest.raises(InputError, match=r"sampling\.rate: must be above 20 Hz"):
+        load_circuit("yamada-2002", ["sampling.rate=20.0"])
+
+
+def test_film_and_lead_are_parallel_and_only_the_film_loses() -> None:
+    bare, long = (load_circuit("yamada-2002", [f"cable.capacitance={c:g}"]) for c in (0.0, 3e-10))
+    # eps0 eps A / d: 8.8542e-12 F/m x 12 x 11.95 mm2 / 0.028 mm
+    assert constants(bare).capacitance == pytest.approx(8.8542e-12 * 12 * 11.95e-6 / 0.028e-3, rel=1e-4)
+    assert constants(long).capacitance - constants(bare).capacitance == pytest.approx(3e-10, rel=1e-9)
+    assert constants(bare).d33 == pytest.approx(-33e-12, rel=1e-12)
+    assert noise_sources(long).film_capacitance == constants(bare).capacitance

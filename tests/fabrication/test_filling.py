@@ -284,3 +284,14 @@ def test_silicone_runs_off_over_the_cups_upper_rim(yamada: Design) -> None:
     assert away == pytest.approx(np.full(len(rim), cup.far_radius))
     turns = np.sort(np.arctan2(rim[:, 1] - cup.start[1], rim[:, 0] - cup.start[0]))
     assert np.diff(turns) == pytest.approx(np.full(len(rim) - 1, 2 * math.pi / len(rim)))
+
+
+def test_only_the_covers_openings_let_air_out_of_a_closed_mold(yamada: Design) -> None:
+    closed = mold(yamada)
+    spaces = void(yamada, closed).spaces
+    top = closed.first(PartRole.COVER).body.high
+    assert {space.beside for space in spaces if space.open_at is not None} == {PartRole.COVER}
+    assert {space.open_at for space in spaces} == {None, top}
+    holes = [space for space in spaces if space.name == "carrier hole"]
+    assert [space.where for space in holes] == [f"carrier hole {i + 1}" for i in range(len(holes))]
+    assert next(space for space in spaces if space.name == "skin").where == "skin"

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from scipy.integrate import solve_bvp
 
 import skincad
@@ -12,6 +13,7 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.strip_rules import misplaced, strip_findings
 from skincad.fabrication.strips import (
     Strip,
+    _ahead,
     deflection,
     drag,
     pour,
@@ -22,6 +24,8 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
+from skincad.shape.cross_section import SlotPlace
+from skincad.shape.curves import Point
 
 ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")
 LOAD = 1e-6  # N/mm
@@ -211,3 +215,16 @@ def test_what_cannot_be_cast_in_is_refused(cast: Design, change: dict, key: str)
     with pytest.raises(InputError) as refused:
         cast.with_(**change)
     assert refused.value.key == key
+
+
+def test_the_wall_that_an_edge_faces_is_the_nearer_of_both_along_the_strip() -> None:
+    """In a box of 6 by 4 mm; a slanting strip's edges face along the strip, not straight up."""
+    box = shapely.box(-3.0, 0.0, 3.0, 4.0)
+
+    def wall(x: float, z: float, degrees: float) -> float:
+        way = Point(math.sin(math.radians(degrees)), math.cos(math.radians(degrees)))
+        return _ahead(SlotPlace(1, "S1", Point(x, z), way, 0.4, 0.05), box)
+
+    assert [wall(0.0, 1.0, 0.0), wall(0.0, 3.5, 0.0), wall(2.0, 3.5, 0.0)] == pytest.approx([1.0, 0.5, 0.5])
+    assert [wall(0.0, 1.0, 60.0), wall(0.0, 3.5, 60.0)] == pytest.approx([2.0, 1.0])
+    assert [wall(2.0, 2.0, 90.0), wall(-2.0, 2.0, 90.0)] == pytest.approx([1.0, 1.0])

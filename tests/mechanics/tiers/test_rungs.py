@@ -137,7 +137,7 @@ class Levels:
         self.clock.now += self.meshing
         return fineness
 
-    def __call__(self, _: object, mesh: Any, order: int, force: float, drops: tuple[float, ...]) -> Any:  # noqa: ARG002
+    def __call__(self, _: object, mesh: Any, order: int, force: float, __: object) -> Any:
         self.solved.append((mesh, order))
         self.clock.now += self.seconds
         off = 0.1 / mesh / order**2
