@@ -310,3 +310,14 @@ def test_what_is_lifted_off_a_bent_mold_comes_clear_of_all_that_stays(radius: fl
         if move.axis == "z" and move.travel > 0 and left:
             lowest = min(heights[name][0] for name in move.parts) + move.travel
             assert lowest > max(heights[name][1] for name in left)
+
+
+@pytest.mark.parametrize("radius", RADII)
+def test_shims_are_turned_out_by_their_own_arcs_at_least(radius: float) -> None:
+    closed = mold(bent("yamada-2002", radius, "ridge.count=3"))
+    (turned,) = [move for move in closed.opening if move.axis == "turn"]
+    for name in turned.parts:
+        body = closed.part(name).body
+        assert isinstance(body, Revolved)
+        assert turned.travel > body.high - body.low
+    assert turned.travel < 2 * math.pi

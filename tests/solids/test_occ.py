@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import pytest
@@ -10,9 +11,10 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
-from skincad.solids.body import Bore
+from skincad.shape.curves import rectangle
+from skincad.solids.body import Bore, Prism, Revolved
 from skincad.solids.mold import mold
-from skincad.solids.occ import KernelError, solid
+from skincad.solids.occ import KERNEL_TOLERANCE, KernelError, _flattened, _rounding, solid
 from skincad.solids.skin import skin_part, skin_solid
 
 
@@ -50,7 +52,6 @@ def test_a_solid_that_is_not_its_plans_volume_is_refused(yamada: Design) -> None
 
 def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     import importlib
-    import sys
 
     class Lacking:
         """As the dynamic linker has it on a bare Linux."""
@@ -65,3 +66,33 @@ def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.
     monkeypatch.delitem(sys.modules, "skincad.solids.occ")
     with pytest.raises(skincad.InputError, match="libgl1 libx11-6"):
         importlib.import_module("skincad.solids.occ")
+
+
+@pytest.mark.parametrize("far", [1e4, 1e8])
+def test_what_far_centres_may_round_is_the_last_digits_of_their_distance_on_every_face(far: float) -> None:
+    """By hand: faces of 2 (10 + 4) mm round the section, each 20 mm long, moved by the distance's digits."""
+    flat = rectangle(-5.0, 5.0, 0.0, 4.0)
+    assert _rounding(Prism(flat, "y", -10.0, 10.0)) == 0.0
+    assert _rounding(Bore((0.0, 0.0, 0.0), "z", 1.0, 1.0)) == 0.0
+    digits = far * sys.float_info.epsilon
+    for centre in (far, -far):
+        swept = _rounding(Revolved(flat, centre, -10.0 / far, 10.0 / far))
+        assert swept == pytest.approx(4 * digits * 28.0 * 20.0, rel=1e-9)  # up to 4 times as much
+    # an arc of a far centre is as a face that far
+    arc = replace(flat[0], bulge=10.0 / far / 4)
+    assert _rounding(Prism((arc, *flat[1:]), "y", -10.0, 10.0)) == pytest.approx(
+        4 * digits * 10.0 * 20.0, rel=1e-6
+    )
+
+
+def test_only_an_arc_that_the_kernel_cannot_tell_from_a_line_is_one() -> None:
+    flat = rectangle(-5.0, 5.0, 0.0, 4.0)
+    for rise, line in ((0.99 * KERNEL_TOLERANCE, True), (1.01 * KERNEL_TOLERANCE, False)):
+        for sign in (1, -1):
+            arc = replace(
+                flat[0], bulge=sign * 2 * rise / 10.0
+            )  # rise of an arc: half the chord by the bulge
+            assert arc.point(0.5).z == pytest.approx(-sign * rise, rel=1e-6)
+            shown = _flattened(Prism((arc, *flat[1:]), "y", -10.0, 10.0))
+            assert isinstance(shown, Prism)
+            assert (shown.outline[0].bulge == 0.0) == line

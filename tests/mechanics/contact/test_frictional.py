@@ -14,6 +14,7 @@ from skincad.mechanics.bodies.mesh import Sizes, triangles
 from skincad.mechanics.contact import frictional
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import (
+    LEFT,
     OPEN,
     RIGHT,
     STICK,
@@ -260,3 +261,29 @@ def test_sets_that_do_not_settle_are_told_with_all_the_sweeps_tried(
         grip(block(), at_rest(1), Drive(2.0, travel=0.1), Cone(coefficient, coefficient))
     tried = [coefficient * frictional.LESS**i for i in range(weaker + 1)]
     assert swept == pytest.approx(np.repeat(tried, 4 * 5), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("longer", "stronger"), [(2.0**-40, 1.0), (2.0**40, 1.0), (1.0, 2.0**-40), (1.0, 2.0**40)]
+)
+def test_the_units_of_length_and_force_do_not_matter(longer: float, stronger: float) -> None:
+    """Points of a rough skin, pressed, pulled both ways and let go; powers of two round nothing."""
+    dice, m = np.random.default_rng(3), 12
+    root = dice.normal(size=(2 * m, 2 * m))
+    compliance = root @ root.T / (2 * m) + 0.2 * np.eye(2 * m)
+    gap = 0.3 * dice.random(m)
+    drives = [Drive(0.0, travel=0.0), Drive(2.0, travel=0.0), Drive(2.0, travel=0.7), Drive(1.5, travel=-0.4)]
+    plain = march(Compliant(compliance, gap - gap.min(), np.zeros(2 * m)), drives, Cone(0.25, 0.2))
+    statuses = {int(each) for state in plain for each in state.status}
+    assert statuses == {OPEN, STICK, RIGHT, LEFT}  # the march goes through all
+    changed = march(
+        Compliant(compliance * longer / stronger, (gap - gap.min()) * longer, np.zeros(2 * m)),
+        [Drive(d.normal * stronger, travel=(d.travel or 0.0) * longer) for d in drives],
+        Cone(0.25, 0.2),
+    )
+    for one, other in zip(plain, changed, strict=True):
+        assert (one.status == other.status).all()
+        for name, factor in (("normal", stronger), ("tangential", stronger), ("slipped", longer)):
+            assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=1e-9, abs=0.0)
+        assert other.approach == pytest.approx(longer * one.approach, rel=1e-9)
+        assert (one.slips == other.slips).all()

@@ -274,3 +274,20 @@ def test_too_large_a_pad_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid_level, "MOST_UNKNOWNS", 1000)
     with pytest.raises(InputError, match=r"three dimensions take at most 1000 unknowns.*the linear tier"):
         solid.solve(pad_of(sharp()), Request(4.0))
+
+
+@pytest.mark.parametrize("growth", [1.8, 2.0])
+@pytest.mark.parametrize("half", [0.1, 1.5, 6.0, 50.0])
+def test_layers_grow_from_the_end_by_one_factor_and_are_two_at_least(half: float, growth: float) -> None:
+    borders = graded(half, 0.5, growth)
+    sizes = np.diff(borders)
+    assert (borders[0], borders[-1]) == (0.0, pytest.approx(half, rel=1e-13))
+    assert sizes[:-1] / sizes[1:] == pytest.approx(growth, rel=1e-9)
+    assert sizes.size >= 2
+    # as near to the thickness asked for as whole layers come: one layer more or less is a factor of growth
+    if sizes.size > 2:
+        assert 0.5 / growth < sizes[-1] < 0.5 * growth
+        nearer = [half * (growth - 1) / (growth**n - 1) for n in (sizes.size - 1, sizes.size, sizes.size + 1)]
+        assert min(range(3), key=lambda i: abs(np.log(nearer[i] / 0.5))) == 1
+    else:
+        assert sizes[-1] == pytest.approx(half / (1 + growth), rel=1e-12)
