@@ -244,3 +244,10 @@ def test_every_effect_is_tried_or_skipped_with_a_reason(
     assert all(not trial.errors for trial in named)
     price = {trial.model: trial.runs for trial in named}  # a diagram shows what an error costs to be without
     assert all(trial.instead == price[trial.model] for trial in found.trials if trial.errors)
+
+
+def test_a_slip_ladders_reference_is_run_once_however_often_the_others_are(small: Design) -> None:
+    once, thrice = (slip.prices(small, repeats) for repeats in (1, 3))
+    assert all(seconds > 0 for seconds in once.values())
+    references = {slip._stage(settings[-1][0]) for settings in slip._ways().values()}
+    assert {stage for stage in once if thrice[stage] == once[stage]} >= references
