@@ -91,3 +91,13 @@ def test_each_way_refuses_or_says_that_it_is_beyond(way: str, case: str, tmp_pat
 @pytest.mark.parametrize("way", ["check", "simulate", "film stress"])
 def test_a_good_one_is_taken(way: str, tmp_path: Path) -> None:
     assert WAYS[way](small(), 0.4, tmp_path) == ""
+
+
+@pytest.mark.parametrize("table", ["material", "film"])
+def test_no_stuff_is_taken_as_incompressible_or_beyond(table: str) -> None:
+    """At 0.5 a bulk modulus has no bound, above it is negative."""
+    for ratio in (0.0, 0.3, 0.49):
+        assert yamada().with_(**{table: {"poisson_ratio": ratio}})
+    for wrong in (-0.01, 0.5, 0.51, 1.0):
+        with pytest.raises(InputError, match=rf"^{table}\.poisson_ratio: must be"):
+            yamada().with_(**{table: {"poisson_ratio": wrong}})
