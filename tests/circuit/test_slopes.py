@@ -94,3 +94,22 @@ def test_mid_band_is_on_the_flatter_side_of_the_cutoff(
     assert middle == pytest.approx(math.sqrt(100.0 * end))
     nearest = int(np.abs(found.frequency - middle).argmin())
     assert level == pytest.approx(found.gain[nearest], abs=0.5)  # between two points of the sweep
+
+
+@pytest.mark.parametrize("share", [0.12, 0.3, 0.7, 0.88])
+def test_a_corner_is_found_all_but_at_the_ranges_ends(share: float) -> None:
+    """Of the range in log f; nearer than a tenth of it to an end no line stands on its own."""
+    corner = 10.0 * 800.0**share
+    found = fit_slopes(F, lines(corner, 10.0, 60.0), 10.0, 8000.0)
+    assert found.cutoff.value == pytest.approx(corner, rel=2e-3)  # the minimiser's own tolerance
+    assert (found.below.value, found.above.value) == (
+        pytest.approx(10.0, abs=0.1),
+        pytest.approx(60.0, abs=0.1),
+    )
+
+
+@pytest.mark.parametrize("share", [0.02, 0.98])
+def test_a_bend_at_the_very_end_is_no_corner_there(share: float) -> None:
+    found = fit_slopes(F, lines(10.0 * 800.0**share, 10.0, 60.0), 10.0, 8000.0)
+    if found.cutoff.value is not None:
+        assert 0.09 < math.log(found.cutoff.value / 10.0) / math.log(800.0) < 0.91

@@ -1,0 +1,119 @@
+"""Where the models end, by hand: flat, strained, buckled, too steep; and what each end says."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from skincad import load
+from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
+from skincad.inputs.design import Design
+from skincad.mechanics.problem import Answer
+from skincad.mechanics.validity import (
+    LARGEST_STRAIN,
+    SMALL_STRAIN,
+    STEEPEST,
+    STUB,
+    Limits,
+    beyond_small_strain,
+    buckling_force,
+    limits,
+    refuse_crushed,
+    ridge_strain,
+    slope_warnings,
+    strain_warnings,
+)
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    """Ridges 0.8 mm wide in the mean and 12 mm long, of 0.8 MPa and nu 0.4."""
+    ridge = {"root_width": 0.9, "tip_width": 0.7, "height": 0.6}
+    material = {"name": None, "young_modulus": 0.8, "poisson_ratio": 0.4}
+    return load("plain-ridges").with_(ridge=ridge, skin={"length": 12.0, "thickness": 4.0}, material=material)
+
+
+def found(threshold: float | None, *forces: float) -> Answer:
+    shares = tuple(Estimate(f, 0.0, "N") for f in forces)
+    return Answer(
+        len(forces), Estimate(threshold, 0.0, "N"), Estimate(0.1, 0.0, "mm"), shares, 1, 0.0, {"total": 1.0}
+    )
+
+
+def test_a_force_on_a_ridge_is_strained_by_its_mean_width_and_length(design: Design) -> None:
+    ends = limits(design)
+    assert ends.height == pytest.approx(4.6)
+    assert ends.squeeze == pytest.approx(0.8 / (1 - 0.4**2) * 0.8 * 12.0, rel=1e-12)
+    # half the angle: 2 G = E / (1 + nu)
+    assert ends.shear == pytest.approx(0.8 / (1 + 0.4) * 0.8 * 12.0, rel=1e-12)
+    assert ends.strain(0.1 * ends.squeeze) == pytest.approx(0.1)
+    assert ends.strain(0.1 * ends.squeeze, 0.2 * ends.shear) == pytest.approx(0.2)
+    assert ridge_strain(design, found(1.0, 0.1, 0.3, 0.2)) == pytest.approx(0.3 / ends.squeeze)
+
+
+def test_a_slender_ridge_is_a_column_clamped_at_its_root(design: Design) -> None:
+    slender = design.with_(ridge={"height": 1.7})
+    stiffness = 0.8 / (1 - 0.4**2) * 12.0 * 0.8**3 / 12
+    assert buckling_force(slender) == pytest.approx(math.pi**2 * stiffness / (2 * 1.7) ** 2, rel=1e-12)
+    assert math.isinf(buckling_force(design.with_(ridge={"height": STUB * 0.8 * (1 - 1e-9)})))
+
+
+def test_beyond_its_range_a_model_says_why() -> None:
+    ends = Limits(4.6, squeeze=10.0, shear=5.0, buckling=2.5)
+    assert ends.largest == 2.5
+    assert Limits(4.6, squeeze=5.0, buckling=2.5).largest == pytest.approx(LARGEST_STRAIN * 5.0)
+    assert ends.overloaded(2.5) == ""
+    assert ends.overloaded(2.6) == "a ridge buckles at 2.5 N and would carry 2.6 N"
+    assert ends.overloaded(4.0) == "the ridges' nominal strain is 0.4; the model's range ends at 0.3"
+    assert ends.overloaded(2.5, 1.5) == ""  # as much as may be, across
+    assert ends.overloaded(0.0, 2.0).startswith("the ridges' nominal strain is 0.4")
+    assert ends.crushed(4.59) == ""
+    assert ends.crushed(4.6) == "pressed flat: an approach of 4.6 mm into 4.6 mm of skin and ridges"
+    large = Limits(4.6)
+    assert (large.overloaded(1e9, 1e9), large.strain(1e9, 1e9), large.largest) == ("", 0.0, math.inf)
+
+
+def test_a_skin_pressed_flat_is_refused_with_the_force_that_would_do_so(design: Design) -> None:
+    refuse_crushed(design, 8.0, "linear", 4.599)
+    with pytest.raises(InputError, match=r"below about 4 N, which press the skin flat in the linear tier"):
+        refuse_crushed(design, 8.0, "linear", 9.2)
+    with pytest.raises(InputError, match="below about 8 N"):
+        refuse_crushed(design, 8.0, "linear", 4.6 + 1e-12)
+
+
+def test_the_verdict_is_judged_where_all_begin_to_touch_and_the_warning_at_the_force(design: Design) -> None:
+    """A force of twice the threshold strains the ridges half as much there."""
+    squeeze = limits(design).squeeze
+    strained = 0.5 * squeeze  # on the most loaded ridge
+    assert beyond_small_strain(design, 8.0, found(4.0, 0.1, strained)) == ""
+    assert "strain is 0.5" in beyond_small_strain(design, 8.0, found(None, 0.1, strained))
+    assert "strain is 0.5" in beyond_small_strain(design, 8.0, found(12.0, 0.1, strained))
+    assert "strain is 0.4" in beyond_small_strain(design, 8.0, found(6.4, 0.1, strained))
+    assert strain_warnings(design, found(4.0, SMALL_STRAIN * squeeze * (1 - 1e-9))) == ()
+    assert strain_warnings(design, found(4.0, 0.1, strained)) == (
+        "nominal ridge strain 0.5 is beyond the small-strain range (0.1)",
+    )
+
+
+def plate(design: Design, **values: object) -> Design:
+    return design.with_(contact={"plate": values}, skin={"width": 11.0})
+
+
+def test_a_plates_slope_is_told_with_what_it_leaves_out_and_refused_where_too_steep(design: Design) -> None:
+    assert slope_warnings(design) == ()
+    assert slope_warnings(plate(design, shape="step", position=0.0, height=0.1)) == ()
+    (told,) = slope_warnings(plate(design, shape="cylinder", radius=55.0))
+    # half of 11 mm by 55 mm; half its square is 0.5 %
+    assert told == "contact is taken as vertical: with slopes of up to 0.1 that is 0.5% off"
+    (aside,) = slope_warnings(plate(design, shape="cylinder", radius=55.0, position=-5.5))
+    assert aside == "contact is taken as vertical: with slopes of up to 0.2 that is 2.0% off"
+    (tilted,) = slope_warnings(plate(design, shape="tilted", tilt=-math.degrees(math.atan(0.08))))
+    assert tilted == "contact is taken as vertical: with slopes of up to 0.08 that is 0.3% off"
+    edge = 5.5 / STEEPEST
+    slope_warnings(plate(design, shape="cylinder", radius=edge * 1.0001))
+    with pytest.raises(
+        InputError, match=r"contact\.plate: must not slope by more than 0\.35 within the skin"
+    ):
+        slope_warnings(plate(design, shape="cylinder", radius=edge * 0.9999))
