@@ -57,10 +57,10 @@ def test_friction_takes_the_mean_force_of_a_step_times_the_slide(
 ) -> None:
     skin, slid = condensed(springs()), 0.1
     first, last = skin.start(), skin.start()
-    first = replace(first, tangential=way * np.array([before, 0.0]), normal=np.array([2.0, 2.0]))
+    first = replace(first, tangential=way * np.array([before, 0.0]) + 0.0, normal=np.array([2.0, 2.0]))
     last = replace(
         last,
-        tangential=way * np.array([after, 0.1]),
+        tangential=way * np.array([after, 0.1]) + 0.0,  # a freed point's is 0, not -0
         normal=np.array([2.0, 1.0]),
         slipped=-way * np.array([slid, 0.0]),
         residual=1e-11,

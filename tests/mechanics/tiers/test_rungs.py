@@ -390,3 +390,19 @@ def test_in_the_product_each_change_has_its_error_and_no_ridge_pulls() -> None:
     )
     assert [f.value for f in clear.ridge_force] == pytest.approx([0.0, 4.0, 0.0])
     assert clear.touching == 1
+
+
+def test_a_ridge_that_carries_anything_touches() -> None:
+    """Shares of 0.4 N at the ends, by each way of adding changes."""
+    fine, before, after = (
+        kind(3.0, 0.2, (0.5 + by, 3.0 - 2 * by, 0.5 + by))
+        for kind, by in ((answer, 0.0), (spatial, 0.1), (spatial, 0.0))
+    )
+    by_ends = changed(fine, before, after, 4.0, ERRORS)
+    in_solid = solid._estimated(before, before, after)
+    by_both = product.answer(
+        load("plain-ridges"), Request(4.0), None, fine, fine, answer(3.0, 0.2, (0.4, 3.2, 0.4))
+    )
+    for each, outer in ((by_ends, 0.4), (in_solid, 0.5), (by_both, 0.4)):
+        assert each.ridge_force[0].value == pytest.approx(outer)
+        assert each.touching == 3
