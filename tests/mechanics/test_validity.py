@@ -68,6 +68,8 @@ def test_beyond_its_range_a_model_says_why() -> None:
     assert ends.overloaded(2.6) == "a ridge buckles at 2.5 N and would carry 2.6 N"
     assert ends.overloaded(4.0) == "the ridges' nominal strain is 0.4; the model's range ends at 0.3"
     assert ends.overloaded(2.5, 1.5) == ""  # as much as may be, across
+    weak = Limits(4.6, squeeze=10.0, shear=0.1)  # what does not press across does not shear
+    assert (weak.overloaded(2.5), weak.strain(2.5)) == ("", 0.25)
     assert ends.overloaded(0.0, 2.0).startswith("the ridges' nominal strain is 0.4")
     assert ends.crushed(4.59) == ""
     assert ends.crushed(4.6) == "pressed flat: an approach of 4.6 mm into 4.6 mm of skin and ridges"
