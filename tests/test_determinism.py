@@ -45,9 +45,8 @@ def told(path: Path) -> Any:
     return data
 
 
-@pytest.mark.parametrize(
-    "job", ["circuit", *(pytest.param(j, marks=pytest.mark.slow) for j in ("make", "simulate"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("job", ["circuit", "make", "simulate"])
 def test_same_bytes_on_one_thread_and_on_two(job: str, tmp_path: Path) -> None:
     one, two = (
         run(job, name, tmp_path, PYTHONHASHSEED=name, OPENBLAS_NUM_THREADS=name, OMP_NUM_THREADS=name)

@@ -56,6 +56,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {name: (folder / name).read_bytes() for name in ("gain.png", "section.dxf", "skin.step")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline"])
 def test_same_bytes_whatever_rc_files_and_backends_say(
     backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

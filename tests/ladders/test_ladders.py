@@ -157,6 +157,7 @@ def pressed(plain: Design) -> Ladder:
         return found
 
 
+@pytest.mark.slow
 def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert_whole(pressed)
     assert not pressed.skipped
@@ -165,6 +166,7 @@ def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_higher_orders_cost_and_gain(pressed: Ladder) -> None:
     for model in ("linear", "finite-strain"):
         trials = [trial for trial in pressed.trials if trial.model == model]
@@ -174,6 +176,7 @@ def test_higher_orders_cost_and_gain(pressed: Ladder) -> None:
         assert higher.errors["mesh approach"] < lower.errors["mesh approach"]
 
 
+@pytest.mark.slow
 def test_no_mesh_buys_what_a_model_leaves_out(pressed: Ladder) -> None:
     """The linear tier's whole error is its model's: finer meshes leave it within a twentieth."""
     whole = errors(pressed, "linear", "whole approach")
@@ -183,6 +186,7 @@ def test_no_mesh_buys_what_a_model_leaves_out(pressed: Ladder) -> None:
         assert errors(pressed, "corrected", measure)[0] < errors(pressed, "winkler", measure)[0]
 
 
+@pytest.mark.slow
 def test_the_reference_is_named_with_its_own_error(pressed: Ladder) -> None:
     whole = next(measure for measure in pressed.measures if measure.name == "whole F9")
     assert whole.reference.startswith("solid-finite-strain")
