@@ -41,9 +41,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "gain": (1e2, 1e7),  # source: data sheets, 40 to 140 dB
 }
 STARTS, SEED = 24, 2002
-MOST_STEPS = (
-    300  # of a start; those that converge take up to 272 (measured on the paper's and shipped curves)
-)
+STEPS = 300  # of a start; those that converged took up to 272 (the paper's and the shipped curves)
 NEAR = 0.01  # of a bound's range in log: a constant so near to its end is reported as at it
 OPEN = 0.1  # dB rms for a factor e: changes below it are smaller than what a curve is read to
 
@@ -123,8 +121,7 @@ def calibrate(
 
     draw = np.random.default_rng(seed)
     # steps of 1e-6: the logarithms' own scale, so that differences keep about 9 digits
-    options: dict[str, Any] = {"bounds": (low, high), "x_scale": "jac", "diff_step": 1e-6}
-    options["max_nfev"] = MOST_STEPS
+    options: dict[str, Any] = {"bounds": (low, high), "x_scale": "jac", "max_nfev": STEPS, "diff_step": 1e-6}
     runs = [least_squares(misfit, draw.uniform(low, high), **options) for _ in range(starts)]
     good = [run for run in runs if run.status > 0]
     if not good:
