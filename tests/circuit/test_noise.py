@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.constants import Boltzmann
 
+from skincad.base.errors import InputError
 from skincad.circuit.constants import Constants, NoiseSources
 from skincad.circuit.model import constants, load_circuit, noise_sources
 from skincad.circuit.netlist import element_lines
@@ -82,3 +84,9 @@ def test_the_circuits_own_sources() -> None:
     n = noise_sources(circuit)
     assert (n.temperature, n.voltage_density, n.current_density) == (300.0, 10e-9, 1e-15)
     assert n.film_capacitance + circuit.cable.capacitance == pytest.approx(constants(circuit).capacitance)
+
+
+@pytest.mark.parametrize(("rate", "count"), [(0.0, 8), (-1.0, 8), (math.inf, 8), (math.nan, 8), (1e3, 1)])
+def test_a_rate_that_is_none_and_a_single_sample_are_refused(rate: float, count: int) -> None:
+    with pytest.raises(InputError, match="rate: must be above 0 Hz, with at least two samples"):
+        noise_samples(network(constants(load_circuit("transimpedance"))), rate, count, 1)

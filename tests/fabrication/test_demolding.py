@@ -90,3 +90,10 @@ def test_a_root_that_the_pitch_forbids_is_not_told() -> None:
     root, tip = drafted(upright(12.0, material={"name": "sylgard-184"}))
     assert root is None  # 0.75 + 0.36 is above the pitch
     assert tip is not None
+
+
+def test_a_split_cavity_is_advised_unless_the_cavity_is_split() -> None:
+    for split, told in (("none", True), ("auto", False)):
+        found = [f for f in design_findings(upright(12.0, mold={"split": split})) if f.rule == "undercut"]
+        assert found
+        assert all(('a split cavity (mold.split = "auto")' in f.remedy) == told for f in found)

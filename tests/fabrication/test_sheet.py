@@ -59,3 +59,23 @@ def test_a_failed_job_says_so_at_the_top(yamada: Design) -> None:
 
 def test_without_slots_there_is_no_word_of_shims() -> None:
     assert "shim" not in sheet(load("plain-ridges"))
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", "cast-in"])
+@pytest.mark.parametrize("cavities", [1, 2])
+def test_two_inserts_a_ridge_and_cavity_are_to_be_bought(name: str, cavities: int) -> None:
+    design = load(name).with_(mold={"cavities": cavities})
+    closed, cast = mold(design), name == "cast-in"
+    inserts = closed.of(PartRole.STRIP if cast else PartRole.SHIM)
+    assert len(inserts) == 2 * design.ridge.count * cavities
+    words = " strips of PVDF film" if cast else " shims of spring steel"
+    assert f"{len(inserts)}{words}" in sheet(design)
+
+
+@pytest.mark.parametrize(
+    ("name", "coated"), [("yamada-2002", True), ("cast-in", False), ("plain-ridges", False)]
+)
+def test_shims_are_coated_and_strips_that_stay_are_not(name: str, coated: bool) -> None:
+    agent = next(line for line in sheet(load(name)).splitlines() if "release agent on cavity" in line)
+    assert ("cover and shims;" in agent) == coated
+    assert ("end plates and cover;" in agent) != coated

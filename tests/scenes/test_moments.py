@@ -90,3 +90,8 @@ def test_colours_are_one_scale_for_all_frames() -> None:
 
     assert _limit([shown(-2.0), shown(1.0)]) == pytest.approx(2.0)
     assert _limit([shown(0.0)]) > 0
+
+
+def test_an_animation_has_no_more_frames_than_there_are_states(tmp_path: Path) -> None:
+    few = small_scene(tmp_path, SCENE, "history.steps=4", "readout.ridges=[]", "readout.frames=50")
+    assert frames(few) == [0, 1, 2, 3, 4]
