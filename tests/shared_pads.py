@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache
 
 import pytest
@@ -15,8 +14,8 @@ triangles = lru_cache(maxsize=8)(mesh.triangles)
 condensed = lru_cache(maxsize=8)(sliding.sliding)
 
 
-@contextmanager
-def shared() -> Iterator[None]:
+@pytest.fixture(autouse=True, scope="module")
+def shared_pads() -> Iterator[None]:
     """Give the same mesh for the same pad and sizes, and of it the same condensed pad for the same order."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(mesh, "triangles", triangles)
