@@ -80,7 +80,6 @@ def test_a_message_that_cannot_be_written_changes_no_status(tmp_path: Path) -> N
 
 
 ENCODINGS = {
-    "ascii": {"PYTHONIOENCODING": "ascii"},
     "latin-1": {"PYTHONIOENCODING": "latin-1"},
     "strict": {"PYTHONIOENCODING": "ascii:strict"},
     "C": {"LC_ALL": "C"},
@@ -206,7 +205,8 @@ main()
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux how much memory is used")
-@pytest.mark.parametrize("more", [20, 60])  # MB beside what the libraries take: a solution asks for more
+# MB beside what the libraries take: a solution asks for more
+@pytest.mark.parametrize("more", [pytest.param(20, marks=pytest.mark.slow), 60])
 def test_too_little_memory_is_one_object_and_status_3(more: int, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", TOO_LITTLE.format(more)],
@@ -337,7 +337,7 @@ def assert_ended(status: int, out: str, err: str, signum: int, cwd: Path) -> Non
     [
         ("typer", "templates"),
         ("pydantic_core", CHECK),
-        ("numpy.linalg", CHECK),
+        pytest.param("numpy.linalg", CHECK, marks=pytest.mark.slow),  # C extensions, as pydantic_core
         pytest.param("PIL.Image", "circuit yamada-2002", marks=pytest.mark.slow),
         pytest.param("ngsolve", "check plain-ridges", marks=pytest.mark.slow),
         pytest.param("OCP.gp", "make plain-ridges --format dxf", marks=pytest.mark.slow),

@@ -101,7 +101,7 @@ def paths(table: dict[str, Any], at: tuple[str, ...] = ()) -> list[tuple[str, ..
 
 @kinds
 @given(data=st.data())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=75, deadline=None)
 def test_any_value_at_any_key(kind: str, data: st.DataObject) -> None:
     _, name, folder = LOADERS[kind]
     table = read_table(name, folder)  # type: ignore[arg-type]
@@ -129,7 +129,7 @@ BAD = {
     "a long hexadecimal height": b"name = 'x'\n[ridge]\nheight = 0x" + b"f" * 6000,
     "a list of 1e5 numbers": b"name = 'x'\n[skin]\nwidth = [" + b"1.0," * 100_000 + b"]",
     "a key of 1e5 letters": b"a" * 100_000 + b" = 1",
-    "1e4 unknown keys": b"\n".join(b"k%d = 1" % i for i in range(10_000)),  # 90,000: BOMBS
+    "1e3 unknown keys": b"\n".join(b"k%d = 1" % i for i in range(1000)),  # 90,000: BOMBS
     "a NUL": b"name = 'a\x00b'",
     "an escaped NUL": b'name = "a\\u0000b"',
     "half of a letter": b"name = '\xc3'",
@@ -222,7 +222,12 @@ def bounded() -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-@pytest.mark.parametrize("name", BOMBS)
+ALIKE = {"80,000 tables": "80,000 tables in one", "50,000 machines": "50,000 silicones"}  # shown by these too
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in ALIKE else []) for name in BOMBS]
+)
 def test_no_table_takes_work_out_of_proportion(name: str, tmp_path: Path) -> None:
     file, read = tmp_path / "bomb.toml", load_scene if BOMBS[name].startswith(SCENE[:40]) else load
     file.write_text(BOMBS[name])
@@ -295,7 +300,7 @@ def test_whatever_is_read_is_shallow(text: str) -> None:
         max_size=8,
     )
 )
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=100, deadline=None, derandomize=True)
 def test_signs_within_texts_are_not_counted(table: dict[str, Any]) -> None:
     try:
         text = tomlkit.dumps(table)
@@ -335,7 +340,7 @@ def test_bad_overrides(text: str) -> None:
 
 
 @given(text=st.text(max_size=60))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_any_override(text: str) -> None:
     for key in ("", "ridge.height=", "material.young_modulus=", "printer.sla=", "silicones.lab-10="):
         assert "\n" not in told(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]

@@ -17,6 +17,7 @@ from skincad.solids.mold import ClosedMold
 
 SEEDS = 60
 CHUNKS = 4  # shared out to the processes
+SMALLEST = 4  # the seed of the first of them that takes half a second without the CAD kernel
 
 
 @pytest.mark.slow
@@ -30,8 +31,8 @@ def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object]
     assert not any(each.faults for each in found), told
 
 
-def test_a_few_of_them_without_the_cad_kernel() -> None:
-    found = [outcome(seed, kernel=False) for seed in range(1)]
+def test_one_of_them_without_the_cad_kernel() -> None:
+    found = [outcome(SMALLEST, kernel=False)]
     assert not any(each.faults for each in found), summary(found)
 
 
@@ -55,7 +56,7 @@ def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None
     """A wrong formula is seen by mesh and by the poured volume; what raises is a fault with its seed."""
     true = soundness.poured_volume
     monkeypatch.setattr(soundness, "poured_volume", lambda *given: 1.2 * true(*given))
-    told = outcome(0, kernel=False).faults
+    told = outcome(SMALLEST, kernel=False).faults
     assert any("casting sheet" in fault for fault in told)
     assert any("poured" in fault for fault in told)
 
@@ -63,6 +64,6 @@ def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None
         raise ZeroDivisionError("on purpose")
 
     monkeypatch.setattr(soundness, "poured_volume", broken)
-    text = summary([outcome(0, kernel=False)])
-    assert "seed 0: ZeroDivisionError: on purpose" in text
-    assert 'name = "random-0"' in text
+    text = summary([outcome(SMALLEST, kernel=False)])
+    assert f"seed {SMALLEST}: ZeroDivisionError: on purpose" in text
+    assert f'name = "random-{SMALLEST}"' in text

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -291,27 +289,6 @@ def test_progress_is_told() -> None:
     assert [stage.partition(":")[0] for stage, _ in told] == ["linear tier"] * 3
     assert told[0][1] > 0  # the whole tier's, by its law
     assert [left for _, left in told[1:]] == [None, None]
-
-
-def modules_after(code: str) -> set[str]:
-    run = subprocess.run(
-        [sys.executable, "-c", f"{code}\nimport sys; print(*{{m.split('.')[0] for m in sys.modules}})"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return set(run.stdout.split())
-
-
-def test_imports_stay_light() -> None:
-    assert not modules_after("import skincad.mechanics.touching") & {"ngsolve", "netgen", "OCP", "cadquery"}
-    code = (
-        "from skincad.inputs.catalog import load; from skincad.mechanics.touching import check\n"
-        "check(load('plain-ridges', ['ridge.count=1']), force=0.2, tier='linear', tol=0.3)"
-    )
-    loaded = modules_after(code)
-    assert "ngsolve" in loaded
-    assert not loaded & {"OCP", "cadquery"}
 
 
 @pytest.mark.slow

@@ -12,10 +12,15 @@ import pytest
 import typer
 
 from skincad import cli
+from tests.small_scene import small_scene
 
 WRITING = ("make", "simulate", "circuit", "accuracy")  # the commands that write into a folder
 SMALL = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0")
 SCENE = ("yamada-2002-press-and-pull", "--set", "history.steps=4", "--budget", "0.01")
+THIRDS = (
+    *("history.normal_force_N=[0.0, 1.3, 1.3]", "history.tangential_force_N=[0.0, 0.0, 0.3]"),
+    "readout.ridges=[2]",
+)
 RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
     "make": ("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01"),
     "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
@@ -69,11 +74,20 @@ def run(arguments: tuple[str, ...]) -> tuple[int, str]:
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tuple[int, str]]]:
     """One folder that all commands have written into, and what each said."""
-    out = tmp_path_factory.mktemp("all") / "out"
+    folder = tmp_path_factory.mktemp("all")
+    out = folder / "out"
+    small_scene(folder, SCENE[0], *THIRDS)  # its files
+    scene = (
+        str(folder / "scene.toml"),
+        "--set",
+        "skin=small.toml",
+        *(t for each in THIRDS for t in ("--set", each)),
+    )
     said = {}
     for name, arguments in RUNS.items():
-        folder = ("-o", str(out)) if arguments[0] in WRITING else ()
-        said[name] = run((*arguments, "--json", *folder))
+        into = ("-o", str(out)) if arguments[0] in WRITING else ()
+        small = ("simulate", *scene, *arguments[2:]) if name == "simulate" else arguments
+        said[name] = run((*small, "--json", *into))
     return out, said
 
 

@@ -45,14 +45,15 @@ def test_sizes_are_those_of_the_papers_scene() -> None:
     assert unknowns[1] / unknowns[0] == pytest.approx(LEVELS[1].size, rel=0.1)
 
 
-def test_the_time_left_is_told_and_falls_to_what_must_follow() -> None:
+def test_the_time_left_is_told_and_falls_to_what_must_follow(tmp_path: Path) -> None:
     told: list[tuple[str, int, float]] = []
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
         if left is not None:
             told.append((stage, step, left))
 
-    found = simulate(load_scene("yamada-2002-press", ["history.steps=8"]), tol=0.5, tick=tick)
+    press = ("history.steps=8", "readout.ridges=[1]", THIRD)
+    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tol=0.5, tick=tick)
     stages = list(dict.fromkeys(stage for stage, _, _ in told))
     assert len(stages) == 2  # no error without a second mesh
     first, second = ([left for name, _, left in told if name == stage] for stage in stages)
@@ -62,8 +63,9 @@ def test_the_time_left_is_told_and_falls_to_what_must_follow() -> None:
     assert found.error is not None
 
 
-def test_a_budget_is_told_to_be_too_small() -> None:
-    found = simulate(load_scene("yamada-2002-press", ["history.steps=4"]), budget=1e-3)
+def test_a_budget_is_told_to_be_too_small(tmp_path: Path) -> None:
+    press = ("history.steps=4", "readout.ridges=[1]", THIRD)
+    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e-3)
     assert found.error is None
     assert any("more than the budget of 0.001 s" in warning for warning in found.warnings)
     assert any("of unknown error" in warning for warning in found.warnings)

@@ -235,7 +235,7 @@ def felt(scene: str, *settings: str) -> dict[str, Any]:
     return at_level(load_scene(scene, asked), LEVELS[1]).as_json()
 
 
-@pytest.mark.parametrize("seed", [None, 1])
+@pytest.mark.parametrize("seed", [pytest.param(None, marks=pytest.mark.slow), 1])
 def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> None:
     """With and without noise; ridge 2 slips from step 186 to 200 and sticks again, which is told too."""
     found = felt("yamada-2002-slip", *([] if seed is None else [f"effects.piezo.noise_seed={seed}"]))

@@ -53,7 +53,7 @@ def found(name: str) -> tuple[FilmStress, ...]:
 
 @cache
 def found_of_three() -> tuple[FilmStress, ...]:
-    return film_stresses(three(), 1.2, (0.0, 0.3), show=(1, 2))
+    return film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
 
 
 def values(estimates: tuple[Estimate, ...]) -> np.ndarray:
@@ -131,7 +131,7 @@ def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None
     """Independent of the cut's conditions; another mesh, so it agrees to the errors."""
     halves = found_of_three()
     monkeypatch.setattr(stick, "half_of", lambda _: None)
-    wholes = film_stresses(three(), 1.2, (0.0, 0.3), show=(1, 2))
+    wholes = film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
     for half, whole in zip(halves, wholes, strict=True):
         assert whole.unknowns > 1.5 * half.unknowns
         for field in ("s1", "s2", "differential", "along1", "lengthwise2", "ridge_force", "ridge_tangential"):
@@ -153,8 +153,7 @@ def drawn_between_strips(field: RidgeField) -> float:
 
 
 def test_pulling_back_mirrors_everything() -> None:
-    there = found_of_three()[1]
-    back = film_stresses(three(), 1.2, (-0.3,))[0]
+    _, there, back = found_of_three()
     assert values(back.s1) == pytest.approx(values(there.s2)[::-1], rel=1e-9)
     assert values(back.ridge_force) == pytest.approx(values(there.ridge_force)[::-1], rel=1e-9)
 
