@@ -42,9 +42,10 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         if progress:
             progress(_stage(count))
         charge = network.charge * sine(count)  # of a load of 1 N
+        kinked = after_kink(network, HOLDS[0], count, FINER)
         for hold in HOLDS:
             found, runs = timed(partial(held, network, hold, FREQUENCY * count, charge), repeats)
-            errors = {**errors_of(found, exact, count), "kink": kink_error(network, hold, count)}
+            errors = {**errors_of(found, exact, count), "kink": kink_error(network, hold, count, kinked)}
             trials.append(Trial(hold, f"{count} samples a period", charge.size, runs, errors))
     known = (
         "the node equations, solved without loss of digits; their closed form differs by 1e-13, "
@@ -117,14 +118,16 @@ def errors_of(found: Real, exact: complex, per_period: int) -> dict[str, float]:
     return {"output": size, "size": abs(abs(gain) / abs(exact) - 1)}
 
 
-def kink_error(network: Network, hold: str, per_period: int) -> float:
-    """Return the relative rms error of the output to a load that rises straight from a sample on."""
-    count, rate = per_period * KINKED, FREQUENCY * per_period
+def after_kink(network: Network, hold: str, per_period: int, finer: int = 1) -> Real:
+    """Return the output to a load that rises straight from a sample on, at `finer` times the rate, of which
+    the samples are kept."""
+    count = per_period * KINKED
+    late = np.arange(count * finer) / finer - count / 4
+    charge = np.asarray(network.charge * np.maximum(late, 0.0) / count)
+    return held(network, hold, finer * FREQUENCY * per_period, charge)[::finer]
 
-    def rise(finer: int) -> Real:
-        late = np.arange(count * finer) / finer - count / 4
-        return np.asarray(network.charge * np.maximum(late, 0.0) / count)
 
-    exact = held(network, HOLDS[0], FINER * rate, rise(FINER))[::FINER]
-    missed = held(network, hold, rate, rise(1)) - exact
+def kink_error(network: Network, hold: str, per_period: int, exact: Real) -> float:
+    """Return the relative rms error of the output to a load with a kink."""
+    missed = after_kink(network, hold, per_period) - exact
     return float(np.sqrt(np.mean(missed**2) / np.mean(exact**2)))

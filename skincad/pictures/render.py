@@ -57,14 +57,14 @@ def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -
     across = seen.centre[0] + (np.arange(wide) - (wide - 1) / 2) * step
     upward = seen.centre[1] - (np.arange(high) - (high - 1) / 2) * step
     far = float(np.abs(whole.bounds).max()) * 4
-    grid_u, grid_v = np.meshgrid(across, upward)
-    origins = np.outer(grid_u.ravel(), seen.right) + np.outer(grid_v.ravel(), seen.up) + far * seen.towards
+    grid = across[None, :, None] * seen.right + upward[:, None, None] * seen.up + far * seen.towards
+    origins = grid.reshape(-1, 3)
     rays = np.broadcast_to(-seen.towards, origins.shape)
     hit = RayMeshIntersector(whole).intersects_first(origins, rays).reshape(high, wide)
     normals = np.asarray(whole.face_normals)
     brightness = 0.45 + 0.55 * np.clip(normals @ _LIGHT, 0, 1)
     paint = np.array(colours)[owner] * brightness[:, None]
-    image = np.where((hit >= 0)[..., None], paint[hit], 1.0)
+    image = np.vstack([paint, np.ones(3)])[hit]  # -1, the last: white
     image[_edges(hit, owner, normals)] *= 0.35
     blocks = image.reshape(seen.size[1], _OVERSAMPLE, seen.size[0], _OVERSAMPLE, 3)
     return np.asarray(blocks.mean(axis=(1, 3)))
@@ -72,10 +72,12 @@ def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -
 
 def _edges(hit: Index, owner: Index, normals: Array) -> Mask:
     """Pixels whose right or lower neighbour shows another part, or a face at more than 25 degrees."""
-    part = np.where(hit >= 0, owner[hit], -1)
-    facing = np.where((hit >= 0)[..., None], normals[hit], 0.0)
+    part, facing = np.append(owner, -1), np.vstack([normals, np.zeros(3)])  # -1, the last: nothing is hit
     edge = np.zeros(hit.shape, dtype=bool)
     for axis in (0, 1):
-        other_part, other_facing = np.roll(part, -1, axis), np.roll(facing, -1, axis)
-        edge |= (part != other_part) | (np.einsum("ijk,ijk->ij", facing, other_facing) < 0.9) & (part >= 0)
+        other = np.roll(hit, -1, axis)
+        differ = hit != other  # a face has no edge within itself
+        one, next_one = hit[differ], other[differ]
+        turned = (np.einsum("ij,ij->i", facing[one], facing[next_one]) < 0.9) & (one >= 0)
+        edge[differ] |= (part[one] != part[next_one]) | turned
     return edge

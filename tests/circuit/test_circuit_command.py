@@ -221,7 +221,7 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
 
 def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
     program = (
-        "import sys\nsys.argv = ['skincad', 'circuit', 'transimpedance']\n"
+        "import sys\nsys.argv = ['skincad', 'circuit', 'transimpedance', '--set', 'sweep.points=50']\n"
         "from skincad.cli import main\n"
         "try:\n    main()\nexcept SystemExit:\n    pass\n"
         "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"

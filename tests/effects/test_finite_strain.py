@@ -99,7 +99,7 @@ def test_it_is_the_only_law_and_has_no_unknown_key() -> None:
         load_scene("yamada-2002-slip", ["effects.finite_strain.crease=stop"])
 
 
-@pytest.mark.parametrize(("normal", "mu"), [(0.15, 0.5), (0.6, 0.2)])
+@pytest.mark.parametrize(("normal", "mu"), [pytest.param(0.15, 0.5, marks=pytest.mark.slow), (0.6, 0.2)])
 def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
     normal: float, mu: float, tmp_path: Path
 ) -> None:

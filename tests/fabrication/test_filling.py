@@ -16,13 +16,13 @@ from skincad.fabrication.levels import cells, trapped, vertical
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.fabrication.void import Space, Void, void
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part, bores
 from skincad.solids.roles import CutRole, PartRole
+from tests.templates import KINDS
 
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids
 
@@ -173,7 +173,7 @@ def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None
     )
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_no_template_keeps_air_level_or_at_its_own_tilt(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)

@@ -9,6 +9,7 @@ from skincad.fabrication.findings import design_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
+from tests.templates import KINDS
 
 LARGEST_IS_BEST = {"tool reach", "slender", "tool depth", "overhang", "undercut", "cure inhibition"}
 
@@ -36,7 +37,7 @@ def test_every_process_makes_at_least_one_template() -> None:
     assert own == set(PROCESSES)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_finding_is_beyond_its_limit_told_once_and_has_a_remedy(name: str, process: str) -> None:
     found = design_findings(by(skincad.load(name), process))

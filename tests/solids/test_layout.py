@@ -19,6 +19,7 @@ from skincad.solids.mold import mold
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 from skincad.solids.shrinkage import poured
+from tests.templates import KINDS
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
 
@@ -57,7 +58,7 @@ def test_pocket_and_bolt_hole_are_one_way_through_without_a_film(yamada: Design)
     assert pockets(yamada) == []  # wire-cut: tapped
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_cuts_lie_in_their_part_and_meet_no_other_by_volume(name: str) -> None:
     for part in mold(skincad.load(name)).parts:
         body = manifold(Part("body", PartRole.COVER, part.body), 1e-3)

@@ -18,9 +18,10 @@ from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part, box
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.undercut import undercuts
+from tests.templates import KINDS
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_no_two_parts_interfere_closed_or_while_opening(name: str) -> None:
     design = skincad.load(name)
     gap = min(design.mold.clearance, design.mold.slit_clearance)

@@ -8,7 +8,6 @@ from dataclasses import replace
 import pytest
 
 import skincad
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.shape.curves import rectangle
@@ -16,9 +15,10 @@ from skincad.solids.body import Bore, Prism, Revolved
 from skincad.solids.mold import mold
 from skincad.solids.occ import KERNEL_TOLERANCE, KernelError, _flattened, _rounding, solid, unchecked_solid
 from skincad.solids.skin import skin_part, skin_solid
+from tests.templates import KINDS
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_templates_parts_are_valid_and_of_their_volume(name: str) -> None:
     for part in mold(skincad.load(name)).parts:
         shape = unchecked_solid(part)

@@ -305,7 +305,7 @@ def test_similar_skins_have_similar_stress() -> None:
 
 def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
     design = one().with_(contact={"plate": {"shape": "tilted", "tilt": 2.0}})
-    normal, pulled = film_stresses(design, 0.4, (0.0, 0.1))
+    normal, pulled = film_stresses(design, 0.4, (0.0, 0.1), tol=0.1)
     assert abs(normal.differential[0].value) > 10 * normal.differential[0].error
     assert values(pulled.ridge_force).sum() == pytest.approx(0.4, rel=1e-9)
     assert values(pulled.ridge_tangential).sum() == pytest.approx(0.1, rel=1e-9)

@@ -54,7 +54,7 @@ def refined() -> SolidSolution:
     return pressed(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), FORCE, {})
 
 
-@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("order", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
     """The whole section on the same mesh: the same functions. 1e-5: on curved triangles, where integrands
     are rational, ngsolve's quadrature of the parts differs from that of the whole (measured 4e-6, 2e-7)."""
@@ -79,7 +79,7 @@ def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> No
     assert found.approach == pytest.approx(exact.approach, rel=1e-10)
 
 
-@pytest.mark.parametrize("film", [False, True])
+@pytest.mark.parametrize("film", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_clamped_ends_are_plane_strain(film: bool) -> None:
     """With u_y = 0 at both ends the solution doesn't depend on y: rounding only, the film at 3750 E."""
     pad = pad_of((yamada() if film else sharp()).with_(**SHORT))
@@ -170,7 +170,10 @@ def test_free_ends_as_in_the_facts() -> None:
     assert (found.ridge_force[0].value or 0.0) / 0.0885 == pytest.approx(2.0, rel=3e-2)
 
 
-@pytest.mark.parametrize(("length", "approach"), [(6.0, 0.2395), (24.0, 0.1999), (48.0, 0.1859)])
+@pytest.mark.parametrize(
+    ("length", "approach"),
+    [(6.0, 0.2395), pytest.param(24.0, 0.1999, marks=pytest.mark.slow), (48.0, 0.1859)],
+)
 def test_length_at_equal_force_per_length(length: float, approach: float) -> None:
     """Of docs/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs had its own error."""
     pad = replace(pad_of(sharp()), length=length)
@@ -178,7 +181,7 @@ def test_length_at_equal_force_per_length(length: float, approach: float) -> Non
     assert found.approach == pytest.approx(approach, rel=1.5e-2)
 
 
-@pytest.mark.parametrize("design", [sharp, yamada])
+@pytest.mark.parametrize("design", [pytest.param(sharp, marks=pytest.mark.slow), yamada])
 def test_similarity(design: Any) -> None:
     """Lengths times 2 and E by 4 leave every force: the mesh is the same, so 1e-6 is rounding."""
     pad = pad_of(design().with_(**THREE))
