@@ -18,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.mold import ClosedMold, mold
 
-FEW, MANY = 120, 1000
+FEW, MANY = 80, 1000
 RESCUED = 12  # of them are built
 LARGEST_SHARE = 0.10  # of valid sections without a mold; those shorter than 4 mm are 6 % of what is drawn
 # what a mold has where bolts, pins, gate and vent find room
