@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.circuit import bode
 from skincad.circuit.bode import gain
-from skincad.circuit.model import load_circuit
+from skincad.circuit.calibrate import Calibration
+from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.slopes import fit_slopes
 
 F = np.geomspace(10.0, 20_000.0, 400)
@@ -113,3 +116,43 @@ def test_a_bend_at_the_very_end_is_no_corner_there(share: float) -> None:
     found = fit_slopes(F, lines(10.0 * 800.0**share, 10.0, 60.0), 10.0, 8000.0)
     if found.cutoff.value is not None:
         assert 0.09 < math.log(found.cutoff.value / 10.0) / math.log(800.0) < 0.91
+
+
+@pytest.mark.parametrize(("last", "fitted"), [(20_000.0, 8000.0), (4000.0, 4000.0)])
+def test_a_measured_curve_is_fitted_to_its_end_or_the_sweeps(
+    last: float, fitted: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beyond 8 kHz a curve may drop, as the paper's does, which is no slope of the network."""
+    reached = []
+
+    def calibrated(frequency: np.ndarray, *_: object, **__: object) -> Calibration:
+        reached.append(frequency[-1])
+        return Calibration(constants(circuit), 0.0, 0.0, (), (), 1, 1)
+
+    circuit = load_circuit("yamada-2002")
+    monkeypatch.setattr(bode, "calibrate", calibrated)
+    frequency = np.append(np.geomspace(10.0, 8000.0, 200), np.geomspace(8001.0, 20_000.0, 50))
+    level = np.where(frequency < 1200.0, 20.0, 60.0) * np.log10(frequency / 1200.0)
+    level[frequency > 8000.0] -= 60.0
+    kept = frequency[frequency <= last]
+    rows = [f"{f:.17g},{g}" for f, g in zip(kept, level[: kept.size], strict=True)]
+    (tmp_path / "m.csv").write_text("\n".join(["frequency_Hz,gain_dB", *rows]))
+    found = gain(circuit, tmp_path / "m.csv").measured
+    assert found is not None
+    assert found.slopes.cutoff.value == pytest.approx(1200.0, rel=2e-3)  # the minimiser's own tolerance
+    assert found.slopes.above.value == pytest.approx(60.0, abs=0.1)
+    assert reached == [kept[kept <= fitted][-1]]
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_the_error_covers_an_outermost_tenth_that_bends_off(mirror: bool) -> None:
+    """A line of 20 dB/dec but for a tenth at one end: without it the slope is exactly 20, and the error is
+    how far the whole range's is off."""
+    x = np.linspace(1.0, 4.0, 201)
+    off = np.maximum(x - 3.7, 0.0) * 2.5  # less than a corner needs
+    level = 20.0 * x + (off[::-1] if mirror else off)
+    found = fit_slopes(10**x, level, 10.0, 10_000.0)
+    assert found.cutoff.value is None
+    assert found.below.value is not None
+    assert abs(found.below.value - 20.0) > 0.01
+    assert found.below.error == pytest.approx(abs(found.below.value - 20.0), rel=1e-6)

@@ -174,3 +174,16 @@ def test_details_are_of_layers_when_flat_and_of_pixels_on_end() -> None:
     assert found(turned, "detail") == []
     cavity = mold(bench).part("cavity")
     assert (laid_on_end(bench, cavity), laid_on_end(turned, cavity)) == (False, True)
+
+
+@pytest.mark.parametrize("orientation", ["flat", "end"])
+def test_end_plates_lie_on_their_face_and_lids_stay_flat_however_the_cavity_is_printed(
+    yamada: Design, orientation: str
+) -> None:
+    printed = by(yamada, "sla").with_(
+        printer={"sla": {"orientation": orientation}}, mold={"lid_process": "sla"}
+    )
+    closed = mold(printed)
+    on_end = {part.name for part in closed.parts if laid_on_end(printed, part)}
+    plates = {f"end-{end}-{kind}" for end in "ab" for kind in ("comb", "keeper")}
+    assert on_end == plates | ({"cavity"} if orientation == "end" else set())

@@ -228,3 +228,14 @@ def test_the_wall_that_an_edge_faces_is_the_nearer_of_both_along_the_strip() -> 
     assert [wall(0.0, 1.0, 0.0), wall(0.0, 3.5, 0.0), wall(2.0, 3.5, 0.0)] == pytest.approx([1.0, 0.5, 0.5])
     assert [wall(0.0, 1.0, 60.0), wall(0.0, 3.5, 60.0)] == pytest.approx([2.0, 1.0])
     assert [wall(2.0, 2.0, 90.0), wall(-2.0, 2.0, 90.0)] == pytest.approx([1.0, 1.0])
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.0995, False), (0.1005, True)])
+def test_a_strip_must_be_back_in_a_tenth_of_the_pot_life(cast: Design, share: float, told: bool) -> None:
+    slack = cast.with_(film={"tension": 1e-5}, skin={"length": 60.0}, mold={"fill_time": 1e5})
+    flow = pour(slack)
+    assert flow is not None
+    minutes = flow.settling / share / 60
+    setting = slack.with_(silicones={slack.material.name: {"pot_life_min": minutes}})
+    drift = [f for f in strip_findings(setting) if f.unit == "s"]
+    assert bool(drift) == told

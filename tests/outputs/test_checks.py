@@ -52,3 +52,13 @@ def test_the_lines_carry_errors_model_yield_and_notes(passed: ContactCheck) -> N
     assert "N for leaving out free ends" in text
     assert "finer          --tier corrected would take about" in text
     assert text.count("note") == len(passed.warnings)
+
+
+def test_a_yield_is_told_only_with_its_error(passed: ContactCheck) -> None:
+    made = passed.manufacture
+    assert made is not None
+    unknown = [Estimate(None, None, ""), Estimate(None, 0.1, ""), Estimate(0.9, None, "")]
+    for other in (None, *(replace(made, passing=each) for each in unknown)):
+        assert not any("yield" in line for line in lines(replace(passed, manufacture=other)))
+    known = replace(made, passing=Estimate(0.9, 0.1, ""))
+    assert any("90.0% (± 10.0%) of parts pass" in line for line in lines(replace(passed, manufacture=known)))

@@ -246,3 +246,25 @@ def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> No
     (tmp_path / "half.step").write_text("ISO-10303-21;\nHEADER;\n")
     with pytest.raises(OSError, match="No space"):
         make_deterministic(tmp_path / "half.step", "half")
+
+
+def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
+    """It is far longer than a strip; letters of 1 mm are half as wide as high, and up to 0.7 times."""
+    export.write_strips_svg(yamada, tmp_path / "strips.svg")
+    root = ET.parse(tmp_path / "strips.svg").getroot()
+    left, _, wide, _ = map(float, root.attrib["viewBox"].split())
+    texts = root.findall("{http://www.w3.org/2000/svg}text")
+    begin, letters = max((float(t.attrib["x"]), len(t.text or "")) for t in texts if len(t.text or "") > 60)
+    assert begin + 0.5 * letters < left + wide < begin + 0.7 * letters
+
+
+@pytest.mark.parametrize("side", ["a", "b"])
+def test_a_hooks_hole_is_its_radius_from_its_tabs_end(side: str, tmp_path: Path) -> None:
+    """And from the tab's sides: the film that bears the weight is as wide all round."""
+    loops = pattern(skincad.load("cast-in", [f'film.wiring_side="{side}"']), tmp_path)["CUT"]
+    tabs = [shapely.Polygon(polygon(loop, 1e-5)).bounds for loop in loops if len(loop) > 2]
+    holes = [shapely.Polygon(polygon(loop, 1e-5)).bounds for loop in loops if len(loop) == 2]
+    low, low_z, high, high_z = tabs[0]
+    first, last = sorted(h for h in holes if low_z < h[1] < high_z)
+    assert (first[0] - low, high - last[2]) == pytest.approx((HOLE, HOLE), abs=1e-4)
+    assert (first[1] - low_z, high_z - first[3]) == pytest.approx((HOLE, HOLE), abs=1e-4)

@@ -44,6 +44,9 @@ def test_parts_lie_clear_of_each_other_in_the_order_of_opening(name: str) -> Non
     for end in "ab":
         if f"end-{end}-comb" in placed:
             assert placed[f"end-{end}-keeper"][0, 2] > placed[f"end-{end}-comb"][0, 2]
+    if name != "bent":
+        drawn = [_apart(part, closed) for part in shown if part.end and part.role is not PartRole.KEEPER]
+        assert all((shift[0], shift[2]) == (0.0, 0.0) for shift in drawn)  # straight out
 
 
 def test_pins_stay_where_they_are_pressed_in() -> None:

@@ -240,3 +240,13 @@ def test_views_and_words_lie_apart_each_caption_under_its_view(name: str) -> Non
     root = seen.design.ridge.root_width * seen.scale("ridge")
     assert own[0] > 1.2 * root  # some of the base on either side
     assert (own <= (38.02, 29.5)).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_mold_lies_about_the_middle_of_the_pages_lower_right(name: str) -> None:
+    """A mold from the side reaches up and down by different lengths from its own z = 0."""
+    kinds = page(name).outlines
+    figure = np.vstack([*kinds["mold"], *kinds.get("hole", [])])
+    (left, top), (right, bottom) = figure.min(axis=0), figure.max(axis=0)
+    assert ((left + right) / 2, (top + bottom) / 2) == pytest.approx((142.0, 105.0), abs=0.01)
+    assert right - left == pytest.approx(50.0, abs=0.1) or bottom - top == pytest.approx(36.0, abs=0.1)

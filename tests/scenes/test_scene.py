@@ -48,6 +48,7 @@ BAD = {
     "histroy.steps=3": "histroy",
     "history.steps=0": "history.steps: must be greater than or equal to 1",
     "history.time_s=[0.0, 0.001, 0.002, 0.0015, 0.0033, 0.0045, 0.0055]": "history.time_s: must not go back",
+    "history.time_s=[0.0, 1.0, 1.0000000005, 3.0, 4.0, 5.0, 6.0]": "at least 1e-09 s apart, got 5e-10",
     "history.time_s=[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]": "history.time_s: must begin at 0",
     "history.normal_force_N=[0.0, 4.0, 4.0, 4.0, 4.0, -1.0, 4.0]": "history.normal_force_N: must not pull",
     "history.normal_force_N=[0.0, 4.0]": "history.normal_force_N: needs 7 values, as time_s has, got 2",

@@ -16,8 +16,8 @@ from skincad.shape.cross_section import section
 from skincad.solids.body import Bore, Prism
 from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, bores
+from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import poured
 from tests.templates import KINDS
 
@@ -186,3 +186,10 @@ def test_the_least_floor_of_a_split_cavity_leaves_its_pins_apart_in_the_walls(
     # and the pieces stand on the base with a foot of 1 mm or more under the deepest ridge
     base, skin = closed.part("cavity-base"), closed.part("skin")
     assert manifold(base, 0.01).bounding_box()[5] + 1.0 <= manifold(skin, 0.01).bounding_box()[2]
+
+
+def test_holes_to_be_tapped_are_as_wide_as_m3_less_its_pitch() -> None:
+    parts = mold(skincad.load("milled-pad")).parts
+    for role in (CutRole.END_THREAD, CutRole.PULL):
+        wide = {2 * hole.radius for part in parts for hole in bores(part, role)}
+        assert wide == {3.0 - 0.5}  # ISO 2306, coarse pitch

@@ -63,3 +63,11 @@ def test_netgen_without_memory_is_no_bad_section(monkeypatch: pytest.MonkeyPatch
     pad = pad_of(filleted())
     with pytest.raises(NgException):
         mesh.triangles(pad, mesh.default_sizes(pad, 1.0))
+
+
+@pytest.mark.parametrize(("inside", "stable"), [(0.5, True), (-0.5, False)])
+def test_a_body_with_one_negative_stiffness_inside_is_not_stable(inside: float, stable: bool) -> None:
+    """One of three springs: the contact unknown that hangs on them is stiff either way."""
+    matrix = np.diag([2.0, inside, 3.0])
+    small = condense.factorise(sparse.csr_matrix(matrix), np.arange(3), 1)
+    assert neo_hooke.PlaneLinearised(None, small, small.flexibility).stable == stable  # type: ignore[arg-type]

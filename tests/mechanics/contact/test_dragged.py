@@ -198,6 +198,8 @@ def test_a_held_load_does_not_creep() -> None:
     drive = Drive(1.2, 0.45)
     for _ in range(20):
         state = newton(what, state, drive, Cone(0.5, 0.5))
+        assert state.iterations == 1
+        assert np.abs(state.change).max() <= 10 * RESIDUAL * np.abs(state.values).max()
     stuck = first.grip.status == STICK
     assert stuck.any()
     assert (first.grip.anchor[stuck] == state.grip.anchor[stuck]).all()

@@ -287,3 +287,19 @@ def test_the_units_of_length_and_force_do_not_matter(longer: float, stronger: fl
             assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=1e-9, abs=0.0)
         assert other.approach == pytest.approx(longer * one.approach, rel=1e-9)
         assert (one.slips == other.slips).all()
+
+
+def test_at_exactly_what_friction_holds_it_slips() -> None:
+    with pytest.raises(GrossSlip, match="1 N is all that friction holds at 2 N"):
+        grip(block(), at_rest(1), Drive(2.0, 1.0), Cone(0.5, 0.5))
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_in_gross_slip_the_plate_is_where_the_last_point_has_just_let_go(way: float) -> None:
+    """Two points that bear 1 N each on springs of 0.2 and 0.4 mm/N: held by mu N = 0.5 N they go 0.1 and
+    0.2 mm, so the stiffer one has slipped 0.1 mm when the softer one lets go."""
+    pair = Compliant(np.diag([0.2, 0.4, 0.1, 0.1]), np.zeros(2), np.zeros(4))
+    with pytest.raises(GrossSlip) as end:
+        grip(pair, at_rest(2), Drive(2.0, 1.1 * way), Cone(0.5, 0.5))
+    assert end.value.last.travel == pytest.approx(0.2 * way, rel=1e-12)
+    assert end.value.last.slipped == pytest.approx([-0.1 * way, 0.0], abs=1e-12)

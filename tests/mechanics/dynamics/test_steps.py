@@ -481,3 +481,8 @@ def test_a_step_leaves_of_the_highest_modes_what_is_asked(damped: float) -> None
     assert not state.grip.touches.any()
     left = (max(sizes[190:]) / max(sizes[90:100])) ** (1 / 100)
     assert left == pytest.approx(damped, rel=0.02)
+
+
+def test_at_rest_nothing_has_been_dissipated_or_done() -> None:
+    state = at_rest_on(springs(1.0, 1.0).pad)
+    assert (state.friction, state.viscous, state.work) == (0.0, 0.0, 0.0)

@@ -147,3 +147,11 @@ def test_a_shaped_plate_is_corrected() -> None:
     plane, ends = (tier.answer(tilted, Request(4.0, 0.05)) for tier in (linear, corrected))
     assert 0.6 < (ends.all_touch_force.value or 0.0) / (plane.all_touch_force.value or 1.0) < 0.95
     assert (ends.ridge_force[0].value or 0.0) > (ends.ridge_force[-1].value or 0.0)
+
+
+def test_the_coarse_pad_has_sharp_corners_in_place_of_small_fillets() -> None:
+    round_, plain = pad_of(filleted()), corrected.plain_pad(filleted())
+    assert {"tip_fillet", "root_fillet"} <= {s.kind for s in round_.section.outline}
+    assert not {"tip_fillet", "root_fillet"} & {s.kind for s in plain.section.outline}
+    large = filleted().with_(ridge={"tip_fillet": 0.15})
+    assert corrected.plain_pad(large).section.outline == pad_of(large).section.outline

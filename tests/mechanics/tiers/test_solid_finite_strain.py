@@ -377,3 +377,15 @@ def test_a_budget_that_is_overrun_is_said(took: float, late: bool, monkeypatch: 
     fine = Answer(9, nothing, nothing, (), 10, 0.0, {})
     found = solid_finite_strain.answer(reference(), Request(4.0, budget=2.0), None, fine)
     assert found.warnings == (("the solid with finite strain overran the budget of 2 s",) if late else ())
+
+
+@pytest.mark.parametrize("along", [0, -1])
+def test_the_boundary_is_looked_at_in_the_middle_and_at_the_end(along: int) -> None:
+    """A pad of which one cross-section alone has moved, by 0.2 along x: its outline is seen there."""
+    body = plain_block(0.3)
+    moved = affine(body, np.zeros((3, 3)))
+    sections = moved[: body.displacements].reshape(3, body.forms.held.size, -1)
+    sections[0, : len(list(body.forms.plane.mesh.vertices)), along] = 0.2
+    middle, end = ([p.moved[:, 0] - p.rest[:, 0] for p in loops] for loops in body.outlines(moved))
+    for shift, here in ((middle, along == 0), (end, along == -1)):
+        assert np.concatenate(shift) == pytest.approx(0.2 if here else 0.0, abs=1e-12)
