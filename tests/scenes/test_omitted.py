@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from skincad.effects.omitted import SceneOutline
 from skincad.inputs.catalog import template_text
+from skincad.scenes import omitted
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
@@ -78,3 +81,22 @@ def test_what_matters_is_warned_of(tmp_path: Path) -> None:
     assert film.change > 0.1
     assert film.warning in found.warnings
     assert f"{film.change:.0%}" in film.warning
+
+
+@pytest.mark.parametrize(
+    ("name", "across"), [(PULL, "tangential_force_N"), ("yamada-2002-stage", "displacement_mm")]
+)
+def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
+    name: str, across: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[SceneOutline] = []
+    monkeypatch.setattr(omitted, "effect", lambda _: SimpleNamespace(left_out=seen.append))
+    scene = load_scene(name)
+    march = SimpleNamespace(time=np.array([0.0, 1.0]), column=lambda _: np.zeros(2))
+    assert omitted.omitted(scene, march) == []  # type: ignore[arg-type]
+    assert seen
+    for outline in seen:
+        assert outline.loads == (
+            tuple(scene.history.normal_force_N),
+            tuple(getattr(scene.history, across)),
+        )

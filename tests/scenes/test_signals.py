@@ -71,3 +71,8 @@ def test_a_ridge_slips_when_all_that_touches_slips() -> None:
     ]
     assert gross_slip_step(touches, slips) == 2
     assert gross_slip_step(touches[:2], slips[:2]) is None
+
+
+def test_one_sample_alone_stands_still() -> None:
+    found = band_limited(np.zeros(1), np.array([5.0]), WIDTH)
+    assert [each.tolist() for each in (found.value, found.rate, found.jerk)] == [[5.0], [0.0], [0.0]]
