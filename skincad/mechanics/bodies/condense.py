@@ -17,12 +17,15 @@ from skincad.mechanics.problem import ContactError
 class Condensed:
     """One factorisation: `flexibility` `(k, k)` is the inverse's block over the contact unknowns.
 
-    `order` lists the unknowns as they were factorised, contact unknowns last.
+    `order` lists the unknowns as they were factorised, contact unknowns last. `pivots` `(n,)` in that order
+    have as many negative ones as the matrix negative eigenvalues (Sylvester), the first of them likewise
+    while the contact unknowns are held.
     """
 
     flexibility: Array
     order: Index
     factor: Any
+    pivots: Array
 
     def solve(self, load: Array) -> Array:
         """Return the displacements `(n,)` under a load `(n,)` over all unknowns, 0 where held."""
@@ -58,7 +61,12 @@ def condense(matrix: sparse.csr_matrix, interior: Index, contact: Index) -> Cond
     (interior eliminated), whose inverse is the wanted block of the whole inverse: one factorisation
     instead of k solves. Golub and Van Loan, Matrix Computations, 4th ed., sec. 3.2.
     """
-    return factorise(matrix, np.concatenate([fill_order(matrix, interior), contact]), contact.size)
+    found = factorise(matrix, np.concatenate([fill_order(matrix, interior), contact]), contact.size)
+    if not (found.pivots[-contact.size :] > 0).all():
+        raise ContactError(
+            "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
+        )
+    return found
 
 
 def factors(block: sparse.csc_matrix) -> Any:
@@ -73,7 +81,7 @@ def factors(block: sparse.csc_matrix) -> Any:
 
 
 def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
-    """Return `condense` for a given order, whose last `k` are the contact unknowns.
+    """Return `condense` for a given order, whose last `k` are the contact unknowns, definite or not.
 
     Over a Newton run the pattern stays, and with it the order from `fill_order`.
     """
@@ -82,13 +90,14 @@ def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
     # symmetric without pivots: the trailing block is L D L^T with D the diagonal of U
-    pivots = factor.U.diagonal()[-k:]
-    if not (pivots > 0).all():
-        raise ContactError(
-            "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
-        )
-    root = factor.L[-k:, -k:].toarray(order="F") * np.sqrt(pivots)
-    lower, failed = linalg.lapack.dpotri(root, lower=True, overwrite_c=True)
+    pivots = factor.U.diagonal()
+    last, lower = pivots[-k:], factor.L[-k:, -k:].toarray(order="F")
+    if (last > 0).all():
+        lower, failed = linalg.lapack.dpotri(lower * np.sqrt(last), lower=True, overwrite_c=True)
+        flexibility = np.tril(lower) + np.tril(lower, -1).T
+    else:
+        inverse, failed = linalg.lapack.dtrtri(lower, lower=True, unitdiag=True)
+        flexibility = (inverse.T / last) @ inverse
     if failed:
-        raise ContactError(f"the condensed stiffness has no inverse (dpotri {failed}); take a coarser mesh")
-    return Condensed(np.tril(lower) + np.tril(lower, -1).T, order, factor)
+        raise ContactError(f"the condensed stiffness has no inverse (LAPACK {failed}); take a coarser mesh")
+    return Condensed(flexibility, order, factor, pivots)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy import linalg, sparse
@@ -146,19 +145,19 @@ def eliminated(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -
 
 @dataclass(frozen=True)
 class Factored:
-    """Kept fronts of a positive definite matrix; `flexibility` `(k, k)` is the inverse's block on the root's
-    border `(k,)`."""
+    """Kept fronts of a matrix that is positive definite with the root's border `(k,)` held; `flexibility`
+    `(k, k)` is the inverse's block there, `falling` how many of the matrix's eigenvalues are negative."""
 
     steps: tuple[Eliminated, ...]
     border: Index
-    complement: Any
     flexibility: Array
+    falling: int
 
     def solve(self, load: Array) -> Array:
         """Return the unknowns `(n,)` under a load `(n,)`, 0 where they are not free."""
         found, load = np.zeros_like(load), load.copy()
         parts = [_forward(step, load) for step in self.steps]
-        found[self.border] = linalg.cho_solve(self.complement, load[self.border], check_finite=False)
+        found[self.border] = self.flexibility @ load[self.border]
         for step, part in zip(reversed(self.steps), reversed(parts), strict=True):
             side = part - found[step.border] @ step.side
             found[step.own] = linalg.solve_triangular(
@@ -168,17 +167,24 @@ class Factored:
 
 
 def factored(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -> Factored:
-    """Return the matrix factored; ContactError when it is not positive definite."""
+    """Return the matrix factored; ContactError when it is not positive definite with the border held."""
     steps = []
     for step in eliminated(fronts, unknowns, fill, size):
         steps.append(replace(step, rest=np.empty((0, 0))))  # the parent has it; only factors are kept
         rest = step.rest
+    flexibility, falling = _inverse(rest)
+    return Factored(tuple(steps), steps[-1].border, flexibility, falling)
+
+
+def _inverse(lower: Array) -> tuple[Array, int]:
+    """Return the inverse of a symmetric matrix and how many of its eigenvalues are negative."""
     try:
-        root = linalg.cho_factor(rest, lower=True, check_finite=False)
+        root = linalg.cho_factor(lower, lower=True, check_finite=False)
     except linalg.LinAlgError:
-        raise ContactError(NOT_DEFINITE) from None
-    flexibility = linalg.cho_solve(root, np.eye(len(rest)), check_finite=False)
-    return Factored(tuple(steps), steps[-1].border, root, (flexibility + flexibility.T) / 2)
+        values, vectors = linalg.eigh(lower, lower=True, check_finite=False)
+        return (vectors / values) @ vectors.T, int((values < 0).sum())
+    inverse = linalg.cho_solve(root, np.eye(len(lower)), check_finite=False)
+    return (inverse + inverse.T) / 2, 0
 
 
 def _add_rows(block: Array, matrix: sparse.csr_matrix, rows: Index, where: Index, first: int = 0) -> None:

@@ -35,6 +35,12 @@ def fault(loops: list[Outline], plate: Callable[[Array], Array], with_itself: bo
     return None
 
 
+def widest(loops: list[Outline]) -> float:
+    """Return x at rest of the place that moves furthest."""
+    moves = np.concatenate([loop.moved - loop.rest for loop in loops])
+    return float(np.concatenate([loop.rest for loop in loops])[np.hypot(*moves.T).argmax(), 0])
+
+
 def _area(loop: Array) -> float:
     """Signed area of a closed polygon `(points, 2)`."""
     x, z = loop.T

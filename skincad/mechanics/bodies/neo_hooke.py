@@ -21,7 +21,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
 from skincad.mechanics.bodies.elements import Assembled, outlines, with_contact
-from skincad.mechanics.bodies.folding import fault
+from skincad.mechanics.bodies.folding import fault, widest
 from skincad.mechanics.problem import ContactError
 
 PLANE = 2  # dimensions
@@ -60,6 +60,10 @@ class NeoHookeBody:
         at = tangent(self, state, residual)
         small = factorise(at.matrix, self.order, self.rest.contact.size)
         return PlaneLinearised(at, small, small.flexibility)
+
+    def widest(self, step: Array) -> float:
+        """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
+        return widest(outlines(self.rest, step))
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
@@ -172,9 +176,10 @@ class PlaneLinearised:
     flexibility: Array
 
     @property
-    def stable(self) -> bool:
-        """Whether the tangent is positive definite."""
-        return bool(self.small.factor.U.diagonal().min() > 0)
+    def falling(self) -> tuple[int, int]:
+        """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
+        negative = self.small.pivots < 0
+        return int(negative[: -len(self.flexibility)].sum()), int(negative.sum())
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""

@@ -15,7 +15,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import layers, solid_law
 from skincad.mechanics.bodies.dissect import Factored, Front, Unknowns, factored
 from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
-from skincad.mechanics.bodies.folding import THROUGH, fault
+from skincad.mechanics.bodies.folding import THROUGH, fault, widest
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.section_points import SectionPoints, section_points
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
@@ -68,7 +68,7 @@ class SolidBody:
         return solid_law.energy(self.elements, *self.split(state))
 
     def linearised(self, state: Array, residual: Array) -> SolidLinearised:
-        """Return the tangent factorised; ContactError where it is not positive definite."""
+        """Return the tangent factorised; ContactError where the contact, held, leaves it indefinite."""
         at = solid_law.points(self.elements, *self.split(state))
         coupling = solid_law.coupling(at)
         stiffness = solid_law.stiffness(at, coupling)
@@ -83,6 +83,11 @@ class SolidBody:
 
         small = factored(self.fronts, self.unknowns, fill, self.displacements)
         return SolidLinearised(self, coupling, small, residual, small.flexibility)
+
+    def widest(self, step: Array) -> float:
+        """Return x at rest of the place on the boundary, at the middle or the end, that a step `(n,)` moves
+        furthest."""
+        return widest([loop for loops in self.outlines(step) for loop in loops])
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None.
@@ -118,7 +123,11 @@ class SolidLinearised:
     small: Factored
     residual: Array
     flexibility: Array
-    stable: bool = True  # else it has no Cholesky factors
+
+    @property
+    def falling(self) -> tuple[int, int]:
+        """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
+        return 0, self.small.falling
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""

@@ -3,6 +3,9 @@
 Unknown are the nodal forces f >= 0 and the approach d with, for a flexibility C and initial gaps g,
 w = g - d + C f >= 0, f w = 0 and sum f = F: the optimality of a strictly convex quadratic program,
 so the solution is unique. Dense numpy: a pad has a few hundred contact points.
+
+A body that is stable only while its plate holds it has a flexibility that is not definite. The conditions are
+then those of a saddle point, and the solution is the one that sweeps from a set nearby lead to.
 """
 
 from __future__ import annotations
@@ -35,15 +38,21 @@ Solved = dict[bytes, tuple[Array, Array]]  # of one pad: active points to what t
 
 
 def press(
-    flexibility: Array, gap: Array, force: float, start: Mask | None = None, solved: Solved | None = None
+    flexibility: Array,
+    gap: Array,
+    force: float,
+    start: Mask | None = None,
+    solved: Solved | None = None,
+    *,
+    definite: bool = True,
 ) -> NodalContact:
     """Return the contact state at a total force by a primal-dual active set.
 
-    `flexibility` `(m, m)` symmetric positive definite, `gap` `(m,)` at approach 0. Hintermueller, Ito and
-    Kunisch, SIAM J. Optim. 13 (2002) 865. `solved` remembers the sets factorised so far, for the same pad
-    under another force. When the sweeps cycle, a primal active set finishes, which
-    ends by itself because its objective falls. Raises ContactError rather than return a state whose
-    complementarity is worse than 1e-10 of scale.
+    `flexibility` `(m, m)` symmetric, positive definite if `definite`; `gap` `(m,)` at approach 0.
+    Hintermueller, Ito and Kunisch, SIAM J. Optim. 13 (2002) 865. `solved` remembers the sets factorised so
+    far, for the same pad under another force. When the sweeps cycle, a primal active set finishes, which ends
+    by itself because its objective falls; not so in a saddle point. Raises ContactError rather than return a
+    state whose complementarity is worse than 1e-10 of scale.
     """
     if not (force > 0 and np.isfinite(force)):
         raise ContactError(f"the contact force must be above 0, got {force:g}")
@@ -51,7 +60,8 @@ def press(
     if active is None or not active.any():
         active = gap <= gap.min() + _first_approach(flexibility, gap, force)
     for _ in range(SWEEPS):
-        nodal, approach = _equilibrium(flexibility, gap, force, active, {} if solved is None else solved)
+        known = {} if solved is None else solved
+        nodal, approach = _equilibrium(flexibility, gap, force, active, known, definite)
         open_gap = gap - approach + flexibility @ nodal
         # by the largest nodal force, as it is accepted: by the whole force many nodes would let too much pass
         small_force, small_gap = ROUNDING * float(nodal.max()), ROUNDING * _length(gap, approach)
@@ -61,6 +71,8 @@ def press(
         if not wanted.any():
             wanted[np.argmax(nodal)] = True
         active = wanted
+    if not definite:
+        raise ContactError("the contact does not settle")
     return _descend(flexibility, gap, force)
 
 
@@ -74,13 +86,13 @@ def _length(gap: Array, approach: float) -> float:
 
 
 def _equilibrium(
-    flexibility: Array, gap: Array, force: float, active: Mask, solved: Solved
+    flexibility: Array, gap: Array, force: float, active: Mask, solved: Solved, definite: bool = True
 ) -> tuple[Array, float]:
     """Forces and approach that close exactly the active points under the total force."""
     inside, key = np.flatnonzero(active), active.tobytes()
     first = gap[inside].min()  # counted from here, so that a tiny force loses no digits
     if key not in solved:
-        solved[key] = _carried(flexibility[np.ix_(inside, inside)], gap[inside] - first)
+        solved[key] = _carried(flexibility[np.ix_(inside, inside)], gap[inside] - first, definite)
     by_gap, by_one = solved[key]
     beyond = (force + by_gap.sum()) / by_one.sum()
     nodal = np.zeros_like(gap)
@@ -88,15 +100,14 @@ def _equilibrium(
     return nodal, float(first + beyond)
 
 
-def _carried(flexibility: Array, gap: Array) -> tuple[Array, Array]:
+def _carried(flexibility: Array, gap: Array, definite: bool) -> tuple[Array, Array]:
     """Forces that move points by their gaps, and all by one."""
+    sides = np.column_stack([gap, np.ones(gap.size)])
     try:
-        root = linalg.cho_factor(flexibility, check_finite=False)
+        found = linalg.solve(flexibility, sides, assume_a="pos" if definite else "sym", check_finite=False)
     except linalg.LinAlgError:
         raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
-    sides = np.column_stack([gap, np.ones(gap.size)])
-    by_gap, by_one = linalg.cho_solve(root, sides, check_finite=False).T
-    return by_gap, by_one
+    return found[:, 0], found[:, 1]
 
 
 def _descend(flexibility: Array, gap: Array, force: float) -> NodalContact:

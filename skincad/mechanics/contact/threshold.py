@@ -26,7 +26,8 @@ class Ridges:
 
     `flexibility` `(m, m)` and `gap` `(m,)` belong to the contact points, `of_point` `(m,)` gives their
     ridge; `fine_gap` `(p,)`, `fine_edge` `(p,)`, `fine_of_point` `(p,)` belong to the fine sampling, whose
-    movement is `fine_rows @ moved` for the contact unknowns' movement `moved @ force`.
+    movement is `fine_rows @ moved` for the contact unknowns' movement `moved @ force`. `definite` says
+    whether the pad is stable without its plate.
     """
 
     flexibility: Array
@@ -37,6 +38,7 @@ class Ridges:
     fine_gap: Array
     fine_edge: Index
     fine_of_point: Index
+    definite: bool = True
 
     @classmethod
     def of(
@@ -79,10 +81,11 @@ class Ridges:
         return np.unique(self.of_point)
 
 
-def all_touch_force(ridges: Ridges, guess: float) -> float | None:
+def all_touch_force(ridges: Ridges, guess: float, active: Mask | None = None) -> float | None:
     """Return the smallest force that makes every ridge touch, or None if none does; 0 for one ridge.
 
-    The last ridge is found by asking, at a candidate's own force, which others do not touch yet.
+    The last ridge is found by asking, at a candidate's own force, which others do not touch yet. The force
+    `guess` and the points `active` `(m,)` that may touch at it are where the search begins.
     """
     numbers = ridges.numbers
     if numbers.size == 1:
@@ -91,7 +94,7 @@ def all_touch_force(ridges: Ridges, guess: float) -> float | None:
     candidate = max(first_gap, key=lambda r: first_gap[r])
     found = 0.0
     waiting = set(first_gap)
-    touching = np.zeros(ridges.gap.size, dtype=bool)
+    touching = np.zeros(ridges.gap.size, dtype=bool) if active is None else active.copy()
     while True:
         waiting.remove(candidate)
         outsider = _Outsider(ridges, candidate, touching)
@@ -122,7 +125,9 @@ class _Outsider:
         self.at_rest = self._least(ridges.fine_gap[self.points])
 
     def press(self, force: float) -> NodalContact:
-        state = press(self.flexibility, self.gap, force, self.start, self.solved)
+        state = press(
+            self.flexibility, self.gap, force, self.start, self.solved, definite=self.ridges.definite
+        )
         self.start = state.active
         return state
 

@@ -25,15 +25,14 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import unit_of
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, transferred
+from skincad.mechanics.contact.elastic import Elastic
 from skincad.mechanics.contact.newton import (
     DivergedError,
-    Elastic,
     Pressed,
     PressedState,
-    press_to,
-    press_until_all_touch,
     pressed,
 )
+from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
 from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
 from skincad.mechanics.tiers.linear import PlaneSolution, climb
 

@@ -9,7 +9,7 @@ from netgen.meshing import NgException
 from ngsolve import Mesh
 from scipy import sparse
 
-from skincad.mechanics.bodies import condense, mesh, neo_hooke
+from skincad.mechanics.bodies import condense, dissect, mesh, neo_hooke
 from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import filleted
 
@@ -17,6 +17,39 @@ from tests.mechanics.designs import filleted
 def test_a_singular_matrix_has_no_factors() -> None:
     with pytest.raises(ContactError, match="singular"):
         condense.factors(sparse.csc_matrix(np.zeros((3, 3))))
+
+
+def indefinite(seed: int) -> np.ndarray:
+    """Of 12 unknowns, positive definite while the last 4 are held, and with 2 negative eigenvalues."""
+    random = np.random.default_rng(seed)
+    inner, side = random.standard_normal((8, 8)), random.standard_normal((4, 8))
+    inner = inner @ inner.T + 8 * np.eye(8)
+    turned = np.linalg.qr(random.standard_normal((4, 4)))[0]
+    last = turned @ np.diag([-2.0, -1.0, 1.0, 3.0]) @ turned.T + side @ np.linalg.solve(inner, side.T)
+    return np.block([[inner, side.T], [side, last]])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_indefinite_matrix_is_condensed_and_its_signs_counted(seed: int) -> None:
+    whole = indefinite(seed)
+    found = condense.factorise(sparse.csr_matrix(whole), np.arange(12), 4)
+    assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
+    assert (int((found.pivots[:-4] < 0).sum()), int((found.pivots < 0).sum())) == (0, 2)
+    with pytest.raises(ContactError, match="not positive definite"):
+        condense.condense(sparse.csr_matrix(whole), np.arange(8), np.arange(8, 12))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_fronts_of_an_indefinite_matrix_solve_it_and_count_its_signs(seed: int) -> None:
+    whole, one = indefinite(seed), dissect.Front(np.arange(8), np.arange(8, 12), (), np.arange(1))
+
+    def fill(block: np.ndarray, *_: object) -> None:
+        block += np.tril(whole)
+
+    found = dissect.factored([one], lambda functions: functions, fill, 12)
+    assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
+    assert found.solve(np.arange(12.0)) == pytest.approx(np.linalg.solve(whole, np.arange(12.0)), rel=1e-9)
+    assert found.falling == 2
 
 
 def test_another_failure_of_the_factorisation_is_not_called_singular(monkeypatch: pytest.MonkeyPatch) -> None:

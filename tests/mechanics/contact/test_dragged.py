@@ -14,7 +14,8 @@ from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_
 from skincad.mechanics.contact.dragged import Dragged, DraggedState, dragged, linearised, newton, unloaded
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, GrossSlip
-from skincad.mechanics.contact.newton import RESIDUAL, press_to, pressed
+from skincad.mechanics.contact.newton import RESIDUAL, pressed
+from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stride import to
 from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of

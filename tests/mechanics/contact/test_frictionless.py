@@ -83,3 +83,19 @@ def test_no_force_is_refused(force: float) -> None:
 def test_an_indefinite_flexibility_is_refused() -> None:
     with pytest.raises(ContactError, match="coarser contact mesh"):
         press(np.array([[1.0, 2.0], [2.0, 1.0]]), np.zeros(2), 1.0)
+
+
+def test_in_a_saddle_point_the_state_nearby_is_found() -> None:
+    """Two points that push each other up more than themselves: both carry half, or one of them all."""
+    flexibility, gap = np.array([[1.0, 2.0], [2.0, 1.0]]), np.zeros(2)
+    both = press(flexibility, gap, 1.0, np.array([True, True]), definite=False)
+    assert (both.force.tolist(), both.approach) == ([0.5, 0.5], 1.5)
+    one = press(flexibility, gap, 1.0, np.array([True, False]), definite=False)
+    assert (one.force.tolist(), one.approach, one.gap.tolist()) == ([1.0, 0.0], 1.0, [0.0, 1.0])
+
+
+def test_sweeps_that_settle_on_nothing_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    flexibility, gap = problem(3)
+    monkeypatch.setattr(contact, "SWEEPS", 1)
+    with pytest.raises(ContactError, match="does not settle"):
+        press(flexibility, gap, 0.5, np.ones(60, bool), definite=False)

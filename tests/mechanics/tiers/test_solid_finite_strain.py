@@ -16,7 +16,8 @@ from skincad.mechanics.bodies import elements, layers, prisms, solid_law
 from skincad.mechanics.bodies.solid_body import SolidBody
 from skincad.mechanics.contact import newton
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
-from skincad.mechanics.contact.newton import RESIDUAL, Pressed, press_to
+from skincad.mechanics.contact.newton import RESIDUAL, Pressed
+from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import solid_finite_strain
 from skincad.mechanics.tiers.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve

@@ -1,0 +1,78 @@
+"""Stable under a plate: against the tangent's own eigenvalues, dense, for all movements that the plate allows."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy import linalg
+
+from skincad.mechanics.bodies import elements, neo_hooke
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.contact import newton
+from skincad.mechanics.contact.newton import DivergedError, Pressed, PressedState, pressed
+from skincad.mechanics.contact.pressing import press_to
+from skincad.mechanics.contact.stability import stable, tipping_ridge
+from skincad.mechanics.problem import pad_of
+from tests.mechanics.designs import reference
+
+SCALE = 0.8 * 12.0  # N for a force of 1 on the reference section, whose unit is a mm
+
+
+@cache
+def pad(count: int = 1) -> Pressed:
+    design = reference().with_(ridge={"count": count}, skin={"width": 1.0 + 1.1 * count, "length": 12.0})
+    whole = pad_of(design)
+    assert unit_of(whole) * whole.young_modulus * whole.length == pytest.approx(SCALE * unit_of(whole))
+    mesh = elements.curved(triangles(whole, default_sizes(whole, 0.25)), 2)
+    return pressed(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}, whole.top / unit_of(whole))
+
+
+def spectra(what: Pressed, state: PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues of the tangent, all of them free and as the plate holds it, and the latter's first vector."""
+    body = what.body
+    matrix = neo_hooke.tangent(body, state.values, body.residual(state.values)).matrix
+    whole = matrix[body.order][:, body.order].toarray()
+    rows = np.zeros((int(state.contact.active.sum()), body.order.size))
+    rows[:, -body.rest.contact.size :] = body.rest.nodes.rows[state.contact.active].toarray()
+    allowed = linalg.null_space(np.diff(rows, axis=0))  # what touches moves by the same height
+    values, vectors = linalg.eigh(allowed.T @ whole @ allowed)
+    mode = np.zeros(state.values.size)
+    mode[body.order] = allowed @ vectors[:, 0]
+    return linalg.eigvalsh(whole), values, mode
+
+
+def test_what_the_plate_holds_up_is_stable() -> None:
+    state = press_to(pad(), 2.6 / SCALE)
+    free, held, _ = spectra(pad(), state)
+    assert free[0] < 0 < held[0]
+    linear = pad().body.linearised(state.values, pad().body.residual(state.values))
+    assert linear.falling == (0, int((free < 0).sum()))
+    assert stable(linear, state.ridges, state.contact)
+
+
+def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(DivergedError, match="ridge 1 tips over, no equilibrium beyond is stable") as caught:
+        press_to(pad(), 4.0 / SCALE)
+    last = caught.value.reached
+    monkeypatch.setattr(newton, "stable", lambda *_: True)
+    state = press_to(pad(), 1.1 * last)
+    _, held, _ = spectra(pad(), state)
+    assert held[0] < 0
+    linear = pad().body.linearised(state.values, pad().body.residual(state.values))
+    assert not stable(linear, state.ridges, state.contact)
+    _, held, _ = spectra(pad(), press_to(pad(), last))
+    assert held[0] > 0
+
+
+def test_the_ridge_that_tips_over_is_named() -> None:
+    what = pad(3)
+    state = press_to(what, 4.0 / SCALE)
+    _, _, mode = spectra(what, state)
+    nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.widest(mode)).argmin()
+    linear = what.body.linearised(state.values, what.body.residual(state.values))
+    found = tipping_ridge(what.body, state.values, linear, state.ridges, state.contact)
+    ridge = int(what.body.rest.nodes.ridge[nearest])
+    assert ridge != 2
+    assert found in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
