@@ -27,11 +27,14 @@ SECTIONS = 32  # of an interval at once, five halvings: up to 500 parts together
 NUDGE = 0.02  # of the largest difference between crests; for the derivative by each crest
 
 
-def manufacture(model: RidgeModel, force: float, threshold: float, spread: Spread) -> Manufacture:
+def manufacture(
+    model: RidgeModel, force: float, threshold: float, spread: Spread, unsure: float = 0.0
+) -> Manufacture:
     """Return yield and sensitivities of a pad whose all-touch force is `threshold` N, asked for `force` N.
 
-    The threshold may be a better tier's than the model's own: what that tier adds is taken as a change of
-    stiffness alone, so the asked force is scaled (measured in test_manufacture.py for free ends).
+    The threshold is known to `unsure` N; the error of the yield holds what another one within it would give.
+    It may be a better tier's than the model's own: what that tier adds is taken as a change of stiffness
+    alone, so the asked force is scaled (measured in test_manufacture.py for free ends).
     """
     unit, scale, count = model.unit, model.scale, model.gap.size
     own = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
@@ -49,11 +52,12 @@ def manufacture(model: RidgeModel, force: float, threshold: float, spread: Sprea
     error = 2 * math.sqrt(max(both * (1 - both), 1 / parts) / parts)
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED else SCALED_MISCLASSIFIES
     error += wrong * 4 * both * (1 - both)
+    error += _by_threshold(model, drops, asked * nominal / moduli, unsure / threshold, both)
     return Manufacture(
         Estimate(both, error, "1"),
         tuple(float(s) for s in _crest_slopes(model, own) * scale / unit / softer),
         threshold / nominal,
-        _largest(spread, both, crests, material),
+        _largest(spread, both, crests, material) if threshold <= force else _nominal(threshold, force),
     )
 
 
@@ -74,6 +78,22 @@ def all_touch(model: RidgeModel, drops: Array, guess: float) -> Array:
         short = (carried <= 0).any(axis=1).reshape(len(drops), -1).sum(axis=1)
         low, high = force[each, short], force[each, short + 1]
     return high
+
+
+def _by_threshold(model: RidgeModel, drops: Array, force: Array, unsure: float, both: float) -> float:
+    """By how much the share changes, at most, where the threshold is larger or smaller by a part `unsure`."""
+    if unsure == 0.0:
+        return 0.0
+    shares = [_share(model, drops, force / (1 + unsure))]
+    shares.append(_share(model, drops, force / (1 - unsure)) if unsure < 1 else 1.0)
+    return max(abs(share - both) for share in shares)
+
+
+def _nominal(threshold: float, force: float) -> str:
+    return (
+        f"the design itself, which needs {threshold:.3g} N of {force:g} N: less curvature, a softer silicone "
+        "or higher ridges"
+    )
 
 
 def _share(model: RidgeModel, drops: Array, force: Array) -> float:

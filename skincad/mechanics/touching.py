@@ -33,6 +33,8 @@ from skincad.mechanics.validity import (
     refuse_crushed,
     slope_warnings,
     strain_warnings,
+    strained,
+    tipping,
 )
 from skincad.mechanics.verdict import (
     ContactCheck,
@@ -152,7 +154,7 @@ class _Climb:
                 found = before_refusal(found, name, refusal)
                 break
             enough = budget is None and decided(found) if tol is None else relative_error(found, 0.0) <= tol
-            if found.beyond or enough or found.next_tier is None:
+            if found.next_tier is None or (not self._strained(name, found) and (found.beyond or enough)):
                 break
             if budget is not None and self._spent() + found.next_tier[1] > budget:
                 break
@@ -184,6 +186,10 @@ class _Climb:
                 return i
         return len(self.tiers) - 1
 
+    def _strained(self, name: str, found: ContactCheck) -> bool:
+        """Whether a tier for small strains has found that they are not: a better one has to say what then."""
+        return _small(name) and (bool(found.beyond) or strained(self.design, found))
+
     def _spent(self) -> float:
         return perf_counter() - self.began
 
@@ -197,13 +203,14 @@ class _Climb:
         refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
         bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
         made = None
+        known = with_model(found, bounds, self.force)
         if not self.drops and name != "winkler":
             try:
                 with needing("the yield"):
-                    made = self._manufacture(found)
+                    made = self._manufacture(known)
             except (ContactError, ExhaustedError) as failure:  # the yield has no say in the verdict
-                found = replace(found, warnings=(*found.warnings, no_yield(failure)))
-        verdict = self._verdict(name, with_model(found, bounds, self.force), bounds, made)
+                known = replace(known, warnings=(*known.warnings, no_yield(failure)))
+        verdict = self._verdict(name, known, bounds, made)
         self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
         return verdict
 
@@ -221,7 +228,8 @@ class _Climb:
         from skincad.mechanics.manufacture import manufacture
 
         started = perf_counter()
-        made = manufacture(parts, self.force, threshold, spread_of(self.design))
+        unsure = found.all_touch_force.error or 0.0
+        made = manufacture(parts, self.force, threshold, spread_of(self.design), unsure)
         self.sampling += perf_counter() - started
         self.samplings += 1
         return made
@@ -233,9 +241,9 @@ class _Climb:
         bounds: tuple[LeftOut, ...],
         made: Manufacture | None,
     ) -> ContactCheck:
-        design, force, small = self.design, self.force, FINITE_STRAIN in TIERS[name].leaves_out
+        design, force, small = self.design, self.force, _small(name)
         beyond, warnings = "", (*found.warnings, *self.notes)
-        if small or name == "winkler":
+        if small:
             beyond = beyond_small_strain(design, force, found)
         plane = self.done.get(
             "linear", found
@@ -263,9 +271,10 @@ class _Climb:
             bounds,
             tuple(self.climbed),
             self._next(name),
-            made,
+            None if beyond else made,
             design.contact.plate.shape,
             beyond,
+            tipping(design, found),
         )
 
     def _sampled(self, found: Answer) -> dict[str, float]:
@@ -297,6 +306,11 @@ class _Climb:
             return 1.0
         spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
         return spent / LAWS["linear"].at(plane.unknowns)
+
+
+def _small(name: str) -> bool:
+    """Whether a tier takes strains as small."""
+    return name == "winkler" or FINITE_STRAIN in TIERS[name].leaves_out
 
 
 def mesh_tolerance(name: str, tol: float | None) -> float:

@@ -42,6 +42,7 @@ class ContactCheck(Result):
     manufacture: Manufacture | None = None
     plate: str = "flat"
     beyond: str = ""  # why the verdict is outside the model's range
+    tipping: float = 0.0  # what the most loaded ridge bears of the force at which it tips over
 
     @property
     def margin(self) -> float | None:
@@ -84,6 +85,7 @@ class ContactCheck(Result):
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),
             "beyond_range": self.beyond or None,
+            "tipping": self.tipping,
         }
 
     def _manufacture(self) -> dict[str, Any]:
@@ -119,7 +121,7 @@ def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> Contac
     large."""
     if isinstance(refusal, InputError) and refusal.key == "force":
         beyond = f"the force {refusal.rule} (according to the {name} tier)"
-        return replace(found, passed=False, beyond=beyond, next_tier=None)
+        return replace(found, passed=False, beyond=beyond, next_tier=None, manufacture=None)
     words = f"the {name} tier, which leaves out less, cannot judge this: {refusal}"
     return replace(found, warnings=(*found.warnings, words), next_tier=None)
 

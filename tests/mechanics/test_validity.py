@@ -1,4 +1,4 @@
-"""Where the models end, by hand: flat, strained, buckled, too steep; and what each end says."""
+"""Where the models end, by hand: flat, strained, tipped over, too steep; and what each end says."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from skincad.mechanics.validity import (
     LARGEST_STRAIN,
     SMALL_STRAIN,
     STEEPEST,
-    STUB,
     Limits,
     beyond_small_strain,
     buckling_force,
@@ -24,6 +23,8 @@ from skincad.mechanics.validity import (
     ridge_strain,
     slope_warnings,
     strain_warnings,
+    strained,
+    tipping,
 )
 
 
@@ -53,11 +54,25 @@ def test_a_force_on_a_ridge_is_strained_by_its_mean_width_and_length(design: Des
     assert ridge_strain(design, found(1.0, 0.1, 0.3, 0.2)) == pytest.approx(0.3 / ends.squeeze)
 
 
-def test_a_slender_ridge_is_a_column_clamped_at_its_root(design: Design) -> None:
-    slender = design.with_(ridge={"height": 1.7})
-    stiffness = 0.8 / (1 - 0.4**2) * 12.0 * 0.8**3 / 12
-    assert buckling_force(slender) == pytest.approx(math.pi**2 * stiffness / (2 * 1.7) ** 2, rel=1e-12)
-    assert math.isinf(buckling_force(design.with_(ridge={"height": STUB * 0.8 * (1 - 1e-9)})))
+@pytest.mark.parametrize("height", [0.3, 0.6, 1.7])
+def test_a_ridge_tips_over_as_a_column_that_shears(design: Design, height: float) -> None:
+    """Haringx' condition, P (1 + P / (G A)) = Euler's force between two clamps of which one slides."""
+    ridge = design.with_(ridge={"height": height})
+    euler = math.pi**2 * 0.8 / (1 - 0.4**2) * 12.0 * 0.8**3 / 12 / height**2
+    shear, tips = 5 / 6 * 0.8 / 2.8 * 0.8 * 12.0, buckling_force(ridge)
+    assert tips * (1 + tips / shear) == pytest.approx(euler, rel=1e-12)
+    assert tipping(ridge, found(1.0, 0.1, 0.3)) == pytest.approx(0.3 / tips)
+
+
+def test_strained_is_what_bears_much_or_nearly_tips_over(design: Design) -> None:
+    squeeze, slender = limits(design).squeeze, design.with_(ridge={"height": 4.0})
+    assert not strained(design, found(1.0, 0.05, 0.099 * squeeze))
+    assert strained(design, found(1.0, 0.05, 0.101 * squeeze))
+    tips = buckling_force(slender)
+    assert tips < 0.1 * squeeze
+    assert not strained(slender, found(1.0, 0.49 * tips))
+    assert strained(slender, found(1.0, 0.51 * tips))
+    assert "51% of the force at which it tips over" in strain_warnings(slender, found(1.0, 0.51 * tips))[0]
 
 
 def test_beyond_its_range_a_model_says_why() -> None:
@@ -65,7 +80,7 @@ def test_beyond_its_range_a_model_says_why() -> None:
     assert ends.largest == 2.5
     assert Limits(4.6, squeeze=5.0, buckling=2.5).largest == pytest.approx(LARGEST_STRAIN * 5.0)
     assert ends.overloaded(2.5) == ""
-    assert ends.overloaded(2.6) == "a ridge buckles at 2.5 N and would carry 2.6 N"
+    assert ends.overloaded(2.6) == "a ridge tips over at 2.5 N and would carry 2.6 N"
     assert ends.overloaded(4.0) == "the ridges' nominal strain is 0.4; the model's range ends at 0.3"
     assert ends.overloaded(2.5, 1.5) == ""  # as much as may be, across
     weak = Limits(4.6, squeeze=10.0, shear=0.1)  # what does not press across does not shear
@@ -96,6 +111,7 @@ def test_the_verdict_is_judged_where_all_begin_to_touch_and_the_warning_at_the_f
     assert strain_warnings(design, found(4.0, SMALL_STRAIN * squeeze * (1 - 1e-9))) == ()
     assert strain_warnings(design, found(4.0, 0.1, strained)) == (
         "nominal ridge strain 0.5 is beyond the small-strain range (0.1)",
+        "the most loaded ridge bears 102% of the force at which it tips over",
     )
 
 

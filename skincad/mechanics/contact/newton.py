@@ -135,7 +135,7 @@ def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[floa
 
 
 def linearised(body: Elastic, values: Array, unbalanced: Array) -> LinearisedBody:
-    """Return the body linearised; UnstableError where it has no tangent, or none that the contact could hold."""
+    """Return the body linearised; UnstableError where it has no tangent, or none that contact could hold."""
     try:
         return body.linearised(values, unbalanced)
     except ContactError:

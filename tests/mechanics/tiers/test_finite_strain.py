@@ -150,7 +150,7 @@ def test_at_rest_it_is_the_linear_stiffness() -> None:
 def test_newton_converges_quadratically() -> None:
     """From rest in one step: in the last steps the residual's exponent grows by 1.7 or more."""
     pad = coarse(filleted().with_(**THREE))
-    state = newton(pad, np.zeros(pad.body.free.size), lambda _: 0.25)
+    state = newton(pad, np.zeros(pad.body.free.size), lambda *_: 0.25)
     assert len(state.history) <= 6
     before, here, after = np.log10(np.array(state.history[:4])[-3:])
     assert here < -2
@@ -164,7 +164,7 @@ def test_load_steps_end_at_the_same_state() -> None:
     pad = coarse(filleted().with_(**THREE))
     whole = press_to(pad, 0.25)
     half = press_to(pad, 0.1)
-    again = newton(pad, half.values, lambda _: 0.25)
+    again = newton(pad, half.values, lambda *_: 0.25)
     assert again.approach == pytest.approx(whole.approach, rel=1e-9)  # ten times the residual
 
 
