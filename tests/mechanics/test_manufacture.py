@@ -226,3 +226,23 @@ def test_a_better_tiers_misjudged_share_is_what_was_measured_and_little_more() -
     """4.7 % of the parts at worst, in the test above; by the linear tier's own 2 %."""
     assert 0.047 <= SCALED_MISCLASSIFIES <= 0.08
     assert MODEL_MISCLASSIFIES < SCALED_MISCLASSIFIES
+
+
+@pytest.mark.parametrize("unsure", [0.0, 0.1, 0.8])
+def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float) -> None:
+    """Two ridges that touch from 0.6 N on, asked for 0.75 N; at a threshold of up to 1.08 N none would pass."""
+    springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.8, 0.8, 0.8))
+    made = manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
+    worse, sure = (
+        manufacture(springs, 0.75 / (1 + more), 0.6, spread).passing.value or 0.0 for more in (unsure, 0.0)
+    )
+    assert made.passing.value == sure
+    own = manufacture(springs, 0.75, 0.6, spread).passing.error or 0.0
+    assert (made.passing.error or 0.0) - own >= sure - worse
+    assert (made.passing.error or 0.0) - own <= max(sure - worse, 1.0 - sure) + 1e-12
+
+
+def test_a_design_that_needs_more_than_is_asked_is_not_told_to_take_a_finer_process() -> None:
+    springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.4, 0.8, 1.6))
+    made = manufacture(springs, 0.4, 0.6, spread)
+    assert made.largest.startswith("the design itself, which needs 0.6 N of 0.4 N")

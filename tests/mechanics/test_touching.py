@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -377,6 +378,27 @@ def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
     found = check(hard, budget=1e3)
     assert found.next_tier is None
     assert [tier for tier, _, _ in found.climbed][:2] == ["linear", "corrected"]
+
+
+def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict() -> None:
+    """Three ridges at 1.3 N are clear by the linear tier, and strained by 0.12."""
+    pad = small()
+    assert check(pad, force=0.65).tier == "linear"
+    first = linear_check(pad, force=1.3)
+    assert first.passed
+    assert any("small-strain range" in w for w in first.warnings)
+    found = check(pad, force=1.3)
+    assert found.tier == "corrected-finite-strain"
+    assert found.passed
+
+
+@pytest.mark.slow
+def test_two_models_of_one_law_agree_on_a_steep_pad() -> None:
+    """By the small strains of `linear` it passes from 1.9 N on; what auto asks then the solid says too."""
+    found, best = (check(load("steep-fingertip"), tier=tier) for tier in ("auto", "solid-finite-strain"))
+    assert (found.tier, found.passed, best.passed) == ("corrected-finite-strain", True, True)
+    for of in (attrgetter("all_touch_force"), attrgetter("approach")):
+        assert abs(of(found).value - of(best).value) <= of(found).error + of(best).error
 
 
 @pytest.mark.slow
