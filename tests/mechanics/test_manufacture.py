@@ -242,7 +242,7 @@ def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float)
     assert (made.passing.error or 0.0) - own <= max(sure - worse, 1.0 - sure) + 1e-12
 
 
-def test_a_design_that_needs_more_than_asked_is_not_told_to_take_a_finer_process() -> None:
+def test_a_design_that_needs_more_than_asked_is_told_so_and_not_to_refine_its_mold() -> None:
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.4, 0.8, 1.6))
     made = manufacture(springs, 0.4, 0.6, spread)
     assert made.largest.startswith("the design itself, which needs 0.6 N of 0.4 N")
