@@ -230,7 +230,7 @@ def test_a_better_tiers_misjudged_share_is_what_was_measured_and_little_more() -
 
 @pytest.mark.parametrize("unsure", [0.0, 0.1, 0.8])
 def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float) -> None:
-    """Two ridges that touch from 0.6 N on, asked for 0.75 N; at a threshold of up to 1.08 N none would pass."""
+    """Two ridges that touch from 0.6 N on, asked for 0.75 N; at a threshold of up to 1.08 N none does."""
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.8, 0.8, 0.8))
     made = manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
     worse, sure = (

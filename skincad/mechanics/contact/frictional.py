@@ -56,8 +56,6 @@ def grip(skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert |
     step = _Step(skin, before, drive, cone)
     pull = abs(drive.tangential or 0.0)
     if drive.travel is None and pull > cone.static * drive.normal * (1 - ROUNDING):
-        if pull == 0.0:  # without friction and pull
-            return step.settled()
         held = step.settled(all_slip=float(np.sign(drive.tangential or 0.0)))
         raise GrossSlip(held, f"{pull:g} N is all that friction holds at {drive.normal:g} N")
     return step.settled()

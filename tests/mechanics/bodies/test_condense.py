@@ -98,9 +98,12 @@ def test_netgen_without_memory_is_no_bad_section(monkeypatch: pytest.MonkeyPatch
         mesh.triangles(pad, mesh.default_sizes(pad, 1.0))
 
 
-@pytest.mark.parametrize(("inside", "stable"), [(0.5, True), (-0.5, False)])
-def test_a_body_with_one_negative_stiffness_inside_is_not_stable(inside: float, stable: bool) -> None:
-    """One of three springs: the contact unknown that hangs on them is stiff either way."""
-    matrix = np.diag([2.0, inside, 3.0])
-    small = condense.factorise(sparse.csr_matrix(matrix), np.arange(3), 1)
-    assert neo_hooke.PlaneLinearised(None, small, small.flexibility).stable == stable  # type: ignore[arg-type]
+@pytest.mark.parametrize(
+    ("springs", "falling"), [([2, 0.5, 3], (0, 0)), ([2, -0.5, 3], (1, 1)), ([2, 0.5, -3], (0, 1))]
+)
+def test_negative_stiffnesses_are_counted_inside_and_in_all(
+    springs: list[float], falling: tuple[int, int]
+) -> None:
+    """Of three springs the last is the contact's."""
+    small = condense.factorise(sparse.csr_matrix(np.diag(springs)), np.arange(3), 1)
+    assert neo_hooke.PlaneLinearised(None, small, small.flexibility).falling == falling  # type: ignore[arg-type]
