@@ -14,6 +14,13 @@ from skincad.shape.cross_section import frame
 MOST_SHIFT = 0.02  # of the skin's thickness; F9 goes with its power -0.65, so this changes it by 1.3 %
 
 
+def summits(design: Design) -> tuple[float, ...]:
+    """Return each crest's height over the flat back, mm, ridge 1 first."""
+    return tuple(
+        frame(design, ridge).at(0.0, design.ridge.height).z for ridge in range(1, design.ridge.count + 1)
+    )
+
+
 def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
     """Return by how much each crest of a measured part lies lower than designed, mm, ridge 1 first.
 
@@ -24,14 +31,14 @@ def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
     if sorted(ridges.tolist()) != list(range(1, count + 1)) or "crest_mm" not in columns:
         raise InputError(str(path), f"must give crest_mm of each ridge from 1 to {count} once")
     measured = dict(zip(ridges.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
-    summits = {ridge: frame(design, ridge).at(0.0, design.ridge.height).z for ridge in measured}
-    drops = tuple(summits[ridge] - measured[ridge] for ridge in range(1, count + 1))
+    designed = summits(design)
+    drops = tuple(designed[i] - measured[i + 1] for i in range(count))
     worst = max(range(count), key=lambda i: abs(drops[i]))
     if abs(drops[worst]) > design.ridge.height:
         raise InputError(
             f"{path}, ridge {worst + 1}",
             f"must be within {design.ridge.height:g} mm (ridge.height) of the designed "
-            f"{summits[worst + 1]:.4g} mm over the back",
+            f"{designed[worst]:.4g} mm over the back",
             measured[worst + 1],
         )
     return drops
