@@ -155,4 +155,12 @@ class Contact(Table):
         description="bonded (strip and adhesive fill the slot), loose (slot is a void), "
         "ignored (slot is filled with silicone); bonded if there is a film, loose if there is none",
     )
+    friction: float | None = quantity(
+        "1",
+        "coefficient of friction between skin and plate while it is pressed; if not given it is unknown, and "
+        "what it may change is part of the verdict's error",
+        ge=0.0,
+        le=20.0,
+        default=None,
+    )
     plate: Plate = Plate()

@@ -15,6 +15,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
+from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import (
     Answer,
     ContactError,
@@ -25,7 +26,7 @@ from skincad.mechanics.problem import (
     Spread,
     no_yield,
 )
-from skincad.mechanics.tiers.prices import LAWS, expected
+from skincad.mechanics.tiers.prices import LAWS, expected, own
 from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, load, run, tier_of
 from skincad.mechanics.validity import (
     beyond_small_strain,
@@ -40,9 +41,11 @@ from skincad.mechanics.verdict import (
     ContactCheck,
     before_refusal,
     decided,
+    lost,
     relative_error,
     unasked_left_out,
     with_model,
+    with_open_friction,
     with_shortfall,
 )
 from skincad.shape.crests import crest_drops, shift_warnings
@@ -116,6 +119,7 @@ class _Climb:
         self.done: dict[str, Answer] = {}
         self.climbed: list[tuple[str, Estimate, float]] = []
         self.tiers = [name for name in AUTO if not able(name, design, bool(drops))]
+        self.friction = PlateFriction(design, force, drops)
 
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
         """Climb until the error is met, the verdict clear or the budget used."""
@@ -153,7 +157,7 @@ class _Climb:
                     raise
                 found = before_refusal(found, name, refusal)
                 break
-            enough = budget is None and decided(found) if tol is None else relative_error(found, 0.0) <= tol
+            enough = budget is None and self._settled(found) if tol is None else self._met(found, tol)
             if found.next_tier is None or (not self._strained(name, found) and (found.beyond or enough)):
                 break
             if budget is not None and self._spent() + found.next_tier[1] > budget:
@@ -162,7 +166,8 @@ class _Climb:
         if budget is not None and self._spent() > budget:
             late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, late))
-        return with_shortfall(unasked_left_out(found), tol, 0.0)
+        found = unasked_left_out(found)
+        return with_shortfall(found, tol, 0.0) if tol is not None else with_open_friction(found)
 
     def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
         """The verdict of the best tier that a refused one was built on; of a pad that is too large for any
@@ -179,16 +184,36 @@ class _Climb:
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
         for i, name in enumerate(self.tiers):
-            bounds = left_out(TIERS[name].leaves_out, self.design, rough, self.force)
-            own = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
-            relative = (own.error or 0.0) / (own.value or 1.0) + math.fsum(b.threshold for b in bounds)
-            if relative <= tol:
+            bounds = self._bounds(name, rough)
+            value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
+            relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
+            if relative - self._spared(bounds, tol) <= tol:
                 return i
         return len(self.tiers) - 1
 
     def _strained(self, name: str, found: ContactCheck) -> bool:
         """Whether a tier for small strains has found that they are not: a better one has to say what then."""
         return _small(name) and (bool(found.beyond) or strained(self.design, found))
+
+    def _bounds(self, name: str, found: Answer) -> tuple[LeftOut, ...]:
+        """Bounds of what a tier leaves out of an answer."""
+        effects = (*TIERS[name].leaves_out, *self.friction.left_out(name))
+        return left_out(effects, self.design, found, self.force)
+
+    def _spared(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
+        """What of the relative error no tier takes away, where that alone is the tolerance: then the rest is
+        asked to meet it."""
+        part = self.friction.stays(bounds)
+        return part if part > tol - FINEST else 0.0
+
+    def _met(self, found: ContactCheck, tol: float) -> bool:
+        """Whether the tolerance is met, as far as any tier can."""
+        spared = self._spared(found.left_out, tol) * (found.all_touch_force.value or 0.0)
+        return relative_error(found, spared) <= tol
+
+    def _settled(self, found: ContactCheck) -> bool:
+        """Whether the verdict is clear, or what no tier takes away keeps it open in any case."""
+        return decided(found) or lost(found, self.friction.stays(found.left_out))
 
     def _spent(self) -> float:
         return perf_counter() - self.began
@@ -201,7 +226,9 @@ class _Climb:
                 self.progress(f"{each} tier", self._seconds(name))
             found = run(each, self.design, request, self.done, self.progress)
         refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
-        bounds = left_out(TIERS[name].leaves_out, self.design, found, self.force)
+        left = None if request.budget is None else request.budget - (self._spent() - started)
+        found = self.friction.on(name, found, left, own("linear", self.design) * self._speed())
+        bounds = self._bounds(name, found)
         made = None
         known = with_model(found, bounds, self.force)
         if not self.drops and name != "winkler":

@@ -9,7 +9,7 @@ from typing import Any
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
-from skincad.mechanics.left_out import LeftOut
+from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, Manufacture
 
 
@@ -113,6 +113,23 @@ def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> Con
     if tol is None or reached <= tol or found.beyond or any("not met" in w for w in found.warnings):
         return found
     words = f"the all-touch force's error is {reached:.2g} of its value: the tolerance {tol:g} is not met"
+    parts = [part for part in found.left_out if part.effect in (FRICTION, ALONG)]
+    if parts:
+        words += "; " + " and ".join(f"{part.effect} may change it by {part.threshold:.2g}" for part in parts)
+    if any(part.effect == FRICTION for part in parts):
+        words += ": give contact.friction"
+    return replace(found, warnings=(*found.warnings, words))
+
+
+def with_open_friction(found: ContactCheck) -> ContactCheck:
+    """Say that friction of an unknown coefficient alone leaves the verdict open."""
+    force, part = found.all_touch_force, [b.threshold for b in found.left_out if b.effect == FRICTION]
+    if found.beyond or not part or decided(found):
+        return found
+    known = replace(force, error=(force.error or 0.0) - part[0] * (force.value or 0.0))
+    if not decided(replace(found, all_touch_force=known)):
+        return found
+    words = "the verdict hangs on friction, which is not known: give contact.friction"
     return replace(found, warnings=(*found.warnings, words))
 
 
@@ -137,6 +154,16 @@ def decided(found: ContactCheck) -> bool:
     if force.value is None or force.error is None:
         return True
     return force.value + force.error <= found.force or force.value - force.error > found.force
+
+
+def lost(found: ContactCheck, stays: float) -> bool:
+    """Whether the asked force lies within what stays of the relative error, wherever better tiers move the
+    rest."""
+    force = found.all_touch_force
+    if force.value is None or force.error is None:
+        return False
+    stays *= force.value
+    return abs(force.value - found.force) + force.error - stays <= stays
 
 
 def with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:

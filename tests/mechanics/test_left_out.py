@@ -5,10 +5,12 @@ from __future__ import annotations
 import pytest
 
 from skincad import load
-from skincad.mechanics.left_out import LeftOut, free_ends
+from skincad.base.estimate import Estimate
+from skincad.mechanics.left_out import ALONG, LeftOut, free_ends, friction_along, held, left_out
 from skincad.mechanics.left_out import finite_strain as small_strain
+from skincad.mechanics.left_out import friction as grip
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers import corrected, finite_strain, linear
+from skincad.mechanics.tiers import corrected, finite_strain, friction, linear
 
 CASES: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     "plain-ridges": ("plain-ridges", {}),
@@ -51,3 +53,62 @@ def test_finite_strain_lies_within_its_bound(name: str) -> None:
     request = Request(design.contact.force, 0.05)
     small, finite = linear.answer(design, request), finite_strain.answer(design, request)
     assert_bounds(small_strain(design, small, request.force), small, finite, request.force)
+
+
+# the calibration's, and of those that only judged it two random designs' worth (left_out.py)
+GRIPPED: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
+    **CASES,
+    "gripper-pad": ("gripper-pad", {}),
+    "steep-fingertip": ("steep-fingertip", {}),
+    "no crown": ("plain-ridges", {"ridge": {"crown": 0.0}}),
+    "nu 0.3": ("plain-ridges", {"material": {"poisson_ratio": 0.3}}),
+    "thick": ("plain-ridges", {"skin": {"thickness": 7.0}}),
+}
+FAST_GRIPPED = ("five", "nu 0.3")
+
+
+@pytest.mark.parametrize(
+    "name", [n if n in FAST_GRIPPED else pytest.param(n, marks=pytest.mark.slow) for n in GRIPPED]
+)
+@pytest.mark.parametrize("coefficient", [0.2, 1.0, 2.0])
+def test_friction_lies_within_its_bound(name: str, coefficient: float) -> None:
+    template, change = GRIPPED[name]
+    design = load(template).with_(**change)
+    force = design.contact.force
+    found = friction.solve(corrected.plain_pad(design), coefficient, force)
+    without, with_it = found.without, found.gripped
+    bound = grip(design, int((without.ridge_force > 0).sum()))
+    assert abs((with_it.all_touch_force or 0.0) / (without.all_touch_force or 1.0) - 1) <= bound.threshold
+    assert abs(with_it.approach / without.approach - 1) <= bound.approach
+    mean = without.ridge_force.mean()
+    assert abs(with_it.ridge_force - without.ridge_force).max() <= bound.share * mean
+
+
+def test_the_bound_of_friction_is_not_a_blanket() -> None:
+    """It is small where little is confined, and large where a wide thin pad is."""
+    plain, wide = load("plain-ridges"), load("gripper-pad")
+    loose = plain.with_(material={"poisson_ratio": 0.3})
+    bounds = [grip(design, design.ridge.count) for design in (loose, plain, wide)]
+    for of in ("threshold", "approach", "share"):
+        loosest, usual, widest = (getattr(bound, of) for bound in bounds)
+        assert loosest < usual < widest
+    assert bounds[1].threshold < 0.07
+    assert bounds[1].approach < 0.13
+    assert 1 < held(loose, 9) < 1.1 < held(plain, 9) < 1.5 < held(wide, 21)
+    assert grip(plain, 3).approach < grip(plain, 9).approach  # few ridges confine little
+
+
+def test_tips_that_stick_along_y_take_back_a_part_of_what_free_ends_do() -> None:
+    """In three dimensions with full stick, against stick in x alone: F9 and approach of plain-ridges change
+    by + 12 and - 9.3 %, 2 mm thick by + 10.9 and - 9.8 %."""
+    for change in ({}, {"skin": {"thickness": 2.0}}):
+        bound, ends = (of(load("plain-ridges").with_(**change)) for of in (friction_along, free_ends))
+        assert 0.12 <= bound.threshold < 0.5 * ends.threshold
+        assert 0.098 <= bound.approach < 0.5 * ends.approach
+    named = left_out((ALONG,), load("plain-ridges"), ANSWER, 4.0)
+    assert [part.effect for part in named] == ["friction along y"]
+
+
+ANSWER = Answer(
+    9, Estimate(3.0, 0.0, "N"), Estimate(0.1, 0.0, "mm"), (Estimate(4 / 9, 0.0, "N"),) * 9, 1, 0.0, {}
+)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Protocol
 
 import numpy as np
 
@@ -97,6 +98,30 @@ def free_ends(
     return Ends(plane, pressed(meshed, forms, along, force, seconds, drops=drops))
 
 
+class Coarse(Protocol):
+    """One side of a change: a coarse answer of the whole pad, in mm and N; `ridge_force` is `(ridges,)`."""
+
+    @property
+    def all_touch_force(self) -> float | None:
+        """F9, N."""
+
+    @property
+    def approach(self) -> float:
+        """In mm."""
+
+    @property
+    def ridge_force(self) -> Array:
+        """Of each ridge, N."""
+
+    @property
+    def unknowns(self) -> int:
+        """What was solved for."""
+
+    @property
+    def residual(self) -> float:
+        """The largest, relative."""
+
+
 @dataclass(frozen=True)
 class Errors:
     """Errors of a change: relative of approach and F9, and of a share in mean shares."""
@@ -106,9 +131,7 @@ class Errors:
     share: float
 
 
-def changed(
-    fine: Answer, before: SolidSolution, after: SolidSolution, force: float, errors: Errors
-) -> Answer:
+def changed(fine: Answer, before: Coarse, after: Coarse, force: float, errors: Errors) -> Answer:
     """Return a fine answer with what changes from one coarse level to another on the same mesh.
 
     Approach and F9 change by a factor; shares by a difference, so that they still sum to the force.
@@ -130,9 +153,7 @@ def changed(
     )
 
 
-def _threshold(
-    fine: Answer, before: SolidSolution, after: SolidSolution, force: float, relative: float
-) -> Estimate:
+def _threshold(fine: Answer, before: Coarse, after: Coarse, force: float, relative: float) -> Estimate:
     """F9 times its ratio; where it is next to nothing, the level's own value, known to FLOOR of the force."""
     value, first, last = fine.all_touch_force.value, before.all_touch_force, after.all_touch_force
     if value is None or first is None or last is None:
@@ -144,7 +165,7 @@ def _threshold(
     return Estimate(value * ratio, error * ratio, "N")
 
 
-def _shares(fine: Answer, before: SolidSolution, after: SolidSolution) -> Array:
+def _shares(fine: Answer, before: Coarse, after: Coarse) -> Array:
     """Changed shares: none where the last level's ridge is clear, never a pull, in sum the force."""
     known = np.array([f.value or 0.0 for f in fine.ridge_force])
     found = known + after.ridge_force - before.ridge_force

@@ -1,0 +1,174 @@
+"""A pad pressed by a plate that grips it: with friction, what touches at which force depends on the path.
+
+Small strain, plane strain. The plate comes down from the first touch on, its normal force growing from step
+to step; sideways it is free, as in a scene's press. Each step is solved exactly (frictional.py). F9 is where
+the last ridge's finely sampled gap closes: that ridge taken out of contact, by root finding on the force
+within the step in which it begins to touch, as without friction (threshold.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import optimize
+
+from skincad.base.arrays import Array, Index
+from skincad.mechanics.bodies.condense import condense
+from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
+from skincad.mechanics.contact.halving import halved
+from skincad.mechanics.contact.threshold import Ridges
+from skincad.mechanics.contact.under_plate import seen_by_plate
+from skincad.mechanics.problem import ContactError, Pad
+
+ROOT = 1e-9  # relative, of the force; steps are known to 1e-10
+FURTHEST = 3.0  # times F9 without friction and the force, up to which F9 with friction is looked for
+
+
+@dataclass(frozen=True)
+class Gripped:
+    """A condensed pad in its own units, both directions: `ridges` as the plate sees them without friction,
+    `compliance` `(2 m, 2 m)` in x, then in z, and `fine` `(p, 2 m)`: how far the fine samples rise under
+    these forces."""
+
+    ridges: Ridges
+    compliance: Array
+    fine: Array
+
+    def lowered(self, drops: Array) -> Gripped:
+        """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`."""
+        return replace(self, ridges=self.ridges.lowered(drops))
+
+
+def gripped(pad: Pad, system: Assembled, unit: float) -> Gripped:
+    """Return the pad of an assembled mesh; `unit` is the pad's, mm."""
+    space = system.space.components[0]
+    along_x = system.contact - space.Range(1).start + space.Range(0).start
+    contact, k = np.concatenate([along_x, system.contact]), along_x.size
+    by_unknown = condense(system.matrix, np.setdiff1d(system.interior, along_x), contact).flexibility
+    rows, fine = system.nodes.rows, system.fine.rows
+    moved = np.hstack([(rows @ by_unknown[:k]).T, (rows @ by_unknown[k:]).T])
+    whole = np.vstack([rows @ moved[:k], rows @ moved[k:]])
+    ridges = seen_by_plate(pad, system, by_unknown[k:, k:], unit)
+    return Gripped(ridges, (whole + whole.T) / 2, np.asarray(fine @ moved[k:]))
+
+
+@dataclass(frozen=True)
+class Reached:
+    """Where a press ends: F9, None where there is none without friction either, the approach and each
+    ridge's force `(ridges,)` at the asked force, in the pad's units, and the largest residual of a step."""
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    residual: float
+
+
+def pressed(pad: Gripped, coefficient: float, force: float, first: float | None, steps: int) -> Reached:
+    """Press to `force` and until all ridges touch; `first` is F9 without friction.
+
+    Up to the smaller of both, and from there to the larger, the force rises in so many even `steps`. Raises
+    ContactError where a step's sets do not settle, halved or not, or all do not touch up to FURTHEST.
+    """
+    path = _Path(pad, Cone(coefficient, coefficient))
+    state, load, residual = at_rest(pad.ridges.gap.size), 0.0, 0.0
+    held: Grip | None = None
+    found = None if path.waiting and first is not None else first
+    searching = found is None and first is not None
+    for following in _forces(force, first, steps):
+        if held is not None and not searching:
+            break
+        after = path.step(state, load, following)
+        residual = max(residual, after.residual)
+        if searching:
+            still = path.clear(after)
+            if not still:
+                found = max(path.closing(ridge, state, load, following) for ridge in path.waiting)
+                searching = False
+            else:
+                path.waiting = still
+        state, load = after, following
+        held = state if load == force else held
+    if searching or held is None:
+        raise ContactError(f"not all ridges touch at up to {FURTHEST:g} times the force without friction")
+    of_point = pad.ridges.of_point
+    shares = np.array([held.normal[of_point == r].sum() for r in pad.ridges.numbers])
+    return Reached(found, held.approach, shares, residual)
+
+
+def _forces(force: float, first: float | None, steps: int) -> list[float]:
+    """The forces of a press: `force` itself is one of them."""
+    low, high = sorted((force, first or force))
+    even = (np.arange(steps) + 1) / steps
+    forces = [*(low * even[:-1]), low]
+    if high > low:
+        forces += [*(low + (high - low) * even[:-1]), high]
+    beyond = high * (1 + even)
+    return [float(each) for each in (*forces, *beyond, *(high + beyond))]
+
+
+class _Path:
+    """A press under way; `waiting` are the ridges that do not touch yet."""
+
+    def __init__(self, pad: Gripped, cone: Cone) -> None:
+        self.pad, self.cone = pad, cone
+        self.points = np.arange(pad.ridges.gap.size)
+        self.skin = self._compliant(self.points)
+        self.waiting = [r for r in pad.ridges.numbers.tolist() if self._least(r, pad.ridges.fine_gap) > 0]
+
+    def step(self, before: Grip, start: float, end: float) -> Grip:
+        """The state at a force from the one before."""
+        return self._stepped(self.skin, before, start, end)
+
+    def clear(self, state: Grip) -> list[int]:
+        """Those of the waiting ridges that still do not touch; the gap of a point that does is rounding."""
+        gaps, touched = self._gaps(state, self.points), self.pad.ridges.of_point[state.touches]
+        return [r for r in self.waiting if r not in touched and self._least(r, gaps) > 0]
+
+    def closing(self, ridge: int, before: Grip, start: float, end: float) -> float:
+        """The force between two at which a ridge begins to touch that is clear at the first."""
+        points = np.flatnonzero(self.pad.ridges.of_point != ridge)
+        skin, others = self._compliant(points), _of_points(before, points)
+
+        def gap(force: float) -> float:
+            state = self._stepped(skin, others, start, force) if force > start else others
+            return self._least(ridge, self._gaps(state, points))
+
+        if gap(end) >= 0.0:  # by rounding alone: with the ridge in contact it touches
+            return end
+        return float(optimize.brentq(gap, start, end, xtol=ROOT * end, rtol=ROOT))
+
+    def _stepped(self, skin: Compliant, before: Grip, start: float, end: float) -> Grip:
+        return halved(lambda _: skin, before, Drive(start, 0.0), Drive(end, 0.0), self.cone)
+
+    def _compliant(self, points: Index) -> Compliant:
+        both = self._both(points)
+        gap = self.pad.ridges.gap[points]
+        return Compliant(self.pad.compliance[np.ix_(both, both)], gap, np.zeros(both.size))
+
+    def _both(self, points: Index) -> Index:
+        return np.concatenate([points, points + self.points.size])
+
+    def _gaps(self, state: Grip, points: Index) -> Array:
+        """Fine gaps `(p,)` in a state of these points alone."""
+        force = np.concatenate([state.tangential, -state.normal])
+        risen = self.pad.fine[:, self._both(points)] @ force
+        return np.asarray(self.pad.ridges.fine_gap - state.approach - risen)
+
+    def _least(self, ridge: int, gaps: Array) -> float:
+        """Smallest of a ridge's gaps `(p,)`, by a parabola through three of an edge (threshold.py)."""
+        own = self.pad.ridges.fine_of_point == ridge
+        gaps, edge = gaps[own], self.pad.ridges.fine_edge[own]
+        i = int(np.argmin(gaps))
+        if not 0 < i < gaps.size - 1 or not edge[i - 1] == edge[i] == edge[i + 1]:
+            return float(gaps[i])
+        before, here, after = gaps[i - 1 : i + 2]
+        bend = before - 2 * here + after
+        return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
+
+
+def _of_points(state: Grip, points: Index) -> Grip:
+    """A state of some points; the others carry nothing."""
+    per_point = ("normal", "tangential", "anchor", "status", "slipped")
+    return replace(state, **{name: getattr(state, name)[points] for name in per_point})

@@ -1,0 +1,105 @@
+"""What friction between skin and plate changes, from a coarse pad pressed with it and without.
+
+Both sides of the change are solved on one coarse mesh of the section, in small strain and plane strain, so
+the mesh's error cancels (as in corrected.py), and any tier's answer is changed by it. Friction keeps the tips
+from spreading: the approach falls, and where the pad is thin or a ridge leans the last one asks for more
+force. Along y the plate grips too, which is left out (left_out.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.blas import one_blas_thread
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.press_path import gripped, pressed
+from skincad.mechanics.contact.threshold import all_touch_force
+from skincad.mechanics.problem import Answer, Pad
+from skincad.mechanics.tiers.corrected import Errors, changed
+
+FINENESS, ORDER = 0.5, 2
+# Up to the smaller of F9 and the force. With 40 of them F9, approach and shares of yamada-2002, plain-ridges
+# and fingertip-soft at friction 0.2 and 1 differ by at most 0.02, 0.03 and 0.01 % from those with 80
+STEPS = 50
+# Errors of the change: one that is always there, and a part of the change. Set on yamada-2002, plain-ridges
+# (also 2 mm thick) and fingertip-soft at friction 0.2 and 1. With all fillets, on twice as fine a mesh of
+# order 3 and in 200 steps, the change differs by up to 0.42 % (of F9), 0.23 % (approach) and 0.67 % (of the
+# mean share); in finite strain (contact/dragged.py) by up to 3.3, 1.8 and 2.7 %: a third of it is not there.
+# Judged on milled-pad, where these are 0.2, 0.1 and 0.8 %, and 1.9, 1.6 and 2.5 %
+LEAST, PART = Errors(approach=0.005, threshold=0.02, share=0.02), Errors(0.5, 0.3, 0.3)
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """A coarse answer of the whole pad, mm and N; `ridge_force` `(ridges,)`."""
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    unknowns: int
+    residual: float
+
+
+@dataclass(frozen=True)
+class Friction:
+    """The coarse answers without and with friction, on the same mesh."""
+
+    without: Coarse
+    gripped: Coarse
+
+
+def solve(
+    pad: Pad,
+    coefficient: float,
+    force: float,
+    drops: tuple[float, ...] = (),
+    fineness: float = FINENESS,
+    order: int = ORDER,
+    steps: int = STEPS,
+) -> Friction:
+    """Return the coarse answers at `force` N; raises ContactError where the press with friction fails."""
+    with one_blas_thread():
+        unit = unit_of(pad)
+        scale = pad.young_modulus * unit * pad.length
+        mesh = triangles(pad, default_sizes(pad, fineness))
+        system = elements.assemble(elements.curved(mesh, order), order, pad.materials)
+        seen = gripped(pad, system, unit)
+        if drops:
+            seen = seen.lowered(np.array(drops) / unit)
+        ridges, asked = seen.ridges, force / scale
+        first = all_touch_force(ridges, asked)
+        smooth = press(ridges.flexibility, ridges.gap, asked)
+        shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
+        found = pressed(seen, coefficient, asked, first, steps)
+
+    def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> Coarse:
+        first = None if threshold is None else threshold * scale
+        return Coarse(first, approach * unit, share * scale, system.unknowns, residual)
+
+    return Friction(
+        coarse(first, smooth.approach, shares, smooth.residual),
+        coarse(found.all_touch_force, found.approach, found.ridge_force, found.residual),
+    )
+
+
+def rubbed(fine: Answer, friction: Friction, force: float) -> Answer:
+    """Return a tier's answer without friction as friction changes it, with the error of that change."""
+    before, after = friction.without, friction.gripped
+    by_approach = abs(after.approach / before.approach - 1)
+    by_force = 0.0
+    if before.all_touch_force and after.all_touch_force:
+        by_force = abs(after.all_touch_force / before.all_touch_force - 1)
+    mean = float(before.ridge_force.mean())
+    by_share = float(np.abs(after.ridge_force - before.ridge_force).max()) / mean
+    errors = Errors(
+        LEAST.approach + PART.approach * by_approach,
+        LEAST.threshold + PART.threshold * by_force,
+        LEAST.share + PART.share * by_share,
+    )
+    found = changed(fine, before, after, force, errors)
+    return replace(found, warnings=fine.warnings, seconds=fine.seconds)
