@@ -1,0 +1,146 @@
+"""Friction of the plate in a check: left out of all tiers, of none, or computed once."""
+
+from __future__ import annotations
+
+import pytest
+
+from skincad import load
+from skincad.inputs.design import Design
+from skincad.mechanics.left_out import friction, friction_along
+from skincad.mechanics.problem import ContactError
+from skincad.mechanics.tiers import friction as pressing
+from skincad.mechanics.tiers.corrected import plain_pad
+from skincad.mechanics.tiers.friction import solve
+from skincad.mechanics.touching import check
+from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs.checks import lines
+from tests.mechanics.designs import SHORT, linear_check, reference
+from tests.mechanics.test_touching import LEFT, MadeUp
+
+
+def small(coefficient: float | None) -> Design:
+    return reference().with_(**SHORT, contact={"force": 0.65, "friction": coefficient})
+
+
+@pytest.fixture(scope="module")
+def smooth() -> ContactCheck:
+    return linear_check(small(0.0), tol=0.05)
+
+
+def of(found: ContactCheck) -> list[str]:
+    return [part.effect for part in found.left_out]
+
+
+def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactCheck) -> None:
+    found, bound = linear_check(small(None), tol=0.05), friction(small(None), smooth.touching)
+    assert of(smooth) == ["free ends", "finite strain"]
+    assert of(found) == ["free ends", "finite strain", "friction"]
+    for name, more in (("all_touch_force", bound.threshold), ("approach", bound.approach)):
+        wider, before = getattr(found, name), getattr(smooth, name)
+        assert wider.value == before.value
+        assert wider.error == pytest.approx(before.error + more * before.value, rel=1e-9)
+    assert found.ridge_force[0].error > smooth.ridge_force[0].error
+    assert any("N for leaving out friction" in line for line in lines(found))
+    assert found.as_json()["left_out"][-1]["effect"] == "friction"
+
+
+@pytest.mark.parametrize(("coefficient", "left"), [(None, True), (0.0, False), (0.5, True)])
+def test_the_closed_form_computes_no_friction(coefficient: float | None, left: bool) -> None:
+    found, without = (check(small(c), tier="winkler") for c in (coefficient, 0.0))
+    assert of(found) == (["friction"] if left else [])
+    assert found.all_touch_force.value == without.all_touch_force.value
+    assert (found.all_touch_force.error > without.all_touch_force.error) == left
+
+
+def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck) -> None:
+    found, design = linear_check(small(0.5), tol=0.05), small(0.5)
+    assert of(found) == of(smooth)
+    change = solve(plain_pad(design), 0.5, 0.65)
+    ratio = change.gripped.approach / change.without.approach
+    assert found.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
+    assert found.approach.value < 0.995 * smooth.approach.value
+    assert sum(f.value for f in found.ridge_force) == pytest.approx(0.65, rel=1e-9)
+    assert found.seconds["friction"] > 0
+
+
+def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise ContactError("the sets do not settle")
+
+    monkeypatch.setattr(pressing, "solve", fails)
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    found = check(load("yamada-2002").with_(contact={"friction": 15.0}), tier="linear")
+    assert of(found) == ["free ends", "finite strain", "friction"]
+    assert any("contact.friction is left out, within its bound: the sets" in w for w in found.warnings)
+
+
+def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    found = check(load("yamada-2002").with_(contact={"friction": 0.5}), tier="linear", budget=2.1)
+    assert "friction" in of(found)
+    assert any("contact.friction is left out" in w and "would take about" in w for w in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("name", "tier", "effects"),
+    [
+        ("plain-ridges", "corrected", ["finite strain", "friction", "friction along y"]),
+        ("plain-ridges", "linear", ["free ends", "finite strain", "friction"]),
+        ("yamada-2002", "corrected", ["finite strain", "friction"]),  # strips hold the ridges along y
+        ("plain-ridges", "solid-finite-strain", ["friction", "friction along y"]),
+    ],
+)
+def test_along_y_it_counts_where_ends_are_free(
+    name: str, tier: str, effects: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    monkeypatch.setitem(LEFT, "friction along y", 0.1)
+    assert of(check(load(name), tier=tier)) == effects
+    assert friction_along(load(name)).threshold < 0.15
+
+
+@pytest.mark.parametrize(
+    ("tol", "tier", "said"),
+    [
+        (0.4, "linear", False),
+        (0.335, "corrected", False),  # linear would do without friction
+        (0.05, "corrected-finite-strain", False),
+        (0.034, "corrected-finite-strain", True),  # not to be met by friction: the rest meets it
+        (0.02, "corrected-finite-strain", True),
+        (0.005, "solid-finite-strain", True),
+    ],
+)
+def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
+    tol: float, tier: str, said: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    found = check(load("yamada-2002"), tol=tol)
+    assert found.tier == tier
+    missed = [w for w in found.warnings if "not met" in w]
+    assert bool(missed) == said
+    assert all("friction may change it by 0.03: give contact.friction" in w for w in missed)
+
+
+@pytest.mark.parametrize(
+    ("value", "tier", "hangs"),
+    [
+        (2.9, "linear", False),
+        (3.7, "corrected-finite-strain", False),  # 3.7 N and 4 %
+        (3.9, "solid-finite-strain", True),  # 1 % and 3 %: a better tier might move it
+        (3.99, "corrected-finite-strain", False),  # no tier moves it far enough
+    ],
+)
+def test_no_tier_is_climbed_for_what_friction_leaves_open(
+    value: float, tier: str, hangs: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    MadeUp(monkeypatch, value)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    found = check(load("yamada-2002"), force=4.0)
+    assert found.tier == tier
+    words = "the verdict hangs on friction, which is not known: give contact.friction"
+    assert (words in found.warnings) == hangs
