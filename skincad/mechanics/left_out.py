@@ -8,12 +8,12 @@ strain hardly changes F9, 50 times. Over 40 random designs (bench/error_bars.py)
 them, free ends change F9 within the bound in 97 %, the approach in all; medians 2.0 and 2.9 times the change.
 
 Friction was calibrated at coefficients 0.2 to 1 on nine templates, 24 variants of plain-ridges and
-yamada-2002 (thickness 2 to 7, R 40 to 150, nu 0.3 to 0.499, 5 ridges, height 0.25 to 0.9, crown 0 to 0.08) and
-the random designs of seeds 0 to 39 (bench/campaign, at the forces of bench/error_bars.py): all lie inside.
-Judged on seeds 100 to 149 it holds F9 of 45 in 46, the approach of all 50 and the shares of 46 in 48, at worst
-1.58 times too narrow; in the median it is 4, 5 and 5 times the change. From 0.5 on next to nothing slips, so at
-2 and 5 the same hold. Along y it was set on plain-ridges, 6 to 30 mm long, 2 mm thick or of nu 0.3, pressed
-in three dimensions with full stick: 0.4 of what the free ends change is taken back.
+yamada-2002 (thickness 2 to 7, R 40 to 150, nu 0.3 to 0.499, 5 ridges, height 0.25 to 0.9, crown 0 to 0.08)
+and the random designs of seeds 0 to 39 (bench/campaign, at the forces of bench/error_bars.py): all lie
+inside. Judged on seeds 100 to 149 it holds F9 of 45 in 46, the approach of all 50 and the shares of 46 in 48,
+at worst 1.58 times too narrow; in the median it is 4, 5 and 5 times the change. From 0.5 on next to nothing
+slips, so at 2 and 5 the same hold. Along y it was set on plain-ridges, 6 to 30 mm long, 2 mm thick or of nu
+0.3, pressed in three dimensions with full stick: 0.4 of what the free ends change is taken back.
 
 tests/mechanics/test_left_out.py holds a part of them against the tiers that compute the effect.
 """
