@@ -302,6 +302,7 @@ class _Climb:
             design.contact.plate.shape,
             beyond,
             tipping(design, found),
+            design.contact.friction,
         )
 
     def _sampled(self, found: Answer) -> dict[str, float]:

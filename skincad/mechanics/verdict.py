@@ -43,6 +43,7 @@ class ContactCheck(Result):
     plate: str = "flat"
     beyond: str = ""  # why the verdict is outside the model's range
     tipping: float = 0.0  # what the most loaded ridge bears of the force at which it tips over
+    friction: float | None = None  # the plate's coefficient; None where it is not known
 
     @property
     def margin(self) -> float | None:
@@ -62,6 +63,7 @@ class ContactCheck(Result):
             "passed": self.passed,
             "force_N": self.force,
             "plate": self.plate,
+            "friction": self.friction,
             "ridges": self.ridges,
             "touching": self.touching,
             "all_touch_force_N": self.all_touch_force.as_json(),
@@ -114,17 +116,16 @@ def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> Con
         return found
     words = f"the all-touch force's error is {reached:.2g} of its value: the tolerance {tol:g} is not met"
     parts = [part for part in found.left_out if part.effect in (FRICTION, ALONG)]
-    if parts:
+    if parts and not spared:
         words += "; " + " and ".join(f"{part.effect} may change it by {part.threshold:.2g}" for part in parts)
-    if any(part.effect == FRICTION for part in parts):
-        words += ": give contact.friction"
+        words += ": give contact.friction" if found.friction is None else ""
     return replace(found, warnings=(*found.warnings, words))
 
 
 def with_open_friction(found: ContactCheck) -> ContactCheck:
     """Say that friction of an unknown coefficient alone leaves the verdict open."""
     force, part = found.all_touch_force, [b.threshold for b in found.left_out if b.effect == FRICTION]
-    if found.beyond or not part or decided(found):
+    if found.beyond or found.friction is not None or not part or decided(found):
         return found
     known = replace(force, error=(force.error or 0.0) - part[0] * (force.value or 0.0))
     if not decided(replace(found, all_touch_force=known)):

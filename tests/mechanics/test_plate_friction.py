@@ -7,7 +7,8 @@ import pytest
 from skincad import load
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import friction, friction_along
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.plate_friction import PlateFriction
+from skincad.mechanics.problem import ContactError, SizeError
 from skincad.mechanics.tiers import friction as pressing
 from skincad.mechanics.tiers.corrected import plain_pad
 from skincad.mechanics.tiers.friction import solve
@@ -144,3 +145,36 @@ def test_no_tier_is_climbed_for_what_friction_leaves_open(
     assert found.tier == tier
     words = "the verdict hangs on friction, which is not known: give contact.friction"
     assert (words in found.warnings) == hangs
+
+
+def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tier by name is asked for its mesh's error alone."""
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    found = check(load("yamada-2002"), tier="linear", tol=0.005)
+    assert [w for w in found.warnings if "not met" in w] == [
+        "the all-touch force's error is 0.01 of its value: the tolerance 0.005 is not met"
+    ]
+
+
+def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Along y none computes it: what is said of a missed tolerance names the effect alone."""
+    made = MadeUp(monkeypatch)
+    made.mesh = 0.01
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    monkeypatch.setitem(LEFT, "friction along y", 0.2)
+    monkeypatch.setattr(PlateFriction, "on", lambda *asked: asked[2])
+    found = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
+    assert found.tier == "corrected"  # 0.1 and its mesh; 0.2 stays in any case
+    assert [w for w in found.warnings if "not met" in w] == [
+        "the all-touch force's error is 0.31 of its value: the tolerance 0.12 is not met; "
+        "friction along y may change it by 0.2"
+    ]
+    assert found.friction == found.as_json()["friction"] == 0.5
+
+
+def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:
+    wide = {"skin": {"curvature_radius": 3000.0, "width": 154.0}, "ridge": {"count": 150}}
+    design = load("plain-ridges").with_(**wide, contact={"friction": 0.5})
+    with pytest.raises(SizeError, match="at most 1000 contact points"):
+        solve(plain_pad(design), 0.5, 4.0)

@@ -19,10 +19,11 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.press_path import gripped, pressed
 from skincad.mechanics.contact.threshold import all_touch_force
-from skincad.mechanics.problem import Answer, Pad
+from skincad.mechanics.problem import Answer, Pad, SizeError
 from skincad.mechanics.tiers.corrected import Errors, changed
 
 FINENESS, ORDER = 0.5, 2
+MOST_POINTS = 1000  # in contact; a step's time grows as their cube, to a second or so
 # Up to the smaller of F9 and the force. With 40 of them F9, approach and shares of yamada-2002, plain-ridges
 # and fingertip-soft at friction 0.2 and 1 differ by at most 0.02, 0.03 and 0.01 % from those with 80
 STEPS = 50
@@ -68,6 +69,10 @@ def solve(
         scale = pad.young_modulus * unit * pad.length
         mesh = triangles(pad, default_sizes(pad, fineness))
         system = elements.assemble(elements.curved(mesh, order), order, pad.materials)
+        points = system.nodes.weight.size
+        if points > MOST_POINTS:
+            words = f"is computed with friction for at most {MOST_POINTS} contact points"
+            raise SizeError("ridge.count", words, points, "take fewer ridges")
         seen = gripped(pad, system, unit)
         if drops:
             seen = seen.lowered(np.array(drops) / unit)
