@@ -237,7 +237,14 @@ def check(
         check_request(design, design.contact.force if force is None else force, (tangential or 0.0,))
     with stage_bar(4) as progress:
         found = skincad.check(
-            design, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
+            design,
+            force=force,
+            tol=tol,
+            budget=budget,
+            tier=tier,
+            measured=measured,
+            advise=budget is None and measured is None,
+            progress=progress,
         )
         films = None
         if stress is not None:

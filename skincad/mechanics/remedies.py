@@ -35,6 +35,15 @@ class Change:
     after: float
     all_touch_force: Estimate
 
+    def __str__(self) -> str:
+        """As `skin.curvature_radius 60 -> 76`."""
+        return f"{self.key} {self.before:g} -> {self.after:g}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the change as in `--json`."""
+        force = self.all_touch_force.as_json()
+        return {"key": self.key, "before": self.before, "after": self.after, "all_touch_force_N": force}
+
 
 @dataclass(frozen=True)
 class _Lever:
@@ -71,10 +80,14 @@ LEVERS = (
 Judge = Callable[[Design], tuple[bool, Estimate]]  # whether a design passes, and the force that it needs
 
 
-def crest_drop(design: Design) -> float:
-    """Return how much lower the lowest crest lies than the highest, mm: what curvature and heights make."""
+def cause(design: Design, approach: float, force: float) -> str:
+    """Return why ridges stay clear, in mm: the crests against the plate's approach at `force` N."""
     heights = summits(design)
-    return max(heights) - min(heights)
+    drop, high = max(heights) - min(heights), design.ridge.height
+    return (
+        f"the lowest crest lies {drop:.2g} mm below the highest, of ridges {high:g} mm high; at {force:g} N "
+        f"the plate comes {approach:.2g} mm down"
+    )
 
 
 def changes(design: Design, needed: Estimate, force: float, judge: Judge) -> tuple[Change, ...]:

@@ -11,6 +11,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, Manufacture
+from skincad.mechanics.remedies import Change
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,6 +44,8 @@ class ContactCheck(Result):
     plate: str = "flat"
     beyond: str = ""  # why the verdict is outside the model's range
     tipping: float = 0.0  # what the most loaded ridge bears of the force at which it tips over
+    cause: str = ""  # why it fails, where that was asked
+    changes: tuple[Change, ...] | None = None  # single ones with which it would pass; None: not looked for
     friction: float | None = None  # the plate's coefficient; None where it is not known
 
     @property
@@ -88,6 +91,8 @@ class ContactCheck(Result):
             "warnings": list(self.warnings),
             "beyond_range": self.beyond or None,
             "tipping": self.tipping,
+            "cause": self.cause or None,
+            "changes": None if self.changes is None else [change.as_json() for change in self.changes],
         }
 
     def _manufacture(self) -> dict[str, Any]:

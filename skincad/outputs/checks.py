@@ -29,7 +29,7 @@ def verdict(check: ContactCheck) -> str:
         return f"FAILS narrowly: {every} touch {plate}, but they need {needed}, which may be more."
     some = f"FAILS: {check.touching} of {check.ridges} ridges touch {plate}"
     return (
-        f"{some}; no force makes all of them touch."
+        f"{some}; the force that all need is beyond the model's range."
         if needed.value is None
         else f"{some}; all need {needed}."
     )
@@ -46,6 +46,7 @@ def lines(check: ContactCheck) -> list[str]:
         f"  ridge forces   {shares} (± {error:.1g}) N",
         *_model_lines(check),
         *_manufacture_lines(check),
+        *_advice_lines(check),
         *(f"  note           {warning}" for warning in check.warnings),
     ]
 
@@ -83,6 +84,14 @@ def _manufacture_lines(check: ContactCheck) -> list[str]:
         f"  yield          {made.passing.value:.1%} (± {made.passing.error:.1%}) of parts pass; {loss}",
         f"  crests         1 mm lower, each changes the force needed by {crests} N",
     ]
+
+
+def _advice_lines(check: ContactCheck) -> list[str]:
+    if check.changes is None:
+        return []
+    single = " or ".join(str(change) for change in check.changes)
+    told = f"{single}: each alone, by the same model" if single else "no single change that was tried"
+    return [f"  cause          {check.cause}", f"  would pass     {told}"]
 
 
 def manifest(check: ContactCheck) -> dict[str, Any]:

@@ -31,7 +31,8 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
         ({"passed": False}, "FAILS narrowly: all 9 ridges touch a flat plate at 4 N, but they need 3.0 "),
         (
             {"passed": False, "touching": 5, "all_touch_force": none},
-            "FAILS: 5 of 9 ridges touch a flat plate at 4 N; no force makes all of them touch.",
+            "FAILS: 5 of 9 ridges touch a flat plate at 4 N; "
+            "the force that all need is beyond the model's range.",
         ),
         ({"passed": False, "beyond": "too soft"}, "NO VERDICT: too soft."),
         (

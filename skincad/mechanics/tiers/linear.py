@@ -71,7 +71,7 @@ class PlaneRung:
     price: float
 
 
-NEVER = "no force makes all ridges touch: some stay clear however hard it is pressed"
+NEVER = "taken as small, no strain makes all ridges touch: some stay clear however hard it is pressed"
 RUNGS = (
     PlaneRung(0.5, 3, 6e-3, 1.0),
     PlaneRung(1.0, 3, 2e-3, 1.2),
