@@ -14,7 +14,8 @@ from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer, pad_of
 from skincad.mechanics.tiers.corrected import plain_pad
 from skincad.mechanics.tiers.friction import Coarse, Friction, rubbed, solve
-from tests.mechanics.designs import SHORT, reference
+from skincad.scenes.scene import load_scene
+from tests.mechanics.designs import SHORT, linear_check, reference
 
 # mm at 4 N, `simulate yamada-2002-press` with effects.friction.coefficient 0 and 1
 SMOOTH, ROUGH = 0.16860, 0.15950
@@ -42,8 +43,12 @@ def test_a_scenes_press_gives_way_less_by_as_much() -> None:
 @pytest.mark.slow
 def test_the_scene_still_gives_way_so_far() -> None:
     for coefficient, approach in ((0.0, SMOOTH), (1.0, ROUGH)):
-        press = simulate("yamada-2002-press", [f"effects.friction.coefficient={coefficient}"])
-        assert press.approach[-1] == pytest.approx(approach, abs=6e-6)
+        scene = load_scene("yamada-2002-press", [f"effects.friction.coefficient={coefficient}"])
+        assert simulate(scene).march.column("approach")[-1] == pytest.approx(approach, abs=6e-6)
+        design = load("yamada-2002", [f"contact.friction={coefficient}"])
+        found = linear_check(design, tol=0.05).approach
+        own = sum(part.approach for part in linear_check(design, tol=0.05).left_out) * (found.value or 0.0)
+        assert abs((found.value or 0.0) - approach) <= (found.error or 0.0) - own
 
 
 def test_friction_raises_f9_and_takes_from_the_approach_on_thin_pads() -> None:
