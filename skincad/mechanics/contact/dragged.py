@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from scipy import linalg, sparse
+from scipy import sparse
 
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import neo_hooke
-from skincad.mechanics.bodies.condense import factors, fill_order
+from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
 from skincad.mechanics.bodies.elements import Assembled
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, Tangent, under
 from skincad.mechanics.contact.frictional import grip
@@ -35,13 +35,13 @@ GROWN = 1e3  # a residual that has grown so much leads nowhere
 
 @dataclass(frozen=True, eq=False)
 class Tangential:
-    """The body linearised: `factor` over `order`, contact unknowns last; `compliance` `(2 m, 2 m)` mm/N.
+    """The body linearised and condensed to its contact unknowns; `compliance` `(2 m, 2 m)` mm/N.
 
     `solved` remembers the contact's factorisations.
     """
 
     matrix: sparse.csr_matrix
-    factor: Any
+    small: Condensed
     compliance: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
 
@@ -133,27 +133,16 @@ def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
     """Return the tangent at a state whose `residual` is at hand, and keep it; ContactError without one."""
     pad.kept.clear()
     matrix = neo_hooke.tangent(pad.body, values, residual).matrix
-    k, order = pad.contact.size, pad.order
-    factor = factors(sparse.csc_matrix(matrix[order][:, order]))
-    if not np.array_equal(factor.perm_r, np.arange(order.size)):
-        raise ContactError("the tangent stiffness is singular")
-    # the trailing block is L D L^T, D the diagonal of U, of either sign
-    pivots = factor.U.diagonal()
-    inverse, failed = linalg.lapack.dtrtri(factor.L[-k:, -k:].toarray(order="F"), lower=True, unitdiag=True)
-    if failed:
-        raise ContactError("the tangent stiffness is singular")
-    by_point = np.asarray(pad.rows @ inverse.T)
-    compliance = (by_point / pivots[-k:]) @ by_point.T * (pad.unit / pad.scale)
-    found = Tangential(matrix, factor, compliance)
+    small = factorise(matrix, pad.order, pad.contact.size)
+    compliance = pad.rows @ (pad.rows @ small.flexibility).T * (pad.unit / pad.scale)
+    found = Tangential(matrix, small, np.asarray(compliance))
     pad.kept.append(found)
     return found
 
 
-def moved(pad: Dragged, linear: Tangential, at: Tangent, push: Array) -> Array:
+def moved(linear: Tangential, at: Tangent, push: Array) -> Array:
     """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
-    step = np.zeros_like(push)
-    step[pad.order] = linear.factor.solve((-at.residual - push)[pad.order])
-    return at.recover(step)
+    return at.recover(linear.small.solve(-at.residual - push))
 
 
 def newton(
@@ -168,7 +157,8 @@ def newton(
         raise ContactError("finite_strain takes a plate that keeps its angle")
     body, values = pad.body, before.values if guess is None else guess
     if drive.normal == 0.0 and drive.tangential in (None, 0.0):
-        lifted = grip(_seen(pad, *_rest(pad)), before.grip, drive, cone)
+        clear = np.zeros(2 * pad.gap.size)  # of any movement: nothing touches
+        lifted = grip(Compliant(np.diag(clear), pad.gap, clear), before.grip, drive, cone)
         return DraggedState(np.zeros_like(values), lifted, -before.values)
     unbalanced, last = body.residual(values), np.inf
     if not np.isfinite(unbalanced).all():
@@ -176,10 +166,10 @@ def newton(
     linear = pad.kept[0] if pad.kept else linearised(pad, values, unbalanced)
     for i in range(ITERATIONS):
         at = under(body, linear.matrix, unbalanced)
-        ahead = values + moved(pad, linear, at, np.zeros_like(values))
+        ahead = values + moved(linear, at, np.zeros_like(values))
         contact, slipping = _contact(_seen(pad, linear, ahead), before.grip, drive, cone)
         push = pushed(pad, contact)
-        values, unbalanced, share = _taken(body, values, moved(pad, linear, at, push))
+        values, unbalanced, share = _taken(body, values, moved(linear, at, push))
         scale = float(np.linalg.norm(push))
         size = float(np.linalg.norm((unbalanced + push)[body.free])) / scale
         if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
@@ -202,11 +192,6 @@ def _dissipated(before: Grip, after: Grip) -> float:
     mean = (before.tangential + after.tangential) / 2
     mean = np.where(before.tangential * after.tangential < 0, after.tangential, mean)
     return -float(mean @ after.slipped)
-
-
-def _rest(pad: Dragged) -> tuple[Tangential, Array]:
-    zero = np.zeros(pad.body.free.size)
-    return Tangential(pad.rest.matrix, None, np.zeros((2 * pad.gap.size,) * 2)), zero
 
 
 def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[Grip, GrossSlip | None]:
