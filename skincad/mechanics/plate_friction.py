@@ -19,7 +19,7 @@ from skincad.mechanics.problem import Answer, ContactError
 from skincad.mechanics.tiers.table import TIERS
 
 if TYPE_CHECKING:
-    from skincad.mechanics.tiers.friction import Friction
+    from skincad.mechanics.tiers.friction import TwoPresses
 
 CLOSED_FORM = "winkler"
 PRICE = 0.05  # of the linear tier's law, per ridge: 0.3, 3.8 and 15 s with 9, 33 and 60 ridges
@@ -31,7 +31,7 @@ class PlateFriction:
     def __init__(self, design: Design, force: float, drops: tuple[float, ...]) -> None:
         self.design, self.force, self.drops = design, force, drops
         self.coefficient = design.contact.friction
-        self.solved: Friction | None = None
+        self.solved: TwoPresses | None = None
         self.failed = ""
         self.seconds = 0.0
 

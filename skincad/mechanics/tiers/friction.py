@@ -36,7 +36,7 @@ LEAST, PART = Errors(approach=0.005, threshold=0.02, share=0.02), Errors(0.5, 0.
 
 
 @dataclass(frozen=True)
-class Coarse:
+class CoarsePress:
     """A coarse answer of the whole pad, mm and N; `ridge_force` `(ridges,)`."""
 
     all_touch_force: float | None
@@ -47,11 +47,11 @@ class Coarse:
 
 
 @dataclass(frozen=True)
-class Friction:
+class TwoPresses:
     """The coarse answers without and with friction, on the same mesh."""
 
-    without: Coarse
-    gripped: Coarse
+    without: CoarsePress
+    gripped: CoarsePress
 
 
 def solve(
@@ -62,7 +62,7 @@ def solve(
     fineness: float = FINENESS,
     order: int = ORDER,
     steps: int = STEPS,
-) -> Friction:
+) -> TwoPresses:
     """Return the coarse answers at `force` N; raises ContactError where the press with friction fails."""
     with one_blas_thread():
         unit = unit_of(pad)
@@ -82,17 +82,17 @@ def solve(
         shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
         found = pressed(seen, coefficient, asked, first, steps)
 
-    def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> Coarse:
+    def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> CoarsePress:
         first = None if threshold is None else threshold * scale
-        return Coarse(first, approach * unit, share * scale, system.unknowns, residual)
+        return CoarsePress(first, approach * unit, share * scale, system.unknowns, residual)
 
-    return Friction(
+    return TwoPresses(
         coarse(first, smooth.approach, shares, smooth.residual),
         coarse(found.all_touch_force, found.approach, found.ridge_force, found.residual),
     )
 
 
-def rubbed(fine: Answer, friction: Friction, force: float) -> Answer:
+def rubbed(fine: Answer, friction: TwoPresses, force: float) -> Answer:
     """Return a tier's answer without friction as friction changes it, with the error of that change."""
     before, after = friction.without, friction.gripped
     by_approach = abs(after.approach / before.approach - 1)

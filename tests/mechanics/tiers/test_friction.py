@@ -13,7 +13,7 @@ from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer, pad_of
 from skincad.mechanics.tiers.corrected import plain_pad
-from skincad.mechanics.tiers.friction import Coarse, Friction, rubbed, solve
+from skincad.mechanics.tiers.friction import CoarsePress, TwoPresses, rubbed, solve
 from skincad.scenes.scene import load_scene
 from tests.mechanics.designs import SHORT, linear_check, reference
 
@@ -21,7 +21,7 @@ from tests.mechanics.designs import SHORT, linear_check, reference
 SMOOTH, ROUGH = 0.16860, 0.15950
 
 
-def exact(found: Coarse) -> Answer:
+def exact(found: CoarsePress) -> Answer:
     """A coarse answer as a tier's that knows it to the last digit."""
     shares = tuple(Estimate(float(f), 0.0, "N") for f in found.ridge_force)
     first, down = Estimate(found.all_touch_force, 0.0, "N"), Estimate(found.approach, 0.0, "mm")
@@ -29,7 +29,7 @@ def exact(found: Coarse) -> Answer:
 
 
 @cache
-def on_yamada() -> Friction:
+def on_yamada() -> TwoPresses:
     return solve(plain_pad(load("yamada-2002")), 1.0, 4.0)
 
 
