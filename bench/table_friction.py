@@ -1,0 +1,68 @@
+"""How often friction's bound holds on random designs, and how wide it is.
+
+`python -m bench.table_friction 100 150 [COEFFICIENT]...`: a seed's pad is pressed with friction (0.2, 0.5, 1)
+and without, at the force of bench/error_bars.py; some seconds a seed.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.campaign.random_designs import drawn
+from bench.error_bars import force_of
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.mechanics.left_out import friction
+from skincad.mechanics.problem import FLOOR, ContactError
+from skincad.mechanics.tiers.corrected import plain_pad
+from skincad.mechanics.tiers.friction import solve
+
+COEFFICIENTS = 0.2, 0.5, 1.0
+MOST_RIDGES = 60  # more take minutes
+NAMES = "all-touch force", "approach", "share"
+
+
+def changes(design: Design, force: float, coefficient: float) -> Iterator[tuple[str, float, float]]:
+    """Yield each quantity's relative change and its bound; an F9 that is as good as nothing has none."""
+    found = solve(plain_pad(design), coefficient, force)
+    before, after = found.without, found.gripped
+    bound = friction(design, int((before.ridge_force > 0).sum()))
+    first, last = before.all_touch_force, after.all_touch_force
+    if first and last and first > FLOOR * force:
+        yield NAMES[0], abs(last / first - 1), bound.threshold
+    yield NAMES[1], abs(after.approach / before.approach - 1), bound.approach
+    if design.ridge.count > 1:
+        share = np.abs(after.ridge_force - before.ridge_force).max() / before.ridge_force.mean()
+        yield NAMES[2], float(share), bound.share
+
+
+def main() -> None:
+    """Print one line a quantity: each design counts by its largest change."""
+    low, high, *coefficients = sys.argv[1:]
+    parts: dict[str, list[float]] = {name: [] for name in NAMES}
+    for seed in range(int(low), int(high)):
+        design = drawn(seed).design.with_(skin={"curvature_radius_y": None})
+        if design.ridge.count > MOST_RIDGES:
+            continue
+        largest: dict[str, float] = {}
+        for coefficient in map(float, coefficients or COEFFICIENTS):
+            try:
+                for name, change, bound in changes(design, force_of(design, seed), coefficient):
+                    largest[name] = max(largest.get(name, 0.0), change / bound)
+            except (ContactError, InputError) as refusal:
+                print(f"seed {seed}, {coefficient:g}: {refusal}")
+        for name, part in largest.items():
+            parts[name].append(part)
+    for name, found in parts.items():
+        held, width = sum(part <= 1 for part in found), 1 / max(statistics.median(found), 1e-9)
+        print(
+            f"{name:16} held {held} of {len(found)}, at worst {max(found):.2f}, median {width:.1f} times wide"
+        )
+
+
+if __name__ == "__main__":
+    main()
