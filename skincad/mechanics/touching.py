@@ -2,61 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
 
 from skincad.base.arguments import require_goals, require_number
-from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
+from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
-from skincad.inputs.process import processes
-from skincad.mechanics.left_out import FINITE_STRAIN, LeftOut, left_out
-from skincad.mechanics.plate_friction import PlateFriction
+from skincad.mechanics.climb import Climb, mesh_tolerance, outgrown
 from skincad.mechanics.problem import (
-    Answer,
-    ContactError,
-    LateError,
-    Manufacture,
     Request,
-    SizeError,
-    Spread,
-    no_yield,
 )
 from skincad.mechanics.remedies import cause, changes
-from skincad.mechanics.tiers.prices import LAWS, expected, own
-from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, load, run, tier_of
+from skincad.mechanics.tiers.table import able, tier_of
 from skincad.mechanics.validity import (
-    beyond_small_strain,
     material_warnings,
-    refuse_crushed,
     slope_warnings,
-    strain_warnings,
-    strained,
-    tipping,
 )
 from skincad.mechanics.verdict import (
     ContactCheck,
-    before_refusal,
-    decided,
-    lost,
-    relative_error,
-    unasked_left_out,
-    with_model,
-    with_open_friction,
     with_shortfall,
 )
 from skincad.shape.crests import crest_drops, shift_warnings
 
 LARGEST_FORCE = 1e6  # N, as contact.force
-HOPELESS = 1.5  # budgets that the linear tier's law may ask for and the tier still be tried
-LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
-# of an asked tolerance, what `auto` leaves to the mesh, and where the model leaves nothing out
-MESH_SHARE, LAST_SHARE = 0.3, 0.5
-FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
 
 
 def require_force(force: float) -> None:
@@ -98,7 +68,7 @@ def check(
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(drops, design), *material_warnings(design))
-    climb = _Climb(design, asked, drops, notes, progress)
+    climb = Climb(design, asked, drops, notes, progress)
     if tier == "auto":
         found = climb.auto(tol, budget)
         return _advised(design, found, mesh_tolerance(found.tier, tol), progress) if advise else found
@@ -119,259 +89,7 @@ def _advised(
 
     def judge(other: Design) -> tuple[bool, Estimate]:
         then = check(other, force=found.force, tier=found.tier, tol=tol, progress=progress)
-        return then.passed and not (_small(then.tier) and strained(other, then)), then.all_touch_force
+        return then.passed and not outgrown(other, then), then.all_touch_force
 
     why = cause(design, found.approach.value or 0.0, found.force)
     return replace(found, cause=why, changes=changes(design, found.all_touch_force, found.force, judge))
-
-
-class _Climb:
-    """One check: the tiers solved so far, and the verdict of each."""
-
-    def __init__(
-        self,
-        design: Design,
-        force: float,
-        drops: tuple[float, ...],
-        notes: tuple[str, ...],
-        progress: Progress | None,
-    ) -> None:
-        self.design, self.force, self.drops, self.notes = design, force, drops, notes
-        self.progress = progress
-        self.began, self.sampling, self.samplings = perf_counter(), 0.0, 0
-        self.done: dict[str, Answer] = {}
-        self.climbed: list[tuple[str, Estimate, float]] = []
-        self.tiers = [name for name in AUTO if not able(name, design, bool(drops))]
-        self.friction = PlateFriction(design, force, drops)
-
-    def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
-        """Climb until the error is met, the verdict clear or the budget used."""
-        request = Request(self.force, None, None, self.drops, parts=not self.drops)
-        name = self.tiers[self._start(tol)]
-        if budget is not None and name != "winkler":
-            return self._within(request, tol, budget)
-        return self._climbed(name, request, tol, budget)
-
-    def _within(self, request: Request, tol: float | None, budget: float) -> ContactCheck:
-        """Climb from the linear tier where it fits into the budget; the closed form is the least there is."""
-        least = self.tiers[0] == "winkler"
-        name = "linear" if "linear" in self.tiers else self.tiers[0]
-        load(name)  # the library's import is no part of the budget
-        self.began = perf_counter()
-        try:
-            if least and name == "linear" and expected(name, self.design, set()) > HOPELESS * budget:
-                raise LateError(expected(name, self.design, set()))
-            return self._climbed(name, replace(request, must_fit=least), tol, budget)
-        except LateError as late:
-            found = self.judged("winkler", replace(request, tol=FINEST))
-            words = f"the linear tier would take about {late.seconds:.2g} s of the budget of {budget:g} s"
-            found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
-            return with_shortfall(found, tol, 0.0)
-
-    def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
-        found: ContactCheck | None = None
-        while True:
-            left = None if budget is None else max(budget - self._spent(), LEAST)
-            try:
-                found = self.judged(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
-            except (InputError, RefusedError) as refusal:
-                found = found or self._solved_before(request, refusal)
-                if found is None:
-                    raise
-                found = before_refusal(found, name, refusal)
-                break
-            enough = budget is None and self._settled(found) if tol is None else self._met(found, tol)
-            if found.next_tier is None or (not self._strained(name, found) and (found.beyond or enough)):
-                break
-            if budget is not None and self._spent() + found.next_tier[1] > budget:
-                break
-            name, request = found.next_tier[0], replace(request, must_fit=False)
-        if budget is not None and self._spent() > budget:
-            late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
-            found = replace(found, warnings=(*found.warnings, late))
-        found = unasked_left_out(found)
-        return with_shortfall(found, tol, 0.0) if tol is not None else with_open_friction(found)
-
-    def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
-        """The verdict of the best tier that a refused one was built on; of a pad that is too large for any
-        mesh the closed form's."""
-        solved = [name for name in self.tiers if name in self.done]
-        if not solved and isinstance(refusal, SizeError) and self.tiers[0] == "winkler":
-            solved = ["winkler"]
-        return self.judged(solved[-1], replace(request, must_fit=False)) if solved else None
-
-    def _start(self, tol: float | None) -> int:
-        """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
-        first = self.tiers.index("linear") if "linear" in self.tiers else 0
-        if tol is None or self.drops:
-            return first
-        rough = run("winkler", self.design, Request(self.force), {}, None)
-        for i, name in enumerate(self.tiers):
-            bounds = self._bounds(name, rough)
-            value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
-            relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
-            if relative - self._spared(bounds, tol) <= tol:
-                return i
-        return len(self.tiers) - 1
-
-    def _strained(self, name: str, found: ContactCheck) -> bool:
-        """Whether a tier for small strains has found that they are not: a better one has to say what then."""
-        return _small(name) and (bool(found.beyond) or strained(self.design, found))
-
-    def _bounds(self, name: str, found: Answer) -> tuple[LeftOut, ...]:
-        """Bounds of what a tier leaves out of an answer."""
-        effects = (*TIERS[name].leaves_out, *self.friction.left_out(name))
-        return left_out(effects, self.design, found, self.force)
-
-    def _spared(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
-        """What of the relative error no tier takes away, where that alone is the tolerance: then the rest is
-        asked to meet it."""
-        part = self.friction.stays(bounds)
-        return part if part > tol - FINEST else 0.0
-
-    def _met(self, found: ContactCheck, tol: float) -> bool:
-        """Whether the tolerance is met, as far as any tier can."""
-        spared = self._spared(found.left_out, tol) * (found.all_touch_force.value or 0.0)
-        return relative_error(found, spared) <= tol
-
-    def _settled(self, found: ContactCheck) -> bool:
-        """Whether the verdict is clear, or what no tier takes away keeps it open in any case."""
-        return decided(found) or lost(found, self.friction.stays(found.left_out))
-
-    def _spent(self) -> float:
-        return perf_counter() - self.began
-
-    def judged(self, name: str, request: Request) -> ContactCheck:
-        """Return the verdict by one tier, solved on what is solved already."""
-        started = self._spent()
-        for each in (*below(name), name):
-            if self.progress and each not in (*self.done, "winkler"):
-                self.progress(f"{each} tier", self._seconds(name))
-            found = run(each, self.design, request, self.done, self.progress)
-        refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
-        left = None if request.budget is None else request.budget - (self._spent() - started)
-        found = self.friction.on(name, found, left, own("linear", self.design) * self._speed())
-        bounds = self._bounds(name, found)
-        made = None
-        known = with_model(found, bounds, self.force)
-        if not self.drops and name != "winkler":
-            try:
-                with needing("the yield"):
-                    made = self._manufacture(known)
-            except (ContactError, ExhaustedError) as failure:  # the yield has no say in the verdict
-                known = replace(known, warnings=(*known.warnings, no_yield(failure)))
-        verdict = self._verdict(name, known, bounds, made)
-        self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
-        return verdict
-
-    def _manufacture(self, found: Answer) -> Manufacture | None:
-        """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
-        threshold = found.all_touch_force.value
-        if not threshold:
-            return None
-        parts = found.parts
-        if parts is None:  # the coarsest linear mesh is enough for a model that is scaled anyway
-            rough = Request(self.force, FINEST, parts=True)
-            parts = run("linear", self.design, rough, self.done, self.progress).parts
-        if parts is None:
-            return None
-        from skincad.mechanics.manufacture import manufacture
-
-        started = perf_counter()
-        unsure = found.all_touch_force.error or 0.0
-        made = manufacture(parts, self.force, threshold, spread_of(self.design), unsure)
-        self.sampling += perf_counter() - started
-        self.samplings += 1
-        return made
-
-    def _verdict(
-        self,
-        name: str,
-        found: Answer,
-        bounds: tuple[LeftOut, ...],
-        made: Manufacture | None,
-    ) -> ContactCheck:
-        design, force, small = self.design, self.force, _small(name)
-        beyond, warnings = "", (*found.warnings, *self.notes)
-        if small:
-            beyond = beyond_small_strain(design, force, found)
-        plane = self.done.get(
-            "linear", found
-        )  # the solid looks at crowns alone; its yield has solved the plane
-        fault = found.fault or (plane.fault if small else "")
-        beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not cover")
-        if small:
-            warnings += strain_warnings(design, found)
-        upper, ridges = found.all_touch_force.upper, design.ridge.count
-        passed = found.touching == ridges and upper is not None and upper <= force and not beyond
-        return ContactCheck(
-            design.name,
-            passed,
-            force,
-            ridges,
-            found.touching,
-            found.all_touch_force,
-            found.approach,
-            found.ridge_force,
-            name,
-            found.unknowns,
-            found.residual,
-            {"total": self._spent(), **found.seconds, **self._sampled(found)},
-            warnings,
-            bounds,
-            tuple(self.climbed),
-            self._next(name),
-            None if beyond else made,
-            design.contact.plate.shape,
-            beyond,
-            tipping=tipping(design, found),
-            friction=design.contact.friction,
-        )
-
-    def _sampled(self, found: Answer) -> dict[str, float]:
-        """Time of the yield: its model's, which the linear tier built, and its parts'."""
-        return {"yield": found.seconds.get("yield", 0.0) + self.sampling} if self.sampling else {}
-
-    def _next(self, name: str) -> tuple[str, float] | None:
-        """The next tier with less left out and its seconds: its law's, at the speed seen so far."""
-        mine = TIERS[name]
-        better = [
-            other
-            for other in self.tiers
-            if TIERS[other].price > mine.price
-            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(mine.leaves_out))
-        ]
-        if not better:
-            return None
-        return better[0], self._seconds(better[0])
-
-    def _seconds(self, name: str) -> float:
-        """What a tier will take from here: its law's at the speed seen so far, and a yield."""
-        price = expected(name, self.design, set(self.done)) * self._speed()
-        return price + self.sampling / max(1, self.samplings)
-
-    def _speed(self) -> float:
-        """Seconds here for a second of the laws' machine, by the linear tier; 1 where that is not solved."""
-        plane = self.done.get("linear")
-        if plane is None:
-            return 1.0
-        spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
-        return spent / LAWS["linear"].at(plane.unknowns)
-
-
-def _small(name: str) -> bool:
-    """Whether a tier takes strains as small."""
-    return name == "winkler" or FINITE_STRAIN in TIERS[name].leaves_out
-
-
-def mesh_tolerance(name: str, tol: float | None) -> float:
-    """Return the relative error that `auto` asks of a tier's mesh for one of the whole."""
-    share = MESH_SHARE if TIERS[name].leaves_out else LAST_SHARE
-    return FINEST if tol is None else min(FINEST, share * tol)
-
-
-def spread_of(design: Design) -> Spread:
-    """Return how parts of a design differ: by its mold's process and its material's range."""
-    process, modulus = design.mold.process, silicone(design).young_modulus
-    sigma = processes(design.printer)[process].crest_sigma
-    return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))

@@ -17,8 +17,8 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
+from skincad.mechanics import climb as climbing
 from skincad.mechanics import manufacture as manufacturing
-from skincad.mechanics import touching as check_module
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
@@ -361,8 +361,8 @@ def test_slots_that_close_have_no_verdict() -> None:
 
 def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """By the law alone, and where that lets it try, by what the first mesh took."""
-    for hopeless in (check_module.HOPELESS, math.inf):
-        monkeypatch.setattr(check_module, "HOPELESS", hopeless)
+    for hopeless in (climbing.HOPELESS, math.inf):
+        monkeypatch.setattr(climbing, "HOPELESS", hopeless)
         found = check(yamada(), budget=1e-3)
         assert found.tier == "winkler"
         assert any("would take about" in w and "of the budget of 0.001 s" in w for w in found.warnings)
@@ -495,7 +495,7 @@ def test_within_a_budget_the_linear_tier_is_taken_where_its_law_lets_it(
 
     law, load_tier = expected("linear", yamada(), set()), tiers.load
     monkeypatch.setattr(tiers, "load", lambda name: plane if name == "linear" else load_tier(name))
-    budget = law / check_module.HOPELESS * (1.01 if hopeful else 0.99)
+    budget = law / climbing.HOPELESS * (1.01 if hopeful else 0.99)
     found = check(yamada(), budget=budget, tol=0.45)
     assert found.tier == ("linear" if hopeful else "winkler")
     assert len(asked) == hopeful
@@ -521,10 +521,10 @@ class MadeUp:
         patch.setattr(
             tiers, "load", lambda name: winkler if name == "winkler" else partial(self.answer, name)
         )
-        patch.setattr(check_module, "perf_counter", lambda: self.now)
-        patch.setattr(check_module, "expected", self.expected)
-        patch.setattr(check_module, "LAWS", {"linear": TimeLaw(10.0, 1.0, 1.0)})
-        patch.setattr(check_module, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
+        patch.setattr(climbing, "perf_counter", lambda: self.now)
+        patch.setattr(climbing, "expected", self.expected)
+        patch.setattr(climbing, "LAWS", {"linear": TimeLaw(10.0, 1.0, 1.0)})
+        patch.setattr(climbing, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
 
     def answer(self, name: str, _: Any, request: Request, *__: object) -> Answer:
         seconds = 2 * PRICES.get(name, 3.0)
@@ -647,7 +647,7 @@ def test_a_budget_ends_where_a_tolerance_is_met_and_what_took_longer_says_so(
     assert check(yamada(), budget=6.1, tol=0.05).tier == "corrected"
     monkeypatch.setitem(PRICES, "corrected", 5.0)
     monkeypatch.setattr(made, "expected", lambda *_: 0.5)
-    monkeypatch.setattr(check_module, "expected", made.expected)
+    monkeypatch.setattr(climbing, "expected", made.expected)
     slow = check(yamada(), budget=4.0, tol=0.2)
     assert slow.tier == "corrected"
     assert [w for w in slow.warnings if "took" in w] == ["took 12 s, more than the budget of 4 s"]

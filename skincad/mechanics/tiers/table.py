@@ -58,6 +58,11 @@ def tier_of(name: str) -> Tier:
     return TIERS[name]
 
 
+def is_small_strain(name: str) -> bool:
+    """Return whether a tier takes strains as small."""
+    return name == "winkler" or FINITE_STRAIN in TIERS[name].leaves_out
+
+
 def able(name: str, design: Design, drops: bool) -> str:
     """Return why a tier cannot judge this design (or a measured part of it), or ""."""
     tier, shape = tier_of(name), design.contact.plate.shape
