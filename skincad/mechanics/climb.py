@@ -105,6 +105,10 @@ class Climb:
                 found = found or self._solved_before(request, refusal)
                 if found is None:
                     raise
+                later = self.tiers[self.tiers.index(name) + 1 :]
+                if later and budget is None and isinstance(refusal, InputError) and refusal.key == "force":
+                    name = later[0]  # a plane model's limit need not be the solid's
+                    continue
                 found = before_refusal(found, name, refusal)
                 break
             enough = budget is None and self._settled(found) if tol is None else self._met(found, tol)

@@ -576,6 +576,18 @@ def test_a_tolerance_begins_with_the_first_tier_that_may_meet_it(
     assert all(request.budget is None and not request.must_fit for request in made.asked.values())
 
 
+def test_a_force_that_a_plane_model_refuses_is_asked_of_the_solid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where plane strain finds no equilibrium, free ends may; and where neither does, there is no verdict."""
+    made = MadeUp(monkeypatch, 3.9)
+    made.refusals["finite-strain"] = InputError("force", "must lie below 3 N", 4.0)
+    found = check(yamada(), force=4.0)
+    assert (found.tier, found.passed, found.beyond) == ("solid-finite-strain", True, "")
+    made.refusals["solid"] = InputError("force", "must lie below 3.5 N", 4.0)
+    found = check(yamada(), force=4.0)
+    assert (found.tier, found.passed) == ("corrected", False)
+    assert found.beyond == "the force must lie below 3.5 N (according to the solid-finite-strain tier)"
+
+
 @pytest.mark.parametrize(
     ("value", "tier", "climbed", "passed"),
     [
