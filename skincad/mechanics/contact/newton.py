@@ -117,7 +117,10 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None 
             return PressedState(
                 values, force, contact.approach + base, contact, ridges, history[-1], tuple(history)
             )
-    raise DivergedError(f"the residual is {history[-1]:.1e} of the contact force after {STEPS} steps")
+    raise DivergedError(
+        "no equilibrium is found, as where a tip or a fillet folds "
+        f"(residual {history[-1]:.1e} of the contact force after {STEPS} steps)"
+    )
 
 
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:
