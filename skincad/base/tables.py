@@ -155,8 +155,8 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     if error["type"] in ("model_type", "model_attributes_type", "dict_type"):
         wanted = "a number or {value, low, high}" if path[-1] == "young_modulus" else f"a table, [{key}]"
         return InputError(key, f"must be {wanted}", given)
-    rule = re.sub("^(Input|String|List) should", "must", error["msg"]).partition(" after validation")[0]
-    rule = rule.replace("a valid integer", "an integer").replace("valid ", "")
+    rule = re.sub("^(Input|String|List|Tuple) should", "must", error["msg"]).partition(" after validation")[0]
+    rule = rule.replace("a valid integer", "an integer").replace("valid ", "").replace("a tuple", "a list")
     unit = "" if "too_" in error["type"] else unit_of(model, path)  # a length has none
     return InputError(key, rule + (f" ({unit})" if unit else ""), given)
 

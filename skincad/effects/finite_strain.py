@@ -1,17 +1,17 @@
-"""Finite strain, plane strain: a neo-Hookean skin, for shear and squeeze beyond the linear range.
+"""Finite strain, plane strain: for shear and squeeze beyond the linear range.
 
-Range: neo-Hooke, as silicones are up to strains of about 0.5; quasi-static, under a flat plate that keeps its
-angle. Where the skin's surface folds the march stops and says so (mechanics/creasing.py). A step linearises
-the body several times, so it costs some hundred times one of small strain. The whole pad is meshed: mirrored
-loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it then lies
-(mechanics/film/large_field.py). Reference: the finite-strain tier without friction, simple shear with, and
-small strain at small loads (tests/mechanics/contact/test_dragged.py).
+Range: the design's [material.law], or neo-Hooke, as silicones are up to strains of about 0.5; quasi-static,
+under a flat plate that keeps its angle. Where the skin's surface folds the march stops and says so
+(mechanics/creasing.py). A step linearises the body several times, so it costs some hundred times one of small
+strain. The whole pad is meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy
+stress on the strip as it then lies (mechanics/film/large_field.py). Reference: the finite-strain tier without
+friction, simple shear with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
@@ -37,7 +37,7 @@ PER_STRAIN = 5.0
 
 
 class FiniteStrain(Law):
-    """Neo-Hookean elasticity."""
+    """Rubber elasticity, neo-Hookean where the design has no [material.law]."""
 
     creases: Literal["stop", "pass"] = Field(
         default="stop",
@@ -54,7 +54,7 @@ class FiniteStrain(Law):
         terms: Sequence[Term] = (),
     ) -> LargePad:
         """Return a meshed whole pad to be marched; RefusedError for terms that ask for more than friction."""
-        from skincad.mechanics.bodies import elements
+        from skincad.mechanics.bodies import elements, neo_hooke
         from skincad.mechanics.bodies.large_field import strip_stress
         from skincad.mechanics.contact import dragged
 
@@ -69,8 +69,10 @@ class FiniteStrain(Law):
             whole = dragged.dragged(
                 curved, order, pad.materials, pad.top, unit, pad.young_modulus * unit * pad.length
             )
+            if pad.laws:  # at rest, which is all that `dragged` looks at, laws are the same
+                whole = replace(whole, body=neo_hooke.body(curved, order, pad.materials, pad.laws))
         strips = (
-            strip_stress(whole.body, order, pad.materials, piece.slots, piece.thickness, unit)
+            strip_stress(whole.body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
             if films
             else None
         )

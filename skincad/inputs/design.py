@@ -12,7 +12,7 @@ from skincad.inputs import guards
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process
 from skincad.inputs.silicone import Silicone
-from skincad.inputs.skin_tables import Contact, Film, Material, Ridge, Skin, Slot, lean
+from skincad.inputs.skin_tables import OF_A_SILICONE, Contact, Film, Material, Ridge, Skin, Slot, lean
 
 
 class Design(Document):
@@ -83,7 +83,7 @@ class Design(Document):
 def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
     """Give, in place, another silicone its own values: those of the old one that nobody set anew go."""
     if "name" in changed and isinstance(data.get("material"), dict):
-        own = {"young_modulus", "poisson_ratio", "density"} - changed
+        own = {*OF_A_SILICONE} - changed
         data["material"] = {key: value for key, value in data["material"].items() if key not in own}
 
 

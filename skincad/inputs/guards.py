@@ -9,7 +9,7 @@ from functools import partial
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process, check_named, check_own
-from skincad.inputs.silicone import Silicone, check_own_silicones, check_silicone
+from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
 from skincad.inputs.skin_tables import Contact, Film, Material, Ridge, Skin, Slot, lean
 
 MOST = 999  # ridges that are told of, as ridge.count
@@ -29,8 +29,14 @@ def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
 
 def silicones(material: Material, own: Mapping[str, Silicone]) -> Iterator[InputError]:
     """Yield what a lab's own silicones lack, and a material's name that nobody knows."""
-    yield from refusals(lambda: check_own_silicones(own))
-    yield from refusals(lambda: check_silicone(material.name, own))
+    broken = [
+        *refusals(lambda: check_own_silicones(own)),
+        *refusals(lambda: check_silicone(material.name, own)),
+    ]
+    yield from broken
+    if material.law is not None and not broken:
+        meant = silicone_of(material.name, material.given, own)
+        yield from refusals(lambda: check_law("material", meant))
 
 
 def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:

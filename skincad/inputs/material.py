@@ -6,25 +6,24 @@ import math
 
 from skincad.base.tables import Ranged
 from skincad.inputs.design import Design
-from skincad.inputs.silicone import Silicone, silicones
+from skincad.inputs.silicone import Silicone, silicone_of, silicones
 
 
 def silicone(design: Design) -> Silicone:
     """Return the silicone that a design's `[material]` means: the named one, with the design's own values on
-    top. Without a name all that `[material]` does not say is an assumption or, as mix and cure, unknown."""
+    top, to which the modulus of a law belongs. Without a name all that `[material]` does not say is an
+    assumption or, as mix and cure, unknown."""
     material = design.material
-    found = silicones(design.silicones)[material.name] if material.name else Silicone(name="own silicone")
-    own = ("young_modulus", "poisson_ratio", "density")
-    given = {key: getattr(material, key) for key in own if getattr(material, key) is not None}
-    return found.model_copy(update=given)
+    return silicone_of(material.name, material.given, design.silicones)
 
 
 def foreign_modulus(design: Design) -> tuple[Silicone, Ranged, str] | None:
     """Return the silicone that `[material]` names, the modulus beside it, and what would cure it, where that
     modulus is not the named silicone's: their ranges do not meet."""
-    name, given = design.material.name, design.material.young_modulus
-    if name is None or given is None:
+    name, own = design.material.name, design.material
+    if name is None or (own.young_modulus is None and own.law is None):
         return None
+    given = silicone(design).young_modulus
     known = silicones(design.silicones)
     if _meet(known[name].young_modulus, given):
         return None

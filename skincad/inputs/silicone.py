@@ -11,16 +11,26 @@ import math
 import tomllib
 from collections.abc import Mapping
 from functools import cache
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Ranged, Table, quantity
 from skincad.inputs.shipped import check_names, table_text
+from skincad.laws import LAWS, law, law_of
+from skincad.laws.rubber import Rubber
 
 SOFTEST, STIFFEST = 1e-3, 100.0  # MPa; assumption: the softest gels, and rubbers harder than any Shore A
 TYPICAL = 0.3  # MPa; assumption: the middle of the shipped silicones, to guess at a modulus in another unit
+AGREE = 0.01  # of a modulus and its law's; assumption: what rounding constants to two digits leaves
 _UNITS = {"Pa": 1e-6, "kPa": 1e-3, "GPa": 1e3}
 
 
@@ -41,6 +51,21 @@ def _in_mpa(modulus: Ranged) -> Ranged:
 Modulus = Annotated[Ranged, AfterValidator(_in_mpa)]
 
 
+def _law(given: Any) -> Any:
+    """The law of a table; whatever is no table is left to be refused."""
+    return law_of(given) if isinstance(given, dict) else given
+
+
+class _Kinds:
+    """What an editor may offer in a law's table: one object a kind, each imported when that is asked."""
+
+    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
+        return {"oneOf": [law(kind).model_json_schema() for kind in LAWS]}
+
+
+Law = Annotated[SerializeAsAny[Rubber], BeforeValidator(_law), _Kinds()]
+
+
 class Silicone(Table):
     """A casting silicone at room temperature.
 
@@ -58,6 +83,9 @@ class Silicone(Table):
         default=Ranged(value=1.0, low=1.0, high=1.0),
         description="small strain; a number, or {value, low, high}",
         json_schema_extra={"unit": "MPa"},
+    )
+    law: Law | None = Field(
+        default=None, description="at large strain: its kind and constants; neo-Hooke's if not given"
     )
     poisson_ratio: float = quantity("1", "nearly incompressible", ge=0.0, le=0.4999999, default=0.499)
     density: float = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=1070.0)
@@ -101,8 +129,36 @@ def silicones(own: Mapping[str, Silicone] | None = None) -> dict[str, Silicone]:
     for name, change in (own or {}).items():
         base = shipped.get(change.based_on or name, Silicone())
         given = {key: getattr(change, key) for key in change.model_fields_set}
-        result[name] = base.model_copy(update={"name": name, **given, "based_on": None})
+        result[name] = changed(base, {"name": name, **given, "based_on": None})
     return result
+
+
+def silicone_of(name: str | None, given: Mapping[str, Any], own: Mapping[str, Silicone] | None) -> Silicone:
+    """Return the silicone of this name, or one without, with some values `given` on top."""
+    return changed(silicones(own)[name] if name else Silicone(name="own silicone"), given)
+
+
+def changed(silicone: Silicone, given: Mapping[str, Any]) -> Silicone:
+    """Return a silicone with some values changed; the modulus follows a law that comes without one."""
+    found = silicone.model_copy(update=dict(given))
+    if given.get("law") is None or "young_modulus" in given:
+        return found
+    modulus = given["law"].young_modulus(found.poisson_ratio)
+    return found.model_copy(update={"young_modulus": Ranged(value=modulus, low=modulus, high=modulus)})
+
+
+def check_law(key: str, silicone: Silicone) -> None:
+    """Raise InputError for a silicone whose law has another modulus at small strain than stands beside it."""
+    if silicone.law is None:
+        return
+    modulus, said = silicone.law.young_modulus(silicone.poisson_ratio), silicone.young_modulus
+    if not SOFTEST <= modulus <= STIFFEST:
+        rule = f"must have a modulus at small strain from {SOFTEST:g} to {STIFFEST:g} MPa"
+        raise InputError(f"{key}.law", rule, modulus, "are its constants in MPa?")
+    if abs(said.value / modulus - 1) > AGREE:
+        rule = f"must be within {AGREE:.0%} of the {modulus:.4g} MPa that {key}.law has at small strain"
+        remedy = "drop it, for it follows from the law, or fit the law anew"
+        raise InputError(f"{key}.young_modulus", rule, said.value, remedy)
 
 
 def check_own_silicones(own: Mapping[str, Silicone]) -> None:
@@ -117,9 +173,13 @@ def check_own_silicones(own: Mapping[str, Silicone]) -> None:
         if name in shipped and row.based_on not in (None, name):
             rule = f"must not be given for {name}, which ships"
             raise InputError(f"{key}.based_on", rule, row.based_on, "give it another name")
-        if name not in shipped and row.based_on is None and "young_modulus" not in row.model_fields_set:
+        stiff = row.model_fields_set & {"young_modulus", "law"}
+        if name not in shipped and row.based_on is None and not stiff:
             rule, remedy = "is missing for a new silicone", "give it, or say based_on = ..."
             raise InputError(f"{key}.young_modulus", rule, remedy=remedy)
+
+        if "law" in row.model_fields_set:
+            check_law(key, silicones(own)[name])
 
 
 def check_silicone(name: str | None, own: Mapping[str, Silicone]) -> None:

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
-from skincad.inputs.silicone import Modulus
+from skincad.inputs.silicone import Law, Modulus
 
 
 class Skin(Table):
@@ -97,6 +97,9 @@ class Film(Table):
     )
 
 
+OF_A_SILICONE = ("young_modulus", "poisson_ratio", "density", "law")
+
+
 class Material(Table):
     """The silicone: one by name, own values, or a name with some values of one's own."""
 
@@ -112,11 +115,23 @@ class Material(Table):
         "1", "nearly incompressible; the named silicone's if not given", ge=0.0, le=0.4999999, default=None
     )
     density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
+    law: Law | None = Field(
+        default=None,
+        description="at large strain: its kind and constants (docs/verdicts.md)",
+    )
+
+    @property
+    def given(self) -> dict[str, object]:
+        """What is said of the silicone itself, its name apart."""
+        values = {key: getattr(self, key) for key in OF_A_SILICONE}
+        return {key: value for key, value in values.items() if value is not None}
 
     @model_validator(mode="after")
     def _has_stiffness(self) -> Self:
-        if self.name is None and self.young_modulus is None:
-            raise InputError("", "needs a name or a young_modulus", remedy='try name = "dragon-skin-30"')
+        if self.name is None and self.young_modulus is None and self.law is None:
+            raise InputError(
+                "", "needs a name, a young_modulus or a law", remedy='try name = "dragon-skin-30"'
+            )
         return self
 
 

@@ -11,6 +11,8 @@ from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
+from skincad.laws.neo_hooke import NeoHooke
+from skincad.laws.rubber import Rubber
 from skincad.shape.cross_section import CONTACT_KINDS, Section, section
 from skincad.shape.curves import Loop, Point, Segment
 
@@ -42,6 +44,7 @@ class Pad:
     Segments of CONTACT_KINDS may touch the plate. `strips` are loops filled with the film's material
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
     mm/N is by how much more the ridges give way because the pad is no endless one, where that is asked.
+    `law` is the silicone's at finite strain, scaled to its modulus; neo-Hooke's where it is None.
     """
 
     section: Section
@@ -56,12 +59,22 @@ class Pad:
     density: float = 0.0
     film_density: float = 0.0
     ends: tuple[tuple[float, ...], ...] = ()
+    law: Rubber | None = None
 
     @property
     def materials(self) -> dict[str, tuple[float, float]]:
         """Young's modulus, in the silicone's, and Poisson's ratio of each domain of the mesh."""
         film = {"film": (self.film_modulus / self.young_modulus, self.film_ratio)} if self.strips else {}
         return {"skin": (1.0, self.poisson_ratio), **film}
+
+    @property
+    def laws(self) -> dict[str, Rubber]:
+        """The law of each domain of the mesh that is silicone and not neo-Hookean: of the skin, and of strips
+        of the skin's own moduli."""
+        if self.law is None or isinstance(self.law, NeoHooke):  # what bodies are without one
+            return {}
+        moduli = self.materials
+        return {name: self.law for name in moduli if moduli[name] == moduli["skin"]}
 
     @property
     def ridges(self) -> tuple[int, ...]:
@@ -189,7 +202,8 @@ def pad_of(design: Design) -> Pad:
     voids = tuple(slot.loop() for slot in shape.slots) if state == "loose" else ()
     modulus, ratio, length = stuff.young_modulus.value, stuff.poisson_ratio, design.skin.length
     densities = stuff.density, PVDF_DENSITY if strips else 0.0
-    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, design.contact.plate, *densities)
+    plate = design.contact.plate
+    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, plate, *densities, law=stuff.law)
 
 
 def one_ridge(pad: Pad) -> Pad:

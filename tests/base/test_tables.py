@@ -186,7 +186,7 @@ def test_all_broken_rules_of_inner_tables_are_told_at_once() -> None:
 def test_a_table_by_itself_tells_its_own_keys() -> None:
     with pytest.raises(InputError, match=r"^height: must be greater than 0"):
         Ridge(**{**own_design().ridge.model_dump(), "height": 0.0})
-    with pytest.raises(InputError, match=r"^material: needs a name or a young_modulus"):
+    with pytest.raises(InputError, match=r"^material: needs a name, a young_modulus or a law"):
         Material()
 
 

@@ -15,7 +15,9 @@ import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array, Index
+from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import fe
+from skincad.mechanics.bodies.law_energy import NO_LAWS, excess_of
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, swelling
 from skincad.mechanics.bodies.strip_field import strips_of
 from skincad.shape.cross_section import SlotPlace
@@ -57,22 +59,26 @@ def strip_stress(
     slots: Sequence[SlotPlace],
     thickness: float,
     unit: float,
+    laws: Mapping[str, Rubber] = NO_LAWS,
 ) -> StripStress:
     """Return the stresses of the strips in `slots`, `thickness` mm; the mesh has them as domain `film`.
 
     sigma = G / J (F F^T - 1) + (q - 2 G / 3 (J - 1)) 1: neo_hooke.strain_energy's own, with lambda (J - 1)
-    lengthwise, where plane strain has a stretch of 1.
+    lengthwise, where plane strain has a stretch of 1. A law of `laws` adds P F^T / J of what its energy has
+    more (law_energy.py), and nothing lengthwise: there each power of the stretch, 1, balances ln J.
     """
     mesh = body.mesh
     elements, strip = strips_of(mesh, slots, thickness, unit)
     moved = ng.GridFunction(body.space)
     u, q = moved.components
     shear, _ = fe.moduli(mesh, materials)
-    h = ng.Grad(u)
+    h = ng.Grad(u).MakeVariable()  # by which a law is derived
     swell = swelling(h)
     stretch, mean = ng.Id(2) + h, q - 2 * shear / 3 * swell
     # J sigma, so that sums are over the present volume
     stress = shear * (stretch * stretch.trans - ng.Id(2)) + (1 + swell) * mean * ng.Id(2)
+    if laws:
+        stress += shear * (excess_of(laws, mesh, h).Diff(h) * stretch.trans)
     along = stretch * _directions(mesh, elements, np.array([s.direction for s in slots])[strip])
     across = ng.CF((-along[1], along[0]))  # Nanson's, of the faces that the strip's direction lies in
     parts = (

@@ -1,4 +1,6 @@
-"""The neo-Hookean body in plane strain: energy, residual and condensed tangent, at any state.
+"""The rubber body in plane strain: energy, residual and condensed tangent, at any state.
+
+Neo-Hookean, or of another law, whose energy beyond neo-Hooke's is law_energy.py's.
 
 Same spaces, unknowns and contact rows as the small-strain stiffness (elements.py), whose law it tends to.
 A state is the vector of all unknowns, displacements and pressures, `(n,)`, in the pad's unit and in E.
@@ -18,10 +20,12 @@ from netgen.meshing import NgException
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
 from skincad.mechanics.bodies.elements import Assembled, outlines, with_contact
 from skincad.mechanics.bodies.folding import fault, widest
+from skincad.mechanics.bodies.law_energy import NO_LAWS, excess_of
 from skincad.mechanics.problem import ContactError
 
 PLANE = 2  # dimensions
@@ -121,8 +125,15 @@ def _clamped_edges(mesh: Any, reach: float) -> Any:
     return marks
 
 
-def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> NeoHookeBody:
+def body(
+    mesh: Any,
+    order: int,
+    materials: Mapping[str, tuple[float, float]],
+    laws: Mapping[str, Rubber] = NO_LAWS,
+) -> NeoHookeBody:
     """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+
+    A domain that `laws` names has that law, scaled to its modulus; all others have neo-Hooke's.
 
     At the ends of the clamped back strains are unbounded in any mesh fine enough, and no load step is small
     enough for elements that turn inside out there. Triangles within CLAMPED_EDGE of the height from such
@@ -136,6 +147,8 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     gradient = ng.Grad(u)
     density = strain_energy((1 - edge) * gradient, q, shear, bulk, ng.log)
     density += edge * _small_strain_energy(gradient, q, shear)
+    if laws:
+        density += shear * excess_of(laws, mesh, (1 - edge) * gradient)
     form = ng.BilinearForm(both, symmetric=True, condense=True)
     form += ng.Variation(density.Compile() * ng.dx)
     form.AssembleLinearization(ng.GridFunction(both).vec)

@@ -1,4 +1,5 @@
-"""The finite-strain tier: neo-Hookean plane strain under a flat plate, and the error of each number.
+"""The finite-strain tier: plane strain of the silicone's law, neo-Hooke's where a design names none, under a
+flat plate, and the error of each number.
 
 Levels and rungs are the linear tier's, and so is the error: two orders on one mesh (linear.py), and the
 clamped ends on top (EDGE_*). That it bounds the truth is measured in its test.
@@ -22,7 +23,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import unit_of
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, transferred
 from skincad.mechanics.contact.elastic import Elastic
@@ -30,7 +31,6 @@ from skincad.mechanics.contact.newton import (
     DivergedError,
     Pressed,
     PressedState,
-    pressed,
 )
 from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
 from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
@@ -104,7 +104,7 @@ def _level(
     mesh = elements.curved(triangles, order) if before is None else before.mesh
     mesh.Curve(max(3, order))
     low = np.array(drops) / unit if drops else None
-    what = pressed(mesh, order, pad.materials, pad.top / unit, low)
+    what = Pressed(neo_hooke.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
     clock.append(perf_counter())
     guess = None if before is None else transferred(before.pad.body, before.pressed.values, what.body)
     state = at_force(what, force / scale, scale, guess)

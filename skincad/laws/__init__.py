@@ -1,0 +1,48 @@
+"""Laws of rubber elasticity: one file each, one line each in the table, imported when named.
+
+A law is a frozen table of constants, as a design's `[material.law]` has them, with one energy. What the
+constants make of a bar is here too; what bodies make of the energy is in mechanics/bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from skincad.base.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from skincad.laws.rubber import Rubber
+
+LAWS = {
+    "neo-hooke": "skincad.laws.neo_hooke:NeoHooke",
+    "mooney-rivlin": "skincad.laws.mooney_rivlin:MooneyRivlin",
+    "yeoh": "skincad.laws.yeoh:Yeoh",
+    "gent": "skincad.laws.gent:Gent",
+    "ogden": "skincad.laws.ogden:Ogden",
+}
+
+
+def law(kind: str) -> type[Rubber]:
+    """Import and return the law of this kind; raises InputError for an unknown one."""
+    if kind not in LAWS:
+        remedy = did_you_mean(kind, LAWS) or f"take one of {', '.join(LAWS)}"
+        raise InputError("kind", "unknown law", kind, remedy)
+    module, _, name = LAWS[kind].partition(":")
+    found: type[Rubber] = getattr(import_module(module), name)
+    return found
+
+
+def law_of(table: Mapping[str, Any]) -> Rubber:
+    """Return the law of a table with its `kind` and constants; raises InputError for broken rules."""
+    kind = table.get("kind")
+    if kind is None:
+        raise InputError("kind", "is missing", remedy=f"take one of {', '.join(LAWS)}")
+    found = law(str(kind))
+    try:
+        return found(**table)
+    except InputError as broken:
+        if broken.key != found.__name__.lower():  # a rule of one constant
+            raise
+        raise InputError("", broken.rule, broken.value, broken.remedy, broken.others) from None

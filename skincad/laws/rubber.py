@@ -1,0 +1,95 @@
+"""What a law is: an isotropic energy of the stretches, of which a body adds the volume's part.
+
+In units of the law's shear modulus G at small strain the energy is f(x), of a measure of strain
+
+    x = sum of m_k ((2 / a_k^2) (l1^a_k + l2^a_k + l3^a_k - 3) - (2 / a_k) ln J),   sum of m_k = 1,
+
+with f(0) = 0 and f'(0) = 1. Each power a_k alone has no stress at rest and is e:e there, so any law is
+neo-Hooke's at small strain, whatever Poisson's ratio; the power 2 alone with f(x) = x is neo-Hooke. Powers
+are Ogden's (Proc. R. Soc. A 326 (1972) 565), in the convention in which G is the sum of the terms' mu; f is
+what laws of the first invariant add: 2 x is I1 - 3 where the volume is kept.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.base.tables import Table
+
+# Stretches of a bar between which a law must pull the more the longer the bar is. Assumption: a ridge's root
+# reaches 0.5 where it folds, and castings are stripped at less than 2
+SHORTEST, LONGEST = 0.5, 2.0
+
+
+class Candidate(NamedTuple):
+    """How a law is fitted: `make` takes free numbers, `start` `(p,)` are such of a shear modulus of 1 MPa."""
+
+    name: str
+    start: tuple[float, ...]
+    make: Callable[[Array], Rubber]
+
+
+class Rubber(Table):
+    """A law of rubber elasticity, its constants in MPa or plain numbers."""
+
+    candidates: ClassVar[Callable[[], tuple[Candidate, ...]]]
+    kind: str = Field(description="which law")
+
+    @property
+    @abstractmethod
+    def shear(self) -> float:
+        """The shear modulus at small strain, MPa."""
+
+    @property
+    def powers(self) -> tuple[tuple[float, float], ...]:
+        """Shares m_k and powers a_k of the strain's measure x."""
+        return ((1.0, 2.0),)
+
+    def energy(self, x: Any, log: Callable[[Any], Any]) -> Any:  # noqa: ARG002
+        """Return f(x) by arithmetic and `log` alone, for arrays and for symbols."""
+        return x
+
+    def slopes(self, x: Array) -> tuple[Array, Array]:
+        """Return f'(x) and f''(x)."""
+        return np.ones_like(x), np.zeros_like(x)
+
+    def young_modulus(self, poisson_ratio: float) -> float:
+        """Return Young's modulus at small strain, MPa."""
+        return 2 * (1 + poisson_ratio) * self.shear
+
+    def bar(self, stretch: Array) -> Array:
+        """Return the nominal stress, MPa, of an incompressible bar at `stretch` `(n,)`.
+
+        Nan where the law ends. Ogden 1972, eq. (37) for the powers.
+        """
+        x, pull = np.zeros_like(stretch), np.zeros_like(stretch)
+        for share, power in self.powers:
+            x += share * 2 / power**2 * (stretch**power + 2 * stretch ** (-power / 2) - 3)
+            pull += share * 2 / power * (stretch ** (power - 1) - stretch ** (-power / 2 - 1))
+        with np.errstate(all="ignore"):
+            stress = self.shear * self.slopes(x)[0] * pull
+            return np.where(np.isfinite(self.energy(x, np.log)), stress, np.nan)
+
+    def own_rules(self) -> None:
+        """Raise InputError for constants that do not go together."""
+
+    @model_validator(mode="after")
+    def _is_rubber(self) -> Self:
+        self.own_rules()
+        if not self.shear > 0:
+            raise InputError("", "must have a shear modulus above 0 MPa at small strain", self.shear)
+        stretch = np.linspace(SHORTEST, LONGEST, 151)
+        falling = np.diff(self.bar(stretch)) <= 0  # not so where the law has ended
+        if falling.any():
+            at = float(stretch[1:][falling][np.argmin(np.abs(stretch[1:][falling] - 1))])
+            rule = "must pull a bar the more the longer it is, at stretches of"
+            rule = f"{rule} {SHORTEST:g} to {LONGEST:g}; it does not at {at:.3g}"
+            raise InputError("", rule, remedy="take constants of a fit")
+        return self

@@ -1,0 +1,57 @@
+"""Textbook stresses of a law, and what holds its energy, in plane strain and in three dimensions, to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from skincad.laws.rubber import Rubber
+from skincad.mechanics.bodies import neo_hooke
+from skincad.mechanics.bodies.law_energy import Functions, excess
+
+Array = np.ndarray
+ARRAYS = Functions(np.exp, np.log, np.sqrt, lambda c, a, b: np.where(np.real(c) > 0, a, b))
+STEP = 1e-30  # of a complex step: exact to rounding
+STRETCHES = (0.6, 0.97, 1.0 + 1e-6, 1.3, 1.9)
+SHIFTS = (-0.8, 1e-3, 0.15, 0.7)
+
+
+class Closed(NamedTuple):
+    """A law and its nominal stresses, MPa, of kept volume: of a bar and of a sheet pulled both ways by a
+    stretch, and of simple shear by a shift."""
+
+    law: Rubber
+    bar: Callable[[float], float]
+    sheet: Callable[[float], float]
+    sheared: Callable[[float], float]
+
+
+def plane_energy(law: Rubber, gradient: Array, pressure: float = 0.0, bulk: float = 1e3) -> complex:
+    """The plane body's energy density at one point, MPa."""
+    whole = neo_hooke.strain_energy(gradient, pressure, law.shear, bulk, np.log)
+    return complex(whole + law.shear * excess(law, gradient, ARRAYS))
+
+
+def plane_stress(law: Rubber, gradient: Array) -> Array:
+    """First Piola-Kirchhoff stress `(2, 2)`, MPa, without a pressure."""
+    found = np.zeros((2, 2))
+    for at in np.ndindex(2, 2):
+        moved = gradient.astype(complex)
+        moved[at] += 1j * STEP
+        found[at] = plane_energy(law, moved).imag / STEP
+    return found
+
+
+def holds(closed: Closed) -> None:
+    """Assert that the law gives its closed forms; 1e-12 of the shear modulus is rounding."""
+    law, within = closed.law, 1e-12 * closed.law.shear
+    for stretch in STRETCHES:
+        assert law.bar(np.array([stretch]))[0] == pytest.approx(closed.bar(stretch), rel=1e-11, abs=within)
+    for shift in SHIFTS:
+        found = plane_stress(law, np.array([[0.0, shift], [0.0, 0.0]]))
+        assert found[0, 1] == pytest.approx(closed.sheared(shift), rel=1e-11, abs=within)
+        turned = np.array([[0.0, 0.0], [shift, 0.0]])
+        assert plane_stress(law, turned)[1, 0] == pytest.approx(closed.sheared(shift), rel=1e-11, abs=within)
