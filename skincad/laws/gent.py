@@ -13,7 +13,7 @@ from pydantic import Field
 
 from skincad.base.arrays import Array
 from skincad.base.tables import quantity
-from skincad.laws.rubber import Rubber, Candidate
+from skincad.laws.rubber import Candidate, Rubber
 
 
 class Gent(Rubber):

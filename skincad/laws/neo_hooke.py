@@ -10,7 +10,7 @@ from typing import Literal
 from pydantic import Field
 
 from skincad.base.tables import quantity
-from skincad.laws.rubber import Rubber, Candidate
+from skincad.laws.rubber import Candidate, Rubber
 
 
 class NeoHooke(Rubber):

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.laws.rubber import Rubber, Candidate
+from skincad.laws.rubber import Candidate, Rubber
 
 MOST_TERMS = 6  # assumption: CalculiX has four, and no fit of a bar knows more than three
 # Powers between which the plane body's series (bodies/law_energy.py) is exact to rounding; assumption: fits
