@@ -11,6 +11,7 @@ import pytest
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import neo_hooke
 from skincad.mechanics.bodies.law_energy import Functions, excess
+from skincad.mechanics.bodies.solid_excess import excess_at
 
 Array = np.ndarray
 ARRAYS = Functions(np.exp, np.log, np.sqrt, lambda c, a, b: np.where(np.real(c) > 0, a, b))
@@ -45,13 +46,31 @@ def plane_stress(law: Rubber, gradient: Array) -> Array:
     return found
 
 
+def solid_stress(law: Rubber, stretch: Array) -> Array:
+    """First Piola-Kirchhoff stress `(3, 3)`, MPa, of F in three dimensions, without a pressure."""
+    swell = np.full((1, 1), np.linalg.det(stretch) - 1)
+    more = excess_at(law, np.zeros(1, dtype=int), stretch[None, None], swell)
+    cofactor = np.linalg.inv(stretch).T  # over J
+    found = stretch - cofactor + more.stress()[0, 0] + more.volume[0, 0] * cofactor
+    return law.shear * (found - 2 / 3 * swell[0, 0] * (1 + swell[0, 0]) * cofactor)
+
+
 def holds(closed: Closed) -> None:
     """Assert that the law gives its closed forms; 1e-12 of the shear modulus is rounding."""
     law, within = closed.law, 1e-12 * closed.law.shear
-    for stretch in STRETCHES:
-        assert law.bar(np.array([stretch]))[0] == pytest.approx(closed.bar(stretch), rel=1e-11, abs=within)
+    for t in STRETCHES:
+        assert law.bar(np.array([t]))[0] == pytest.approx(closed.bar(t), rel=1e-11, abs=within)
+        bar, sheet = (np.diag([t, *free]) for free in ((t**-0.5, t**-0.5), (t, t**-2)))
+        for stretch, wanted in ((bar, closed.bar(t)), (sheet, closed.sheet(t))):
+            stress = np.diag(solid_stress(law, stretch))
+            free = stress[2] * stretch[2, 2] / t  # what a pressure takes off
+            assert stress[0] - free == pytest.approx(wanted, rel=1e-11, abs=3 * within)
     for shift in SHIFTS:
         found = plane_stress(law, np.array([[0.0, shift], [0.0, 0.0]]))
         assert found[0, 1] == pytest.approx(closed.sheared(shift), rel=1e-11, abs=within)
+        in_space = np.eye(3)
+        in_space[:2, :2] += [[0.0, shift], [0.1, 0.2]]
+        in_plane = plane_stress(law, in_space[:2, :2] - np.eye(2))
+        assert solid_stress(law, in_space)[:2, :2] == pytest.approx(in_plane, rel=1e-11, abs=within)
         turned = np.array([[0.0, 0.0], [shift, 0.0]])
         assert plane_stress(law, turned)[1, 0] == pytest.approx(closed.sheared(shift), rel=1e-11, abs=within)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
 import ngsolve as ng
 import numpy as np
 import pytest
@@ -12,8 +15,12 @@ from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.law_energy import excess
 from skincad.mechanics.bodies.mesh import Sizes, triangles
+from skincad.mechanics.bodies.solid_body import SolidBody
+from skincad.mechanics.tiers.solid_finite_strain import body_of
+from skincad.mechanics.tiers.solid_level import Layers
 from tests.laws.closed import ARRAYS, STEP, plane_energy, plane_stress
 from tests.mechanics.bodies.test_elements import block
+from tests.mechanics.tiers.test_solid_finite_strain import affine, meshed_of
 
 ALL = [
     pytest.param(
@@ -68,7 +75,7 @@ def test_small_strain_is_neo_hookes(rubber: Rubber) -> None:
     assert small <= max(1.3e-3 * large, 1e-14)
 
 
-def body_of(rubber: Rubber | None) -> neo_hooke.NeoHookeBody:
+def plane_body(rubber: Rubber | None) -> neo_hooke.NeoHookeBody:
     mesh = elements.curved(triangles(block(2.0, 3.0, 0.49), Sizes(0.9, 0.9, 0.9, 0.3)), 2)
     return neo_hooke.body(mesh, 2, {"skin": (1.0, 0.49)}, {"skin": rubber} if rubber else {})
 
@@ -76,7 +83,7 @@ def body_of(rubber: Rubber | None) -> neo_hooke.NeoHookeBody:
 @each
 def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
     """Residual and condensed tangent by central differences, at small and large strain: 1e-5, truncation."""
-    body, random = body_of(rubber), np.random.default_rng(7)
+    body, random = plane_body(rubber), np.random.default_rng(7)
     for strain in (1e-3, 0.3):
         field = ng.GridFunction(body.space)
         field.components[0].Set(ng.CF((strain * ng.x * ng.y, -strain * ng.y**2)))
@@ -98,7 +105,7 @@ def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
 def test_the_body_has_the_laws_energy(rubber: Rubber, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a uniform deformation: the density at a point times the area, without the clamped ends' own law."""
     monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", -1.0)
-    body, gradient = body_of(rubber), np.array([[0.4, -0.3], [0.6, 0.2]])
+    body, gradient = plane_body(rubber), np.array([[0.4, -0.3], [0.6, 0.2]])
     field = ng.GridFunction(body.space)
     field.components[0].Set(ng.CF(tuple(row[0] * ng.x + row[1] * ng.y for row in gradient.tolist())))
     shear, bulk = 1 / 2.98, 1 / 0.06
@@ -109,8 +116,40 @@ def test_the_body_has_the_laws_energy(rubber: Rubber, monkeypatch: pytest.Monkey
 
 @each
 def test_the_body_at_rest_is_any_laws(rubber: Rubber) -> None:
-    one, other = body_of(rubber).rest.matrix, body_of(None).rest.matrix
+    one, other = plane_body(rubber).rest.matrix, plane_body(None).rest.matrix
     assert abs(one - other).max() <= 1e-12 * abs(other).max()  # rounding
+
+
+@each
+def test_the_solids_derivatives_are_its_energys(rubber: Rubber) -> None:
+    """As the plane body's: 1e-5, truncation, and at small strain what the energies' differences round to."""
+    body, random = solid(rubber), np.random.default_rng(7)
+    gradient = np.array([[0.1, 0.3, 0.0], [-0.1, 0.2, 0.1], [0.2, 0.0, -0.2]])
+    for strain in (1e-2, 1.0):
+        state = affine(body, strain * gradient) + 1e-3 * random.standard_normal(body.free.size)
+        step = random.standard_normal(body.free.size) * body.free
+        size = 1e-5
+        slope = (body.energy(state + size * step) - body.energy(state - size * step)) / (2 * size)
+        residual = body.residual(state)
+        assert residual @ step == pytest.approx(slope, rel=1e-5)
+        linear = body.linearised(state, residual)
+        move = linear.move(np.zeros_like(state))  # along it the residual changes by minus itself
+        size = 1e-5 / np.abs(move).max()
+        after, before = (body.residual(state + s * size * move) for s in (1, -1))
+        change = (after - before)[body.free] / (2 * size)
+        assert np.abs(change + residual[body.free]).max() <= 1e-5 * np.abs(residual).max()
+
+
+@each
+def test_the_solid_at_rest_is_any_laws(rubber: Rubber) -> None:
+    one, other = (body.linearised(*np.zeros((2, body.free.size))) for body in (solid(rubber), solid(None)))
+    assert one.flexibility == pytest.approx(other.flexibility, abs=1e-11 * np.abs(other.flexibility).max())
+
+
+@cache
+def solid(rubber: Rubber | None) -> SolidBody:
+    pad = replace(block(2.0, 2.0, 0.4), law=rubber)
+    return body_of(meshed_of(pad, 0.5, whole=True), Layers(0.9, 2.0, 2))
 
 
 def test_an_unknown_law_is_refused() -> None:

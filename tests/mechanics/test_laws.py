@@ -1,4 +1,4 @@
-"""A pad of any law in the plane tier and in scenes: neo-Hooke's as a special case, the same law in both."""
+"""A pad of any law in both tiers of finite strain and in scenes: neo-Hooke's as a special case."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers import finite_strain
 from skincad.mechanics.tiers.linear import PlaneSolution
+from skincad.mechanics.tiers.solid_finite_strain import solve
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution
 from skincad.scenes.march import march
 from tests.laws.closed import plane_stress
 from tests.mechanics.contact.test_dragged import affine, whole
@@ -108,3 +110,22 @@ def test_strips_stress_is_the_laws(law: Rubber) -> None:
         across = np.array([-along[1], along[0]])
         wanted = [across @ cauchy @ across, along @ cauchy @ along, pressure - 2 / 3 * shear * swell]
         assert got == pytest.approx(wanted, abs=1e-10)  # rounding
+
+
+@cache
+def in_space(law: Rubber | None) -> SolidSolution:
+    """One ridge of finite length, coarse."""
+    one = reference().with_(ridge={"count": 1}, skin={"width": 2.5, "length": 2.5, "thickness": 1.5})
+    return solve(replace(pad_of(one), law=law), 0.4, {}, Layers(0.9, 2.0, 2), fineness=0.6).finite
+
+
+def test_ogdens_alpha_2_is_the_neo_hookean_solid() -> None:
+    assert in_space(NEO).approach == pytest.approx(in_space(None).approach, rel=1e-9)
+
+
+def test_a_bar_like_ridge_gives_way_more_by_a_larger_power() -> None:
+    """Squeezed with free sides, alpha 3.25 is softer than neo-Hooke; in plane strain any power is stiffer."""
+    law = Ogden(mu=[1.0], alpha=[3.25])
+    assert law.bar(np.array([0.6]))[0] > NEO.bar(np.array([0.6]))[0]
+    assert in_space(law).approach > 1.0005 * in_space(None).approach
+    assert three(law).approach < 0.99999 * three(None).approach

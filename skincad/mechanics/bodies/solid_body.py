@@ -1,6 +1,6 @@
-"""The neo-Hookean body of finite length, which Newton presses like the plane one (newton.Elastic).
+"""The rubber body of finite length, which Newton presses like the plane one (newton.Elastic).
 
-Functions are the products of prisms.py, the law is neo_hooke.py's, in three dimensions in solid_law.py.
+Functions are the products of prisms.py, laws are those of neo_hooke.py, in three dimensions in solid_law.py.
 Lengths in the pad's unit, stresses in E.
 """
 
@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import layers, solid_law
 from skincad.mechanics.bodies.dissect import Factored, Front, Unknowns, factored
 from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
 from skincad.mechanics.bodies.folding import THROUGH, fault, widest
+from skincad.mechanics.bodies.law_energy import NO_LAWS
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.section_points import SectionPoints, section_points
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
@@ -147,14 +150,17 @@ def solid_body(
     materials: Mapping[str, tuple[float, float]],
     *,
     clamped_end: bool = False,
+    laws: Mapping[str, Rubber] = NO_LAWS,
 ) -> SolidBody:
     """Return the body over layers between `borders` `(layers + 1,)`, displacements of `order` along y.
 
-    `materials` are those of `forms`. At y = 0 u_y is 0; with `clamped_end` at the end too: plane strain.
+    `materials` are those of `forms`, `laws` as in neo_hooke.body. At y = 0 u_y is 0; with `clamped_end`
+    at the end too: plane strain.
     """
     line, count, height = layers.line(borders, order), forms.held.size, len(borders) - 1
     along = line.at.size
-    elements = _extruded(section_points(forms, materials), np.diff(borders), layers.inside(order))
+    section = section_points(forms, materials)
+    elements = _extruded(section, np.diff(borders), layers.inside(order), _numbered(forms, laws, height))
     # an element's functions: the section's first, then y's; elements: triangle, then layer
     functions = np.array(forms.functions)[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
@@ -176,7 +182,24 @@ def solid_body(
     )
 
 
-def _extruded(section: SectionPoints, thickness: Array, layer: layers.Inside) -> Elements:
+def _numbered(
+    forms: SectionForms, laws: Mapping[str, Rubber], height: int
+) -> tuple[tuple[Rubber, Index], ...]:
+    """The laws of domains with the numbers of their elements, `height` of them above each triangle."""
+    domains = np.array([element.mat for element in forms.plane.mesh.Elements(ng.VOL)])
+    found = []
+    for law in dict.fromkeys(laws.values()):
+        triangles = np.flatnonzero(np.isin(domains, [name for name, own in laws.items() if own == law]))
+        found.append((law, (triangles[:, None] * height + np.arange(height)).ravel()))
+    return tuple(found)
+
+
+def _extruded(
+    section: SectionPoints,
+    thickness: Array,
+    layer: layers.Inside,
+    laws: tuple[tuple[Rubber, Index], ...],
+) -> Elements:
     """Products of the section's functions and points with those of layers of `thickness` `(layers,)`."""
     triangles, points = section.weight.shape
     shape = (triangles, thickness.size, points, layer.weight.size)
@@ -192,4 +215,4 @@ def _extruded(section: SectionPoints, thickness: Array, layer: layers.Inside) ->
     g = points * layer.weight.size
     shear, bulk = (np.repeat(m, thickness.size)[:, None] for m in (section.shear, section.bulk))
     weight, basis = weight.reshape(total, g), basis.reshape(total, g, 3, -1)
-    return elements_of(weight, basis, test.reshape(total, g, -1), shear, bulk)
+    return elements_of(weight, basis, test.reshape(total, g, -1), shear, bulk, laws)

@@ -1,4 +1,6 @@
-"""The neo-Hookean law on elements of three dimensions: energy, forces and stiffness of each, numpy alone.
+"""A law on elements of three dimensions: energy, forces and stiffness of each, numpy alone.
+
+Neo-Hooke's, and where elements have another what that has more (solid_excess.py).
 
 Pressures of order - 2 along y (layers.py) leave waves along y whose swelling they do not see. Under a
 pressure of about G such waves grow without resistance (plain-ridges: from 1.5 N on, ends clamped or free; in
@@ -12,8 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Index
+from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies.neo_hooke import strain_energy, swelling
+from skincad.mechanics.bodies.solid_excess import Excess, excess_at, excess_density
 
 # Of the bulk modulus, what acts without the pressure: in G, so that Lame's constant there is G instead of
 # -2 G/3, but at most half of it, so that nu = 0 has a pressure too. Measured on plain-ridges: it reaches 11 N
@@ -29,6 +33,7 @@ class Elements:
     `basis` `(e, g, 3, b)` are the functions' gradients by the three axes, `test` `(e, g, q)` the pressure
     functions. `shear`, `unseen` and `bulk`, the rest of the bulk modulus, are `(e, 1)`. `stretch`
     `(e, b, b)` is the stiffness of G F:F / 2 and `softening` `(e, q, q)` the inverse of the pressures' part.
+    `laws` are laws with the numbers of the elements that have them; all others are neo-Hookean.
     """
 
     weight: Array
@@ -39,34 +44,47 @@ class Elements:
     bulk: Array
     stretch: Array
     softening: Array
+    laws: tuple[tuple[Rubber, Index], ...] = ()
 
 
-def elements_of(weight: Array, basis: Array, test: Array, shear: Array, bulk: Array) -> Elements:
+def elements_of(
+    weight: Array,
+    basis: Array,
+    test: Array,
+    shear: Array,
+    bulk: Array,
+    laws: tuple[tuple[Rubber, Index], ...] = (),
+) -> Elements:
     """Return elements of these moduli, `(e, 1)` both."""
     unseen = np.minimum(UNSEEN * shear, bulk / 2)
     bulk = bulk - unseen
     pulled = _flat(basis) * np.repeat(weight * shear, 3, axis=1)[:, :, None]
     stretch = np.swapaxes(pulled, 1, 2) @ _flat(basis)
     own = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
-    return Elements(weight, basis, test, shear, unseen, bulk, stretch, np.linalg.inv(own).astype(np.float64))
+    softening = np.linalg.inv(own).astype(np.float64)
+    return Elements(weight, basis, test, shear, unseen, bulk, stretch, softening, laws)
 
 
 @dataclass(frozen=True)
 class Points:
     """Elements at a state, at their points `(e, g)`: F `(e, g, component, axis)`, its cofactors dJ/dF, J - 1
-    and the pressure."""
+    and the pressure; `excess` is what laws have more than neo-Hooke's."""
 
     of: Elements
     deformed: Array
     cofactor: Array
     swell: Array
     pressure: Array
+    excess: tuple[Excess, ...] = ()
 
     @property
     def volume_stress(self) -> Array:
         """Derivative of the energy by J `(e, g)`: what multiplies the cofactors in the stress."""
         of = self.of
-        return self.pressure - of.shear / (1 + self.swell) + (of.unseen - 2 / 3 * of.shear) * self.swell
+        found = self.pressure - of.shear / (1 + self.swell) + (of.unseen - 2 / 3 * of.shear) * self.swell
+        for more in self.excess:
+            found[more.own] += of.shear[more.own] * more.volume / (1 + more.swell)
+        return found
 
 
 def points(of: Elements, displacement: Array, pressure: Array) -> Points:
@@ -74,7 +92,9 @@ def points(of: Elements, displacement: Array, pressure: Array) -> Points:
     gradient, at_points = _gradient(of, displacement), _pressure(of, pressure)
     deformed = gradient + np.eye(3)
     cofactor = np.stack([np.cross(deformed[:, :, j], deformed[:, :, k]) for _, j, k in NEXT], axis=2)
-    return Points(of, deformed, cofactor, _swelling(gradient), at_points)
+    swell = _swelling(gradient)
+    excess = tuple(excess_at(law, own, deformed[own], swell[own]) for law, own in of.laws)
+    return Points(of, deformed, cofactor, swell, at_points, excess)
 
 
 def energy(of: Elements, displacement: Array, pressure: Array) -> float:
@@ -85,6 +105,8 @@ def energy(of: Elements, displacement: Array, pressure: Array) -> float:
         return np.inf
     h = np.moveaxis(gradient, (2, 3), (0, 1))
     density = strain_energy(h, _pressure(of, pressure), of.shear, of.bulk, np.log)
+    for law, own in of.laws:
+        density[own] += of.shear[own] * excess_density(law, gradient[own] + np.eye(3), swell[own])
     return float((of.weight * (density + of.unseen / 2 * swell * swell)).sum())
 
 
@@ -92,6 +114,8 @@ def forces(at: Points) -> tuple[Array, Array]:
     """Return the energy's derivatives by displacements `(e, 3, b)` and by pressures `(e, q)`."""
     of = at.of
     stress = of.shear[:, :, None, None] * at.deformed + at.volume_stress[:, :, None, None] * at.cofactor
+    for more in at.excess:
+        stress[more.own] += of.shear[more.own][:, :, None, None] * more.stress()
     by_axis = _flat(np.swapaxes(stress * of.weight[:, :, None, None], 2, 3))
     tested = (at.swell - at.pressure / of.bulk) * of.weight
     return np.swapaxes(by_axis, 1, 2) @ _flat(of.basis), (tested[:, None] @ of.test)[:, 0]
@@ -107,6 +131,9 @@ def stiffness(at: Points, coupled: Array) -> Array:
     """Return each element's stiffness `(e, 3 b, 3 b)`, its pressures condensed; `coupled` is `coupling`."""
     of, rows = at.of, _swelling_rows(at)
     bend = ((1 / (1 + at.swell) ** 2 - 2 / 3) * of.shear + of.unseen) * of.weight
+    for more in at.excess:
+        own = more.own
+        bend[own] -= of.shear[own] * more.volume / (1 + more.swell) ** 2 * of.weight[own]
     found = np.swapaxes(rows * bend[:, :, None], 1, 2) @ rows
     found += np.swapaxes(coupled, 1, 2) @ (of.softening @ coupled)
     count, b = of.stretch.shape[:2]
@@ -119,6 +146,9 @@ def stiffness(at: Points, coupled: Array) -> Array:
         blocks[:, i, :, j] += block
         blocks[:, j, :, i] -= block
         blocks[:, k, :, k] += of.stretch
+    for more in at.excess:
+        own = more.own
+        found[own] += more.stiffness(at.cofactor[own], of.basis[own], of.shear[own] * of.weight[own])
     return found
 
 

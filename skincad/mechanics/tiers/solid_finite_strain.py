@@ -100,7 +100,7 @@ def solve(
 
 
 def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
-    """Return the neo-Hookean body of a meshed piece, of `order` in the section."""
+    """Return the body of a meshed piece, of `order` in the section."""
     forms = forms_of(meshed, order)
     borders = layers.graded(
         meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, along.growth
@@ -113,7 +113,8 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
             unknowns,
             "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
         )
-    return solid_body(forms, borders, along.order, meshed.piece.materials, clamped_end=clamped_end)
+    piece = meshed.piece
+    return solid_body(forms, borders, along.order, piece.materials, clamped_end=clamped_end, laws=piece.laws)
 
 
 def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
