@@ -403,13 +403,15 @@ def fit_material(
         float | None, typer.Option("--area", metavar="MM2", help="Cross-section of a bar, with extension_mm.")
     ] = None,
     copy: Annotated[
-        Path | None, typer.Option("-o", metavar="FILE", help="Write a copy of the design with this modulus.")
+        Path | None,
+        typer.Option("-o", metavar="FILE", help="Write a copy of the design with modulus and law."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the silicone's modulus and its error from a test.
+    """Find the silicone's modulus and its error from a test, and from a bar's its law.
 
     The test is force against approach of a cast pad, or stress against strain of a bar pulled or squeezed.
+    Laws of rubber are fitted to the first half of a bar's strains, and judged by the second.
     """
     from skincad.base.freshfile import checked_fresh
 
@@ -428,7 +430,7 @@ def fit_material(
         from skincad.outputs.designcopy import write_with_modulus
 
         said = f"measured: {found.kind} test {file.name}"
-        write_with_modulus(copy, design, settings, found.ranged, said, silicones)
+        write_with_modulus(copy, design, settings, found.ranged, found.law, said, silicones)
         written = f"\nwritten to {copy}"
     _print({**found.as_json(), "file": str(copy) if copy else None}, as_json, f"{found}{written}")
 

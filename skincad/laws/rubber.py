@@ -21,7 +21,7 @@ from pydantic import Field, model_validator
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.base.tables import Table
+from skincad.base.tables import Table, unit_of
 
 # Stretches of a bar between which a law must pull the more the longer the bar is. Assumption: a ridge's root
 # reaches 0.5 where it folds, and castings are stripped at less than 2
@@ -63,6 +63,17 @@ class Rubber(Table):
     def young_modulus(self, poisson_ratio: float) -> float:
         """Return Young's modulus at small strain, MPa."""
         return 2 * (1 + poisson_ratio) * self.shear
+
+    def scaled(self, by: float) -> Self:
+        """Return the law with all its moduli times a factor."""
+        moduli = {
+            key: getattr(self, key) for key in type(self).model_fields if unit_of(type(self), (key,)) == "MPa"
+        }
+        changed = {
+            key: tuple(each * by for each in value) if isinstance(value, tuple) else value * by
+            for key, value in moduli.items()
+        }
+        return type(self)(**{**self.model_dump(), **changed})
 
     def bar(self, stretch: Array) -> Array:
         """Return the nominal stress, MPa, of an incompressible bar at `stretch` `(n,)`.

@@ -17,6 +17,7 @@ from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest, material_test
+from skincad.material.laws import compared
 from skincad.material.modulus import FIRM, MaterialFit, finished
 from skincad.material.regression import Regression, regression
 
@@ -37,8 +38,9 @@ def fit_material(
     """Return the modulus from a test's CSV, told apart by its columns (measurements.material_test).
 
     A pad's test needs the `design` that was pressed. `up_to` is the largest strain of a bar (0.3 if None) or
-    force in N of a pad that is used. `gauge_length` mm and `area` mm2 belong to `extension_mm, force_N`.
-    Raises InputError for what cannot be used and RefusedError for a curve that is not the model's.
+    force in N of a pad that is used; laws are compared up to 1 if None. `gauge_length` mm and `area` mm2
+    belong to `extension_mm, force_N`. Raises InputError for what cannot be used and RefusedError for a curve
+    that is not the model's.
     """
     clock = Stopwatch(progress)
     with clock.stage("read"):
@@ -49,6 +51,9 @@ def fit_material(
         found = fit_pad(_within(str(path), test, up_to), design, clock)
     else:
         found = _fit_bar(str(path), _within(str(path), test, up_to), clock)
+        with clock.stage("laws"):
+            laws, said = compared(test, up_to)
+        found = replace(found, laws=laws, warnings=(*found.warnings, *([said] if said else [])))
     notes = (*found.warnings, *_outside(found, design))
     return replace(found, rows=test.rows, warnings=(*test.warnings, *notes), seconds=clock.seconds())
 

@@ -14,7 +14,10 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.tables import Ranged
 from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest
-from skincad.inputs.silicone import SOFTEST, STIFFEST
+from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone
+from skincad.laws.neo_hooke import NeoHooke
+from skincad.laws.rubber import Rubber
+from skincad.material.laws import FittedLaw
 from skincad.material.regression import Regression
 
 LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse is not this model's
@@ -43,7 +46,8 @@ class MaterialFit(Result):
     The half-width is the sum of `scatter` (of the rows), `model` (what it leaves open) and `misfit` (what
     the `parts` say of how it changes over the test), all MPa. `offset` is a pad's approach, mm, at the first
     touch, None for a bar. `rms` is that of the residual, `largest_load` the largest used, N of a pad or MPa.
-    `curve` is deformation, load and the model's load, `(rows_used,)` each.
+    `curve` is deformation, load and the model's load, `(rows_used,)` each; `laws` are those compared by a bar
+    that was strained enough, the best first.
     """
 
     shown_by = "skincad.outputs.fits"
@@ -62,10 +66,26 @@ class MaterialFit(Result):
     seconds: dict[str, float]
     warnings: tuple[str, ...]
     curve: tuple[Array, Array, Array] = field(compare=False)
+    laws: tuple[FittedLaw, ...] = ()
+
+    @property
+    def law(self) -> Rubber | None:
+        """The law that follows a bar's test best, None where that is neo-Hooke's or laws are not compared."""
+        best = next((each.law for each in self.laws if each.best), None)
+        return None if isinstance(best, NeoHooke) else best
 
     @property
     def ranged(self) -> Ranged:
-        """The modulus as a design's `[material]` takes it, low and high rounded outwards."""
+        """The modulus as a design's `[material]` takes it: a law's own value where there is one."""
+        alone = self._by_slope
+        if self.law is None:
+            return alone
+        value = float(f"{self.law.young_modulus(Silicone().poisson_ratio):.4g}")
+        return Ranged(value=value, low=min(value, alone.low), high=max(value, alone.high))
+
+    @property
+    def _by_slope(self) -> Ranged:
+        """Neo-Hooke's, low and high rounded outwards."""
         value, error = self.young_modulus.value or 0.0, self.young_modulus.error or 0.0
         digits = min(10, max(1 - int(np.floor(np.log10(max(error, 1e-4 * value)))), 0))
         tenth = 10.0**-digits
@@ -98,6 +118,7 @@ class MaterialFit(Result):
             "offset_mm": self.offset.as_json() if self.offset else {"value": None, "error": None},
             f"rms_residual_{load}": self.rms,
             f"largest_load_{load}": self.largest_load,
+            "laws": [each.as_json() for each in self.laws],
             "residual_correlation": self.correlation,
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),

@@ -14,6 +14,7 @@ from skincad.base.reading import text_of
 from skincad.base.tables import Ranged
 from skincad.inputs.catalog import LARGEST_FILE, design_tables, template_names, template_text
 from skincad.inputs.design import Design
+from skincad.laws.rubber import Rubber
 from skincad.outputs.fits import ranged_toml
 
 
@@ -22,17 +23,20 @@ def write_with_modulus(
     source: str,
     overrides: list[str],
     modulus: Ranged,
+    law: Rubber | None,
     provenance: str,
     silicones: Path | None = None,
 ) -> None:
-    """Write the design of a template's name or a file, overrides applied, with `modulus` as its silicone's.
+    """Write the design of a template's name or a file, overrides applied, its silicone with `modulus` and `law`.
 
     `silicones` is a file of own ones, which go into the design as `load_design` puts them there. The line's
     comment says `provenance`. The file appears whole or not at all. Raises InputError for one that is there
     already or cannot be written.
     """
     data = design_tables(source, overrides, silicones=silicones)
-    data["material"] = {**data.get("material", {}), "young_modulus": modulus.model_dump()}
+    kept = {key: value for key, value in data.get("material", {}).items() if key != "law"}
+    stiff = {"law": tomllib.loads(tomlkit.dumps(law.model_dump()))} if law else {}
+    data["material"] = {**kept, "young_modulus": modulus.model_dump(), **stiff}
     document = tomlkit.parse(_text(source))
     _follow(document, data)
     value = tomlkit.value(ranged_toml(modulus))

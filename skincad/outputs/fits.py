@@ -6,8 +6,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import tomlkit
+
 from skincad.base.result import Writer
 from skincad.base.tables import Ranged
+from skincad.inputs.silicone import Silicone
+from skincad.material.laws import FITTED
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import picture, text
 
@@ -29,6 +33,7 @@ def lines(fit: MaterialFit) -> list[str]:
         *([f"  first touch    at {fit.offset} of approach"] if fit.offset else []),
         f"  residual       {fit.rms:.2g} {unit} rms, {fit.rms / fit.largest_load:.1%} of the largest load",
         *(f"  note           {warning}" for warning in fit.warnings),
+        *law_lines(fit),
         "",
         *toml_lines(fit),
     ]
@@ -36,7 +41,47 @@ def lines(fit: MaterialFit) -> list[str]:
 
 def toml_lines(fit: MaterialFit) -> list[str]:
     """Return the lines of a design's TOML."""
-    return ["[material]", f"young_modulus = {ranged_toml(fit.ranged)}"]
+    modulus = ["[material]", f"young_modulus = {ranged_toml(fit.ranged)}"]
+    if fit.law is None:
+        return modulus
+    table = tomlkit.dumps({key: _rounded(value) for key, value in fit.law.model_dump().items()})
+    return [*modulus, "", "[material.law]", *table.splitlines()]
+
+
+def law_lines(fit: MaterialFit) -> list[str]:
+    """Return the table of laws, if any were compared."""
+    if not fit.laws:
+        return []
+    reach = fit.laws[0].reach
+    head = f"Laws fitted to strains up to {FITTED * reach:.3g}, and judged beyond, up to {reach:.3g}"
+    how = "missed: rms by the largest stress; *: the least beyond, or as little with fewer constants"
+    rows = [("", "constants", "missed there", "missed beyond", "modulus, MPa")]
+    rows += [
+        (
+            ("* " if row.best else "  ") + row.name,
+            str(row.constants),
+            f"{row.seen:.2%}",
+            f"{row.judged:.2%}",
+            f"{row.law.young_modulus(Silicone().poisson_ratio):.4g}",
+        )
+        for row in fit.laws
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "",
+        f"{head}. {how}",
+        *(
+            "  ".join([name.ljust(widths[0]), *(c.rjust(w) for c, w in zip(cells, widths[1:], strict=True))])
+            for name, *cells in rows
+        ),
+    ]
+
+
+def _rounded(value: Any) -> Any:
+    """Constants to 6 digits: no test says more."""
+    if isinstance(value, tuple):
+        return [_rounded(each) for each in value]
+    return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
 def ranged_toml(ranged: Ranged) -> str:

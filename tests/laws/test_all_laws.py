@@ -41,6 +41,12 @@ def test_it_is_the_table_that_it_dumps(rubber: Rubber) -> None:
 
 
 @each
+def test_scaled_is_scaled(rubber: Rubber) -> None:
+    stretch = np.array([0.7, 1.4])
+    assert rubber.scaled(0.37).bar(stretch) == pytest.approx(0.37 * rubber.bar(stretch), rel=1e-13)
+
+
+@each
 def test_slopes_are_the_energys(rubber: Rubber) -> None:
     x = np.array([0.0, 0.01, 0.3, 0.8])
     first, second = rubber.slopes(x)
