@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from skincad.laws.ogden import Ogden
 from skincad.mechanics.bodies.mesh import default_sizes
 from skincad.mechanics.problem import Pad
 from skincad.shape.cross_section import CONTACT_KINDS
@@ -144,7 +145,7 @@ def _read_mesh(text: str) -> Quads:
 
 
 def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[str]:
-    """Lines of CalculiX's input for a slice 1 mm long; with a `start`, mm, neo-Hooke and large strains."""
+    """Lines of CalculiX's input for a slice 1 mm long; with a `start`, mm, the law and large strains."""
     finite = start is not None
     count, left, right = len(mesh.nodes), mesh.nodes[:, 0].min() - 1, mesh.nodes[:, 0].max() + 1
     top, high = pad.top, pad.top + PLATE
@@ -171,7 +172,9 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
     shear = pad.young_modulus / (2 * (1 + pad.poisson_ratio))
     bulk = pad.young_modulus / (3 * (1 - 2 * pad.poisson_ratio))
     yield "*MATERIAL, NAME=silicone"
-    if finite:  # C10 = G / 2, D1 = 2 / K
+    if finite and pad.laws:
+        yield from _ogden(pad, bulk)
+    elif finite:  # C10 = G / 2, D1 = 2 / K
         yield f"*HYPERELASTIC, NEO HOOKE\n{shear / 2!r}, {2 / bulk!r}"
     else:
         yield f"*ELASTIC\n{pad.young_modulus!r}, {pad.poisson_ratio!r}"
@@ -199,11 +202,22 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
     yield "*END STEP\n"
 
 
+def _ogden(pad: Pad, bulk: float) -> Iterator[str]:
+    """Ogden's law in CalculiX, whose mu and alpha are ours: alternating, then D1 = 2 / K and zeros."""
+    if not isinstance(pad.law, Ogden):
+        raise ValueError("of laws beside neo-Hooke's only Ogden's is compared")
+    law = pad.law.scaled(pad.young_modulus / pad.law.young_modulus(pad.poisson_ratio))
+    constants = [number for pair in zip(law.mu, law.alpha, strict=True) for number in pair]
+    constants += [2 / bulk, *(0.0 for _ in law.mu[1:])]
+    yield f"*HYPERELASTIC, OGDEN, N={len(law.mu)}\n{', '.join(map(repr, constants))}"
+
+
 def press(pad: Pad, fineness: float, force: float, start: float | None = None) -> Pressed:
     """Return CalculiX's contact of the pad with the plate at `force` N.
 
-    Small strain, or neo-Hookean where `start` is given: an approach near the answer, mm, from where it
-    changes from a driven plate to a loaded one. Raises RuntimeError when a program fails.
+    Small strain, or by the pad's law, neo-Hooke's or Ogden's, where `start` is given: an approach near the
+    answer, mm, from where it changes from a driven plate to a loaded one. Raises RuntimeError when a
+    program fails.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -155,13 +155,14 @@ def _mix(material: Silicone, volume: float) -> list[str]:
         parts = f"weigh {a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
     pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
     cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
+    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} C"
     return [
         "## Silicone",
         "",
         f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.4g} cm3, "
         f"{grams:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
-        f"Pot life {pot}; cure {cure} at room temperature.",
+        f"Pot life {pot}; cure {cure} at {warm}.",
         "",
     ]
 

@@ -11,7 +11,7 @@ import math
 import tomllib
 from collections.abc import Mapping
 from functools import cache
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
@@ -20,6 +20,7 @@ from pydantic import (
     SerializeAsAny,
     SerializerFunctionWrapHandler,
     model_serializer,
+    model_validator,
 )
 
 from skincad.base.errors import InputError, did_you_mean
@@ -66,7 +67,35 @@ class _Kinds:
 Law = Annotated[SerializeAsAny[Rubber], BeforeValidator(_law), _Kinds()]
 
 
-class Silicone(Table):
+class _Given(Table):
+    """A table that dumps what was given only."""
+
+    @model_serializer(mode="wrap")
+    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        """Dump what was given only, so that a copy of a design's own silicone changes no more than it did."""
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+
+
+class Source(_Given):
+    """What one source says of a silicone's stiffness: a modulus at small strain, or a law."""
+
+    what: str = Field(description="what was measured, or how it follows", max_length=200)
+    where: str = Field(description="the paper, data base or data sheet", max_length=200)
+    young_modulus: float | None = quantity("MPa", "small strain", ge=SOFTEST, le=STIFFEST, default=None)
+    law: Law | None = Field(default=None, description="its kind and constants")
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if (self.young_modulus is None) == (self.law is None):
+            raise InputError("", "needs a young_modulus or a law, and not both", remedy="give one of them")
+        return self
+
+    def modulus(self, poisson_ratio: float) -> float:
+        """Return Young's modulus at small strain, MPa."""
+        return self.law.young_modulus(poisson_ratio) if self.law else self.young_modulus or 0.0
+
+
+class Silicone(_Given):
     """A casting silicone at room temperature.
 
     Defaults are assumptions, for one of which only the modulus is known: nearly incompressible, the density
@@ -101,6 +130,9 @@ class Silicone(Table):
     cure_h: float | None = quantity(
         "h", "until it can be demolded; by its data sheet if not given", gt=0.0, le=1e4, default=None
     )
+    cure_c: float | None = quantity(
+        "C", "at which it cures so long; room temperature if not given", ge=0.0, le=300.0, default=None
+    )
     platinum_cure: bool = Field(
         default=True, description="whether it is platinum-cured, which some resins prevent"
     )
@@ -110,11 +142,9 @@ class Silicone(Table):
         "1", "linear, from mold to cured part", ge=0.0, le=0.05, default=0.001
     )
     source: str = Field(default="assumption", description="where the values are from", max_length=300)
-
-    @model_serializer(mode="wrap")
-    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
-        """Dump what was given only, so that a copy of a design's own silicone changes no more than it did."""
-        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+    sources: Annotated[tuple[Source, ...], Field(strict=False)] = Field(
+        default=(), description="what each source says of its stiffness, all within young_modulus"
+    )
 
 
 @cache

@@ -27,7 +27,7 @@ def write_with_modulus(
     provenance: str,
     silicones: Path | None = None,
 ) -> None:
-    """Write the design of a template's name or a file, overrides applied, its silicone with `modulus` and `law`.
+    """Write the design of a template's name or a file, overrides applied, with this `modulus` and `law`.
 
     `silicones` is a file of own ones, which go into the design as `load_design` puts them there. The line's
     comment says `provenance`. The file appears whole or not at all. Raises InputError for one that is there

@@ -85,7 +85,7 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
     rows = [("", *(head for _, head, _ in _COLUMNS)), ("", *(unit for *_, unit in _COLUMNS))]
     rows += [(name, *(_cell(entry, key) for key, *_ in _COLUMNS)) for name, entry in known.items()]
     head, units, *lines = _aligned(rows)
-    sources = [f"  {entry.source}" for entry in known.values()]
+    sources = [[f"  {entry.source}", *_sources(entry)] for entry in known.values()]
     cured = {True: "All are platinum-cured.", False: "Not all are platinum-cured: see --json."}
     notes = [
         "",
@@ -93,9 +93,25 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
         cured[all(entry.platinum_cure for entry in known.values())],
         "Your own: skincad new FILE --template silicones, then --silicones FILE",
     ]
-    told = [line for pair in zip(lines, sources, strict=True) for line in pair]
-    entries = {name: entry.model_dump(exclude={"name"}) for name, entry in known.items()}
+    told = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
+    entries = {name: entry.model_dump(mode="json", exclude={"name"}) for name, entry in known.items()}
     return {"kind": "silicones", "entries": entries, "units": _units(Silicone)}, [head, units, *told, *notes]
+
+
+def _sources(entry: Silicone) -> list[str]:
+    """What each source says of a silicone's stiffness, a line each."""
+    found = []
+    for source in entry.sources:
+        law = ""
+        if source.law:
+            constants = source.law.model_dump(mode="json", exclude={"kind"})
+            law = f", {source.law.kind}, " + ", ".join(f"{key} {_plain(v)}" for key, v in constants.items())
+        found.append(f"    {source.modulus(entry.poisson_ratio):.3g} MPa: {source.what}; {source.where}{law}")
+    return found
+
+
+def _plain(value: float | list[float]) -> str:
+    return " ".join(f"{each:g}" for each in value) if isinstance(value, list) else f"{value:g}"
 
 
 def _cell(entry: Silicone, key: str) -> str:

@@ -50,6 +50,45 @@ def test_every_shipped_silicone_has_a_range_and_a_source() -> None:
         assert {"mix", "pot_life_min", "cure_h", "viscosity", "source"} <= entry.model_fields_set
 
 
+def test_a_silicones_range_spans_its_sources() -> None:
+    """Each source's modulus at small strain lies within; those with two differ by a factor of 1.7 to 2.8."""
+    for name, entry in silicones().items():
+        said = [source.modulus(entry.poisson_ratio) for source in entry.sources]
+        assert said, name
+        assert entry.young_modulus.low <= min(said) <= max(said) <= entry.young_modulus.high, name
+        if len(said) > 1:
+            assert 1.7 < max(said) / min(said) < 2.8, name
+
+
+def test_the_databases_moduli_are_three_times_mu() -> None:
+    """E0 = 3 mu = 0.044, 0.121, 0.336, 0.505 MPa; data sheets 0.118, 0.260, 0.579, 1.016 by 100 % modulus."""
+    names = ("ecoflex-00-30", "dragon-skin-10", "dragon-skin-20", "dragon-skin-30")
+    entries = [silicones()[name] for name in names]
+    said = [[source.modulus(0.5) for source in entry.sources] for entry in entries]
+    assert [first for first, _ in said] == pytest.approx([0.0435, 0.1206, 0.3363, 0.5046], rel=1e-3)
+    psi = 0.00689476  # MPa; neo-Hooke at a stretch of 2 is E / 3 (2 - 1 / 4)
+    by_sheet = [3 * pull * psi / 1.75 for pull in (10, 22, 49, 86)]
+    assert [last for _, last in said] == pytest.approx(by_sheet, rel=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("what = 'a'\nwhere = 'b'", "needs a young_modulus or a law, and not both"),
+        (
+            "what = 'a'\nwhere = 'b'\nyoung_modulus = 1.0\nlaw = {kind = 'neo-hooke', mu = 0.3}",
+            "and not both",
+        ),
+        ("what = 'a'\nyoung_modulus = 1.0", "where: is missing"),
+    ],
+)
+def test_a_source_that_says_nothing_is_refused(row: str, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "lab.toml"
+    path.write_text(f"[lab-10]\nyoung_modulus = 0.3\n[[lab-10.sources]]\n{row}\n")
+    with pytest.raises(InputError, match=told):
+        skincad.load("yamada-2002", silicones=path)
+
+
 def test_an_own_file_changes_what_it_names_and_adds_what_is_new(lab: Path) -> None:
     design = skincad.load("yamada-2002", silicones=lab)
     own, shipped = silicones(design.silicones), silicones()

@@ -52,6 +52,9 @@ def test_silicones_come_with_values_ranges_and_sources() -> None:
         *("dragon-skin-30", "0.8 (0.44 to 1.5)", "0.499", "1080", "1:1", "45", "16", "364", "20")
     ]
     assert lines[row + 1] == f"  {data['entries']['dragon-skin-30']['source']}"
+    assert lines[row + 2].startswith("    0.504 MPa: bar pulled to 100 %")
+    assert lines[row + 2].endswith("ogden, mu 0.1682, alpha 3.06")
+    assert lines[row + 3].startswith("    1.02 MPa: 100 % modulus of 86 psi")
     heads = re.split(r"\s{2,}", lines[0].strip()), re.split(r"\s{2,}", lines[1].strip())
     assert heads == (
         ["modulus", "Poisson", "density", "A:B", "pot", "cure", "breaks", "visc."],
