@@ -6,7 +6,6 @@ the volume changes I1 - 3 is taken as I1 - 3 - 2 ln J.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Literal
 
 from pydantic import Field
@@ -28,9 +27,9 @@ class Gent(Rubber):
         """The shear modulus at small strain, MPa."""
         return self.mu
 
-    def energy(self, x: Any, log: Callable[[Any], Any]) -> Any:
+    def energy(self, x: Any, of: Any) -> Any:
         """Return f(x) in units of the shear modulus; I1 - 3 is 2 x."""
-        return -self.j_m / 2 * log(1 - x * (2 / self.j_m))
+        return -self.j_m / 2 * of.log(1 - x * (2 / self.j_m))
 
     def slopes(self, x: Array) -> tuple[Array, Array]:
         """Return f'(x) and f''(x)."""

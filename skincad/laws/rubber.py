@@ -52,8 +52,8 @@ class Rubber(Table):
         """Shares m_k and powers a_k of the strain's measure x."""
         return ((1.0, 2.0),)
 
-    def energy(self, x: Any, log: Callable[[Any], Any]) -> Any:  # noqa: ARG002
-        """Return f(x) by arithmetic and `log` alone, for arrays and for symbols."""
+    def energy(self, x: Any, of: Any) -> Any:  # noqa: ARG002
+        """Return f(x) by arithmetic, `of.exp` and `of.log`, as numpy has them, and NGSolve for symbols."""
         return x
 
     def slopes(self, x: Array) -> tuple[Array, Array]:
@@ -86,7 +86,7 @@ class Rubber(Table):
             pull += share * 2 / power * (stretch ** (power - 1) - stretch ** (-power / 2 - 1))
         with np.errstate(all="ignore"):
             stress = self.shear * self.slopes(x)[0] * pull
-            return np.where(np.isfinite(self.energy(x, np.log)), stress, np.nan)
+            return np.where(np.isfinite(self.energy(x, np)), stress, np.nan)
 
     def own_rules(self) -> None:
         """Raise InputError for constants that do not go together."""

@@ -6,7 +6,6 @@ I1 - 3 - 2 ln J, so that the higher terms change nothing at small strain.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Literal
 
 from pydantic import Field
@@ -29,7 +28,7 @@ class Yeoh(Rubber):
         """The shear modulus at small strain, MPa."""
         return 2 * self.c10
 
-    def energy(self, x: Any, log: Callable[[Any], Any]) -> Any:  # noqa: ARG002
+    def energy(self, x: Any, of: Any) -> Any:  # noqa: ARG002
         """Return f(x) in units of the shear modulus; I1 - 3 is 2 x."""
         return x * (1 + x * (2 * self.c20 / self.c10 + x * (4 * self.c30 / self.c10)))
 

@@ -51,7 +51,7 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     logarithm = of.log(volume)
     plain = squares / 2 + trace - logarithm
     if law.powers == PLAIN:
-        return law.energy(plain, of.log) - plain
+        return law.energy(plain, of) - plain
     middle = 1 + trace + squares / 2  # of the two stretches' squares
     first = h[0, 0] - h[1, 1] + (h[0, 0] ** 2 + h[1, 0] ** 2 - h[0, 1] ** 2 - h[1, 1] ** 2) / 2
     second = h[0, 1] + h[1, 0] + h[0, 0] * h[0, 1] + h[1, 0] * h[1, 1]
@@ -60,7 +60,7 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     for share, power in law.powers:
         both = _both(middle, apart, volume, power / 2, of)
         measure = measure + share * (2 / power**2 * both - 2 / power * logarithm)
-    return law.energy(measure, of.log) - plain
+    return law.energy(measure, of) - plain
 
 
 def _both(middle: Any, apart: Any, volume: Any, half: float, of: Functions) -> Any:

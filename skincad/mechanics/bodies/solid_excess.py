@@ -110,8 +110,7 @@ def excess_density(law: Rubber, deformed: Array, swell: Array) -> Array:
     plain = (np.trace(right, axis1=-2, axis2=-1) - 3) / 2 - np.log1p(swell)
     with np.errstate(all="ignore"):
         found = (
-            law.energy(_measure(law, np.asarray(np.linalg.eigvalsh(right), np.float64), swell), np.log)
-            - plain
+            law.energy(_measure(law, np.asarray(np.linalg.eigvalsh(right), np.float64), swell), np) - plain
         )
     return np.where(np.isfinite(found), found, np.inf)
 
