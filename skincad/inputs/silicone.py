@@ -76,7 +76,7 @@ class _Given(Table):
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
 
-class Source(_Given):
+class StiffnessSource(_Given):
     """What one source says of a silicone's stiffness: a modulus at small strain, or a law."""
 
     what: str = Field(description="what was measured, or how it follows", max_length=200)
@@ -142,7 +142,7 @@ class Silicone(_Given):
         "1", "linear, from mold to cured part", ge=0.0, le=0.05, default=0.001
     )
     source: str = Field(default="assumption", description="where the values are from", max_length=300)
-    sources: Annotated[tuple[Source, ...], Field(strict=False)] = Field(
+    sources: Annotated[tuple[StiffnessSource, ...], Field(strict=False)] = Field(
         default=(), description="what each source says of its stiffness, all within young_modulus"
     )
 
