@@ -10,7 +10,7 @@ import pytest
 
 from skincad import load
 from skincad.inputs.design import Design
-from skincad.mechanics import touching as checking
+from skincad.mechanics import climb as climbing
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.film import rungs, sliding
@@ -121,7 +121,7 @@ def test_a_better_tier_that_is_too_large_leaves_the_one_before(
     monkeypatch.setattr(solid_level, "MOST_CONTACT", 10)
     found = check(small, tol=0.02)
     assert found.tier == "linear"
-    assert found.all_touch_force == linear_check(small, tol=checking.FINEST).all_touch_force
+    assert found.all_touch_force == linear_check(small, tol=climbing.FINEST).all_touch_force
     assert any(
         "the corrected tier, which leaves out less, cannot judge this: ridge.count" in w
         for w in found.warnings

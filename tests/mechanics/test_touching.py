@@ -681,9 +681,10 @@ def test_a_pad_too_large_for_any_mesh_has_the_closed_forms_verdict(monkeypatch: 
 def test_a_force_that_a_better_tier_calls_too_large_is_no_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     made = MadeUp(monkeypatch, 3.5)
     made.refusals["corrected"] = InputError("force", "must be below 3 N", 4.0)
+    made.refusals["solid"] = InputError("force", "must be below 3.2 N", 4.0)  # asked after the plane ones
     found = check(yamada(), force=4.0)
     assert (found.tier, found.passed, found.next_tier) == ("linear", False, None)
-    assert found.beyond == "the force must be below 3 N (according to the corrected tier)"
+    assert found.beyond == "the force must be below 3.2 N (according to the solid-finite-strain tier)"
     made.refusals["corrected"] = RefusedError("it does not balance")
     found = check(yamada(), force=4.0)
     assert (found.tier, found.beyond, found.next_tier) == ("linear", "", None)
