@@ -222,9 +222,8 @@ class Climb:
         beyond, warnings = "", (*found.warnings, *self.notes)
         if small:
             beyond = beyond_small_strain(design, force, found)
-        plane = self.done.get(
-            "linear", found
-        )  # the solid looks at crowns alone; its yield has solved the plane
+        # the solid looks at crowns alone; its yield has solved the plane
+        plane = self.done.get("linear", found)
         fault = found.fault or (plane.fault if small else "")
         beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not cover")
         if small:

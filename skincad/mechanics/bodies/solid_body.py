@@ -1,4 +1,4 @@
-"""The rubber body of finite length, which Newton presses like the plane one (newton.Elastic).
+"""The rubber body of finite length, which Newton presses like the plane one (elastic.Elastic).
 
 Functions are the products of prisms.py, laws are those of neo_hooke.py, in three dimensions in solid_law.py.
 Lengths in the pad's unit, stresses in E.

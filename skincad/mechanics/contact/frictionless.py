@@ -104,7 +104,11 @@ def _carried(flexibility: Array, gap: Array, definite: bool) -> tuple[Array, Arr
     """Forces that move points by their gaps, and all by one."""
     sides = np.column_stack([gap, np.ones(gap.size)])
     try:
-        found = linalg.solve(flexibility, sides, assume_a="pos" if definite else "sym", check_finite=False)
+        if definite:
+            root = linalg.cho_factor(flexibility, check_finite=False)
+            found = linalg.cho_solve(root, sides, check_finite=False)
+        else:
+            found = linalg.solve(flexibility, sides, assume_a="sym", check_finite=False)
     except linalg.LinAlgError:
         raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
     return found[:, 0], found[:, 1]
