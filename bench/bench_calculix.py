@@ -22,7 +22,7 @@ from bench.calculix import Pressed
 from skincad import load
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers import finite_strain, linear
+from skincad.mechanics.tiers import finite_strain, plane_level
 
 FORCE = 4.0  # N
 LEVELS = ((0.25, 2), (0.5, 2), (0.5, 3), (1.0, 3), (1.0, 4), (2.0, 4), (2.0, 5))  # fineness, order
@@ -45,7 +45,7 @@ def own(pad: Pad, tier: str, fineness: float, order: int) -> Pressed:
     """Return skincad's level of a tier; its time is the median of a few runs, the first left out."""
     seconds, more = [], []
     for _ in range(REPEATS):
-        solver = linear.level if tier == "linear" else finite_strain.Levels()
+        solver = plane_level.level if tier == "linear" else finite_strain.Levels()
         started, clock = process_time(), perf_counter()
         mesh = triangles(pad, default_sizes(pad, fineness))
         found = solver(pad, mesh, order, FORCE, ())

@@ -50,7 +50,7 @@ def solved(fineness: float, order: int) -> dict[str, Any]:
 
     from skincad.mechanics.bodies.mesh import default_sizes, triangles
     from skincad.mechanics.problem import pad_of
-    from skincad.mechanics.tiers.linear import level
+    from skincad.mechanics.tiers.plane_level import level
 
     design = load("plain-ridges")
     pad = pad_of(design)

@@ -24,7 +24,8 @@ from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.left_out import free_ends
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, finite_strain, linear, solid, winkler
-from skincad.mechanics.tiers.linear import RUNGS, level
+from skincad.mechanics.tiers.linear import RUNGS
+from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.validity import beyond_small_strain
 
 STRAINS = 0.003, 0.05  # of ridges that share the force evenly

@@ -19,7 +19,8 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers.linear import FLOOR, RUNGS, level
+from skincad.mechanics.tiers.linear import FLOOR, RUNGS
+from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.tiers.table import AUTO, load
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck

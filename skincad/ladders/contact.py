@@ -16,8 +16,8 @@ from skincad.ladders.contact_errors import Found, Truth, apart, measures_of, sta
 from skincad.ladders.ladder import Ladder, repeated, timed
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
-from skincad.mechanics.tiers import finite_strain, linear, solid
-from skincad.mechanics.tiers.linear import LevelSolver
+from skincad.mechanics.tiers import finite_strain, plane_level, solid
+from skincad.mechanics.tiers.plane_level import LevelSolver
 from skincad.mechanics.tiers.prices import LAWS, own, plane_unknowns
 from skincad.mechanics.tiers.solid_level import (
     Layers,
@@ -40,7 +40,7 @@ LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
     "finite-strain": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4)),
 }
 SOLVERS: dict[str, Callable[[], LevelSolver]] = {
-    "linear": lambda: linear.level,
+    "linear": lambda: plane_level.level,
     "finite-strain": finite_strain.Levels,
 }
 
@@ -121,7 +121,7 @@ class _Tried:
             setting = f"fineness {fineness:g}, order {order}"
             self._tell(_level(name, fineness, order))
 
-            def solved(fineness: float = fineness, order: int = order) -> linear.PlaneSolution:
+            def solved(fineness: float = fineness, order: int = order) -> plane_level.PlaneSolution:
                 mesh = triangles(pad, default_sizes(pad, fineness))
                 return SOLVERS[name]()(pad, mesh, order, force, ())
 

@@ -21,7 +21,7 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.problem import Pad, check_pad, pad_of
-from skincad.mechanics.tiers import corrected, linear
+from skincad.mechanics.tiers import corrected, linear, plane_level
 from skincad.mechanics.tiers.finite_strain import Levels
 from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
 from skincad.mechanics.validity import limits
@@ -81,7 +81,7 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
     a_ridge = limits(design.with_(material={"young_modulus": young_modulus, "law": None})).largest
     force = a_ridge * len(pad.ridges) * (np.arange(1, POINTS + 1) / POINTS) ** 2
     with clock.stage("linear"):
-        found = linear.level(
+        found = plane_level.level(
             pad, triangles(pad, default_sizes(pad, FINE.fineness)), FINE.order, force[-1] / 4
         )
         states = _pressed(found.ridges, force / found.scale)
@@ -108,7 +108,7 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
         mesh, solve = triangles(pad, default_sizes(pad, COARSE.fineness)), Levels()
         at, ratio = [0.0], [1.0]
         for force in (share * largest for share in STRAINED_AT):
-            small = linear.level(pad, mesh, COARSE_ORDER, force).approach
+            small = plane_level.level(pad, mesh, COARSE_ORDER, force).approach
             try:
                 finite = solve(pad, mesh, COARSE_ORDER, force).approach
             except InputError:

@@ -22,7 +22,7 @@ from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.problem import Pad
-from skincad.mechanics.tiers.linear import level
+from skincad.mechanics.tiers.plane_level import level
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
 from tests.mechanics import closed_forms

@@ -12,7 +12,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Answer, Request, pad_of
 from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.linear import PlaneSolution, level
+from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from tests.mechanics.designs import THREE, filleted, reference, void_slots, yamada
 
 DESIGNS = {

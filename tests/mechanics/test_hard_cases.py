@@ -12,7 +12,7 @@ import pytest
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers.linear import PlaneSolution, level
+from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Segment

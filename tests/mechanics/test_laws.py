@@ -24,7 +24,7 @@ from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers import finite_strain
-from skincad.mechanics.tiers.linear import PlaneSolution
+from skincad.mechanics.tiers.plane_level import PlaneSolution
 from skincad.mechanics.tiers.solid_finite_strain import solve
 from skincad.mechanics.tiers.solid_level import Layers, SolidSolution
 from skincad.scenes.march import march

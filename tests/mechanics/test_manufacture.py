@@ -15,7 +15,7 @@ from skincad.mechanics.contact.under_plate import seen_by_plate
 from skincad.mechanics.manufacture import MODEL_MISCLASSIFIES, SCALED_MISCLASSIFIES, all_touch, manufacture
 from skincad.mechanics.problem import Request, RidgeModel, Spread, pad_of
 from skincad.mechanics.tiers import corrected
-from skincad.mechanics.tiers.linear import PlaneSolution, level
+from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
 from tests.mechanics.designs import linear_check, reference
 

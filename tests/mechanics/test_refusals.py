@@ -17,7 +17,7 @@ from skincad.mechanics.film import rungs, sliding
 from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.manufacture import manufacture
 from skincad.mechanics.problem import ContactError, RidgeModel, SizeError, Spread, one_ridge, pad_of
-from skincad.mechanics.tiers import linear, solid, solid_level
+from skincad.mechanics.tiers import linear, plane_level, solid, solid_level
 from skincad.mechanics.touching import check
 from skincad.scenes.simulation import simulate
 from tests.mechanics.designs import linear_check, plane
@@ -57,7 +57,7 @@ def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pad = pad_of(small)
-    best = linear.level(pad, triangles(pad, default_sizes(pad, 1.0)), 3, small.contact.force)
+    best = plane_level.level(pad, triangles(pad, default_sizes(pad, 1.0)), 3, small.contact.force)
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 1.0, 3))
     found = plane(small, tol=1e-4)
     assert found.unknowns == best.unknowns
@@ -83,7 +83,7 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 0.5, 3) - 1)
-    monkeypatch.setattr(linear, "_level", unsolved)
+    monkeypatch.setattr(plane_level, "_level", unsolved)
     with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
         linear_check(small)
     for asked in ({}, {"tol": 0.01}, {"budget": 500.0}):

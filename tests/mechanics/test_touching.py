@@ -24,7 +24,7 @@ from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.tiers import prices
 from skincad.mechanics.tiers import table as tiers
-from skincad.mechanics.tiers.linear import level
+from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.tiers.prices import LAWS, TimeLaw, expected, own
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck

@@ -20,7 +20,7 @@ from skincad.mechanics.film.ridge_field import ridge_field
 from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_of
 from skincad.mechanics.film.whole_state import collision, on_sides
 from skincad.mechanics.problem import Pad, SizeError, check_pad
-from skincad.mechanics.tiers.linear import MOST_CONTACT_UNKNOWNS
+from skincad.mechanics.tiers.plane_level import MOST_CONTACT_UNKNOWNS
 
 FIRST = (0.5, 3)  # fineness and order of the run that finds where contact ends
 TAIL = 2.0  # differences of orders; the true error is up to 1.4 of them (measured, film/test_stress.py)

@@ -34,7 +34,8 @@ from skincad.mechanics.contact.newton import (
 )
 from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
 from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
-from skincad.mechanics.tiers.linear import PlaneSolution, climb
+from skincad.mechanics.tiers.linear import climb
+from skincad.mechanics.tiers.plane_level import PlaneSolution
 
 # Relative change by the small-strain law at the clamped ends (neo_hooke.body), taken as twice the change
 # measured without it at 4, 6 and 9 N: 5e-5 of F9, 6e-5 to 3e-4 of approach and of the mean share

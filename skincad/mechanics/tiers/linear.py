@@ -1,7 +1,7 @@
 """The linear tier: small strain, plane strain, exact contact, and the error of each number.
 
-A level is one mesh and one order. A rung is two successive orders on one mesh: the higher gives the
-values, the difference the error. Rungs are climbed until the asked tolerance is met.
+A level is one mesh and one order (plane_level.py). A rung is two successive orders on one mesh: the higher
+gives the values, the difference the error. Rungs are climbed until the asked tolerance is met.
 """
 
 from __future__ import annotations
@@ -19,13 +19,8 @@ from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.condense import Condensed, condense
-from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.ridge_model import ridge_model
-from skincad.mechanics.contact.threshold import Ridges, all_touch_force
-from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
 from skincad.mechanics.problem import (
     FLOOR,
     Answer,
@@ -34,16 +29,21 @@ from skincad.mechanics.problem import (
     Pad,
     Request,
     RidgeModel,
-    SizeError,
     check_pad,
     no_yield,
     one_ridge,
     pad_of,
 )
+from skincad.mechanics.tiers.plane_level import (
+    MOST_CONTACT_UNKNOWNS,
+    LevelSolver,
+    PlaneSolution,
+    level,
+    too_large,
+)
 from skincad.mechanics.tiers.reached import relative_error, shortfalls
 
 DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
-MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
 MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so many were never seen
 # Contact unknowns of the whole pad against those of one ridge meshed alone, times the ridges: at least 0.92
 # on the templates' coarsest mesh. What is too large by this is refused before the whole is meshed
@@ -54,7 +54,6 @@ BY_APPROACH, BY_FORCE = 0.75, 0.4  # of the approach's relative error for F9, of
 # their own time: both orders and the yield, the higher order and the yield; 5 to 8 and 2.5 to 4.5 on the
 # templates
 AFTER_MESH, AFTER_ORDER = 6.0, 3.4
-BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
 
 
 @dataclass(frozen=True)
@@ -79,30 +78,6 @@ RUNGS = (
     PlaneRung(2.0, 4, 4e-4, 4.5),
     PlaneRung(2.0, 5, 0.0, 4.0),
 )
-
-
-@dataclass(frozen=True)
-class PlaneSolution:
-    """One mesh and order: what the verdict asks, in mm and N, and the state behind it.
-
-    `ridge_force` is `(ridges,)`; `x`, `pressure` `(m,)` are the contact points in mm and MPa.
-    """
-
-    all_touch_force: float | None
-    approach: float
-    ridge_force: Array
-    touching: int
-    x: Array
-    pressure: Array
-    unknowns: int
-    residual: float
-    seconds: dict[str, float]
-    ridges: Ridges
-    scale: float  # N for a force of 1 in the pad's units
-    fault: str = ""  # parts that go through each other or the plate unseen
-
-
-LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], PlaneSolution]
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -157,7 +132,7 @@ def climb(
                 full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
                 break
             if index == 0:
-                raise _too_large(contact)
+                raise too_large(contact)
             index -= 1
             continue
         for order in (rung.order - 1, rung.order):
@@ -217,50 +192,6 @@ def _first_rung(wanted: float) -> int:
     return usual if usual < 2 else usual - 1
 
 
-def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> PlaneSolution:
-    """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
-    with one_blas_thread():
-        return _level(pad, mesh, order, force, drops)
-
-
-def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> PlaneSolution:
-    unit, modulus = unit_of(pad), pad.young_modulus
-    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
-    clock = [perf_counter()]
-    curved = elements.curved(mesh, order)
-    contact = elements.contact_unknowns(curved, order)
-    if contact > MOST_CONTACT_UNKNOWNS:
-        raise _too_large(contact)
-    system = elements.assemble(curved, order, pad.materials)
-    clock.append(perf_counter())
-    small = condense(system.matrix, system.interior, system.contact)
-    clock.append(perf_counter())
-    ridges = seen_by_plate(pad, system, small.flexibility, unit)
-    if drops:
-        ridges = ridges.lowered(np.array(drops) / unit)
-    state = press(ridges.flexibility, ridges.gap, force / scale)
-    threshold = all_touch_force(ridges, force / scale)
-    moved = _moved(system, small, state)
-    residual = max(state.residual, _balance(system, moved, force / scale))
-    wrong = fault(elements.outlines(system, moved), height_above(pad, ridges, system, state.approach, unit))
-    clock.append(perf_counter())
-    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
-    return PlaneSolution(
-        None if threshold is None else threshold * scale,
-        state.approach * unit,
-        shares,
-        int(np.count_nonzero(shares > 0)),
-        system.nodes.position[:, 0] * unit,
-        state.force / system.nodes.weight * modulus,
-        system.unknowns,
-        residual,
-        dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
-        ridges,
-        scale,
-        wrong or "",
-    )
-
-
 def _check_coarsest(pad: Pad) -> None:
     """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
     if MOST_A_RIDGE * len(pad.ridges) <= MOST_CONTACT_UNKNOWNS:
@@ -269,36 +200,7 @@ def _check_coarsest(pad: Pad) -> None:
     mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
     expected = ALONE * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
     if expected > MOST_CONTACT_UNKNOWNS:
-        raise _too_large(round(expected))
-
-
-def _too_large(contact: int) -> SizeError:
-    return SizeError(
-        "ridge.count",
-        f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
-        contact,
-        "take fewer ridges or the winkler tier",
-    )
-
-
-def _moved(system: elements.Assembled, small: Condensed, state: NodalContact) -> Array:
-    """Displacements `(n,)` under the contact forces."""
-    load = np.zeros(system.lift.size)
-    load[system.contact] = -(system.nodes.rows.T @ state.force)
-    return small.solve(load)
-
-
-def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
-    """Relative difference between the plate's force and what the clamped back carries."""
-    held = system.lift.copy()
-    held[system.interior] = held[system.contact] = 0.0
-    carried = float(held @ (system.matrix @ moved))
-    balance = abs(carried / force - 1)
-    if not balance <= BALANCE:
-        raise ContactError(
-            f"the clamped back carries {carried / force:.6f} of the force; take a smaller poisson_ratio"
-        )
-    return balance
+        raise too_large(round(expected))
 
 
 def _estimated(

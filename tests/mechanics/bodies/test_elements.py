@@ -12,7 +12,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers.linear import level
+from skincad.mechanics.tiers.plane_level import level
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
 from tests.mechanics import closed_forms

@@ -14,7 +14,8 @@ from skincad.inputs.catalog import load
 from skincad.mechanics.problem import FLOOR, Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.tiers import corrected, linear, product, solid, solid_finite_strain
 from skincad.mechanics.tiers.corrected import Errors, changed
-from skincad.mechanics.tiers.linear import RUNGS, PlaneSolution
+from skincad.mechanics.tiers.linear import RUNGS
+from skincad.mechanics.tiers.plane_level import PlaneSolution
 from skincad.mechanics.tiers.reached import relative_error, shortfalls
 from skincad.mechanics.tiers.solid_level import SolidSolution
 

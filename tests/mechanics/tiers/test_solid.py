@@ -19,7 +19,7 @@ from skincad.mechanics.bodies.prisms import stiffness
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
 from skincad.mechanics.problem import Pad, Request, pad_of
-from skincad.mechanics.tiers import corrected, linear, solid, solid_level
+from skincad.mechanics.tiers import corrected, plane_level, solid, solid_level
 from skincad.mechanics.tiers.solid_level import (
     Layers,
     Meshed,
@@ -62,7 +62,7 @@ def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
     mesh = triangles(pad, default_sizes(pad, 0.25))
     meshed = Meshed(pad, pad, False, solid_level.unit_of(pad), solid_level.height_of(pad), mesh)
     found = pressed(meshed, forms_of(meshed, order), None, 4.0, {})
-    exact = linear.level(pad, mesh, order, 4.0)
+    exact = plane_level.level(pad, mesh, order, 4.0)
     assert found.approach == pytest.approx(exact.approach, rel=1e-5)
     assert found.all_touch_force == pytest.approx(exact.all_touch_force, rel=1e-5)
     assert found.ridge_force == pytest.approx(exact.ridge_force, rel=1e-4)
@@ -75,7 +75,7 @@ def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> No
     mesh = triangles(pad, coarse_sizes(pad, 1.0))
     meshed = Meshed(pad, pad, False, solid_level.unit_of(pad), solid_level.height_of(pad), mesh)
     found = pressed(meshed, forms_of(meshed, order), None, 0.5, {})
-    exact = linear.level(pad, mesh, order, 0.5)
+    exact = plane_level.level(pad, mesh, order, 0.5)
     assert found.approach == pytest.approx(exact.approach, rel=1e-10)
 
 

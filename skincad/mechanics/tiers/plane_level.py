@@ -1,0 +1,121 @@
+"""One level of the plane: a mesh at one order, small strain, exact contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.blas import one_blas_thread
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.bodies.folding import fault
+from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.contact.frictionless import NodalContact, press
+from skincad.mechanics.contact.threshold import Ridges, all_touch_force
+from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
+from skincad.mechanics.problem import ContactError, Pad, SizeError
+
+MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+
+
+@dataclass(frozen=True)
+class PlaneSolution:
+    """One mesh and order: what the verdict asks, in mm and N, and the state behind it.
+
+    `ridge_force` is `(ridges,)`; `x`, `pressure` `(m,)` are the contact points in mm and MPa.
+    """
+
+    all_touch_force: float | None
+    approach: float
+    ridge_force: Array
+    touching: int
+    x: Array
+    pressure: Array
+    unknowns: int
+    residual: float
+    seconds: dict[str, float]
+    ridges: Ridges
+    scale: float  # N for a force of 1 in the pad's units
+    fault: str = ""  # parts that go through each other or the plate unseen
+
+
+LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], PlaneSolution]
+
+
+def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> PlaneSolution:
+    """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
+    with one_blas_thread():
+        return _level(pad, mesh, order, force, drops)
+
+
+def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> PlaneSolution:
+    unit, modulus = unit_of(pad), pad.young_modulus
+    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
+    clock = [perf_counter()]
+    curved = elements.curved(mesh, order)
+    contact = elements.contact_unknowns(curved, order)
+    if contact > MOST_CONTACT_UNKNOWNS:
+        raise too_large(contact)
+    system = elements.assemble(curved, order, pad.materials)
+    clock.append(perf_counter())
+    small = condense(system.matrix, system.interior, system.contact)
+    clock.append(perf_counter())
+    ridges = seen_by_plate(pad, system, small.flexibility, unit)
+    if drops:
+        ridges = ridges.lowered(np.array(drops) / unit)
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    threshold = all_touch_force(ridges, force / scale)
+    moved = _moved(system, small, state)
+    residual = max(state.residual, _balance(system, moved, force / scale))
+    wrong = fault(elements.outlines(system, moved), height_above(pad, ridges, system, state.approach, unit))
+    clock.append(perf_counter())
+    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    return PlaneSolution(
+        None if threshold is None else threshold * scale,
+        state.approach * unit,
+        shares,
+        int(np.count_nonzero(shares > 0)),
+        system.nodes.position[:, 0] * unit,
+        state.force / system.nodes.weight * modulus,
+        system.unknowns,
+        residual,
+        dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+        ridges,
+        scale,
+        wrong or "",
+    )
+
+
+def too_large(contact: int) -> SizeError:
+    """Return the refusal of a pad with so many contact unknowns."""
+    return SizeError(
+        "ridge.count",
+        f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
+        contact,
+        "take fewer ridges or the winkler tier",
+    )
+
+
+def _moved(system: elements.Assembled, small: Condensed, state: NodalContact) -> Array:
+    """Displacements `(n,)` under the contact forces."""
+    load = np.zeros(system.lift.size)
+    load[system.contact] = -(system.nodes.rows.T @ state.force)
+    return small.solve(load)
+
+
+def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
+    """Relative difference between the plate's force and what the clamped back carries."""
+    held = system.lift.copy()
+    held[system.interior] = held[system.contact] = 0.0
+    carried = float(held @ (system.matrix @ moved))
+    balance = abs(carried / force - 1)
+    if not balance <= BALANCE:
+        raise ContactError(
+            f"the clamped back carries {carried / force:.6f} of the force; take a smaller poisson_ratio"
+        )
+    return balance
