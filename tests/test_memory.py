@@ -13,7 +13,6 @@ import skincad
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.bodies.prisms import section_forms
-from skincad.mechanics.bodies.section_points import section_points
 from skincad.mechanics.problem import pad_of
 
 # MB a call of what malloc has given out and not got back: exact, unlike the resident size. A point of an
@@ -61,13 +60,12 @@ def test_finite_elements_give_their_memory_back() -> None:
     pad = pad_of(skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0}))
     materials = {"skin": (1.0, pad.poisson_ratio)}
     mesh = elements.curved(triangles(pad, default_sizes(pad)), 2)
-    forms = section_forms(mesh, 2, materials)
-    system = forms.plane
+    system = elements.assemble(mesh, 2, materials)
     jobs: dict[str, Callable[[], object]] = {
         "mesh": lambda: elements.curved(triangles(pad, default_sizes(pad)), 2),
         "assemble": lambda: elements.assemble(mesh, 2, materials),
         "outlines": lambda: elements.outlines(system, system.lift),
-        "points": lambda: section_points(forms, materials),
+        "section": lambda: section_forms(mesh, 2, materials),
     }
     assert {name: growth for name, job in jobs.items() if (growth := kept(job, 4)) > KEPT} == {}
 

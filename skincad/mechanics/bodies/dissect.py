@@ -7,11 +7,11 @@ the other unknowns are wanted too, the fronts are kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import linalg, sparse
+from scipy import linalg
 from scipy.linalg import blas, lapack
 
 from skincad.base.arrays import Array, Index
@@ -47,9 +47,8 @@ class Eliminated:
 
 
 Unknowns = Callable[[Index], Index]  # the free unknowns of functions, in their order
-# Adds to a front's block `(n, n)`, lower triangle, what it assembles itself: of the front, at `where` each
-# unknown is, -1 outside; with its `own` and `border` unknowns
-Fill = Callable[[Array, Front, Index, Index, Index], None]
+# Of a triangle, what is above it, piece by piece: unknowns `(m,)` and stiffness `(m, m)`
+Inside = Callable[[int], Iterable[tuple[Index, Array]]]
 
 
 def dissection(functions: list[Index], centres: Array, last: Index) -> list[Front]:
@@ -101,26 +100,18 @@ def _separator(
     return min(found, key=lambda pair: pair[1].size)
 
 
-def schur(
-    matrix: sparse.csr_matrix, fronts: list[Front], unknowns: Unknowns, load: Array
-) -> tuple[Array, Array]:
+def schur(inside: Inside, fronts: list[Front], unknowns: Unknowns, load: Array) -> tuple[Array, Array]:
     """Return the Schur complement `(k, k)` on the root's border, and the load `(k,)` condensed to it.
 
     `load` is `(n,)`. Raises ContactError when the matrix is not positive definite.
     """
     load = load.copy()
-
-    def fill(block: Array, front: Front, own: Index, border: Index, where: Index) -> None:
-        _add_rows(block, matrix, own, where)
-        if front is fronts[-1]:
-            _add_rows(block, matrix, border, where, own.size)
-
-    for step in eliminated(fronts, unknowns, fill, load.size):
+    for step in eliminated(inside, fronts, unknowns, load.size):
         _forward(step, load)
-    return step.rest + np.tril(step.rest, -1).T, load[step.border]
+    return np.tril(step.rest) + np.tril(step.rest, -1).T, load[step.border]
 
 
-def eliminated(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -> Iterator[Eliminated]:
+def eliminated(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: int) -> Iterator[Eliminated]:
     """Yield front after front of a matrix `(size, size)`, eliminated; the last leaves the Schur complement.
 
     Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302; fronts hold their lower triangle only. Raises
@@ -133,7 +124,9 @@ def eliminated(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -
         rows = np.concatenate([own, border])
         where[rows] = np.arange(rows.size)
         block = np.zeros((rows.size, rows.size), order="F")
-        fill(block, front, own, border, where)
+        for triangle in front.triangles:
+            for numbers, stiffness in inside(triangle):
+                _add_free(block, where[numbers], stiffness)
         for child in front.children:
             theirs, rest = left.pop(child)
             _add_runs(block, rest, where[theirs])
@@ -166,10 +159,10 @@ class Factored:
         return found
 
 
-def factored(fronts: list[Front], unknowns: Unknowns, fill: Fill, size: int) -> Factored:
+def factored(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: int) -> Factored:
     """Return the matrix factored; ContactError when it is not positive definite with the border held."""
     steps = []
-    for step in eliminated(fronts, unknowns, fill, size):
+    for step in eliminated(inside, fronts, unknowns, size):
         steps.append(replace(step, rest=np.empty((0, 0))))  # the parent has it; only factors are kept
         rest = step.rest
     flexibility, falling = _inverse(rest)
@@ -187,12 +180,11 @@ def _inverse(lower: Array) -> tuple[Array, int]:
     return (inverse + inverse.T) / 2, 0
 
 
-def _add_rows(block: Array, matrix: sparse.csr_matrix, rows: Index, where: Index, first: int = 0) -> None:
-    """Add the matrix's columns `rows`, numbered from `first` in the front, where their rows are in it."""
-    part = matrix[rows].tocoo()
-    row, column = where[part.col], part.row + first
-    inside = row >= column
-    block[row[inside], column[inside]] += part.data[inside]
+def _add_free(block: Array, rows: Index, stiffness: Array) -> None:
+    """Add to a front's block what lies at its `rows`; unknowns that are held are at -1."""
+    kept = np.flatnonzero(rows >= 0)
+    rows = rows[kept]
+    block[rows[:, None], rows] += stiffness[kept[:, None], kept]
 
 
 def _add_runs(block: Array, rest: Array, at: Index) -> None:

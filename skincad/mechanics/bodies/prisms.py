@@ -7,8 +7,10 @@ the same code is plane strain on the same mesh, to the last digit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import ngsolve as ng
@@ -20,6 +22,7 @@ from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
 from skincad.mechanics.bodies.elements import Assembled, Sample
 from skincad.mechanics.bodies.layers import AlongY
+from skincad.mechanics.bodies.section_points import SectionPoints, section_points
 from skincad.mechanics.problem import ContactError
 
 AXES = ("x", "z", "y")  # order of the displacement's components
@@ -27,20 +30,16 @@ AXES = ("x", "z", "y")  # order of the displacement's components
 
 @dataclass(frozen=True)
 class SectionForms:
-    """Integrals over the section's scalar functions v `(n,)` and pressures q.
+    """The section's scalar functions and pressures at the `points` of its triangles.
 
-    `shear[a, b]` is G (a of v_i) (b of v_j) and `volume[a]` is q_i (a of v_j), where x and z derive and y
-    stands for the value; `inverse` is the inverse of q_i q_j / K. `held` `(n,)` marks functions clamped at
-    the back, `cut` `(n,)` those on x = 0. `functions` and `centres` `(t, 2)` describe the triangles, `plane`
-    the contact points.
+    `functions` `(t, f)` numbers each triangle's functions, `centres` `(t, 2)` are its corners' mean; `held`
+    `(n,)` marks functions clamped at the back, `cut` `(n,)` those on x = 0. `plane` has the contact points.
     """
 
-    shear: dict[tuple[str, str], sparse.csr_matrix]
-    volume: dict[str, sparse.csr_matrix]
-    inverse: sparse.csr_matrix
+    points: SectionPoints
     held: Mask
     cut: Mask
-    functions: list[Index]
+    functions: Index
     centres: Array
     plane: Assembled
 
@@ -60,71 +59,69 @@ class Solid:
     unknowns: int
 
 
+@dataclass(frozen=True)
+class Prisms:
+    """Stiffness of the prisms over each triangle, small strain: the sum of `section` `(t, 8, (3 f)^2)` times
+    `along` `(8, n^2)`, whose 8 say which factors derive along y. `unknowns` `(t, 3 f n)` numbers them:
+    component x, z, y; section function; function along y."""
+
+    section: Array
+    along: Array
+    unknowns: Index
+
+    def stiffness(self, triangle: int) -> Array:
+        """Return one triangle's stiffness `(3 f n, 3 f n)`."""
+        f, n = (math.isqrt(a.shape[-1]) for a in (self.section, self.along))
+        both = (self.section[triangle].T @ self.along).reshape(f, f, n, n)
+        return np.asarray(both.transpose(0, 2, 1, 3).reshape(f * n, f * n))
+
+
 def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> SectionForms:
-    """Return the section's integrals; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+    """Return the section's functions; `materials` maps a domain to (Young's modulus, Poisson's ratio).
 
     Displacements and pressure are those of `elements.assemble`.
     """
     space = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     pressure = ng.L2(mesh, order=order - 1)
-    shear, _ = fe.moduli(mesh, materials)
-    soft = mesh.MaterialCF({name: 3 * (1 - 2 * nu) / e for name, (e, nu) in materials.items()})
-    (u, v), (q, r) = space.TnT(), pressure.TnT()
-    of_u, of_v = _values(u), _values(v)
-    both = {
-        (a, b): fe.assembled(shear * of_v[a] * of_u[b] * ng.dx, space)
-        for i, a in enumerate(AXES)
-        for b in AXES[i:]
-    }
-    mirrored = {(b, a): m.T.tocsr() for (a, b), m in both.items()}
-    volume = {a: fe.assembled(r * of_u[a] * ng.dx, space, pressure) for a in AXES}
-    weight = fe.assembled(soft * q * r * ng.dx, pressure)
     inside = list(mesh.Elements(ng.VOL))
     return SectionForms(
-        {**mirrored, **both},
-        volume,
-        fe.block_inverse(weight, mesh, pressure),
+        section_points(mesh, space, pressure, materials),
         ~np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof),
         fe.on_cut(mesh, space),
-        [np.array(space.GetDofNrs(e), dtype=np.int64) for e in inside],
+        np.array([space.GetDofNrs(e) for e in inside], dtype=np.int64),
         fe.centres(mesh, inside),
         elements.assemble(mesh, order, materials),
     )
 
 
-def _values(u: Any) -> dict[str, Any]:
-    gradient = ng.grad(u)
-    return {"x": gradient[0], "z": gradient[1], "y": u}
-
-
-def stiffness(forms: SectionForms, line: AlongY) -> sparse.csr_matrix:
-    """Return the stiffness over (component x, z, y; section function; function along y), small strain.
+def prisms(forms: SectionForms, line: AlongY) -> Prisms:
+    """Return the stiffness of the prisms that a line makes of the triangles.
 
     2 G dev(e):dev(e) + K (P div u)^2 with the projection P on the pressures: what `elements.assemble`
     leaves after condensing the pressure, its weak form the same.
     """
-    along = {("y", "y"): line.stiff, ("y", "-"): line.slope.T, ("-", "y"): line.slope, ("-", "-"): line.mass}
-    strip = {"y": line.rise, "-": line.mean}
-    blocks: list[list[Any]] = [[None] * 3 for _ in AXES]
-    for i, a in enumerate(AXES):
-        for j, b in enumerate(AXES[i:], i):
-            terms = [(b, a, 1.0), (a, b, -2 / 3), *((c, c, 1.0) for c in AXES if a == b)]
-            parts: dict[tuple[str, str], Any] = {}
-            for test, trial, factor in terms:  # what runs alike along y is added up in the section
-                key = _way(test), _way(trial)
-                parts[key] = factor * forms.shear[test, trial] + parts.get(key, 0)
-            section = forms.volume[a].T @ forms.inverse @ forms.volume[b]
-            swell = strip[_way(a)].T @ line.inverse @ strip[_way(b)]
-            blocks[i][j] = sparse.kron(section, swell, format="csr")
-            for key, part in parts.items():
-                blocks[i][j] = blocks[i][j] + sparse.kron(part, along[key], format="csr")
-            if i != j:
-                blocks[j][i] = blocks[i][j].T
-    return sparse.csr_matrix(sparse.bmat(blocks, format="csr"))
-
-
-def _way(axis: str) -> str:
-    return "y" if axis == "y" else "-"
+    at = forms.points
+    count, _, three, f = at.basis.shape
+    basis = at.basis.reshape(*at.weight.shape, three * f)
+    shear = np.swapaxes(basis * (at.weight * at.shear[:, None])[:, :, None], 1, 2) @ basis
+    tested = np.swapaxes(at.test * at.weight[:, :, None], 1, 2)
+    own, coupled = tested @ at.test / at.bulk[:, None, None], tested @ basis
+    volume = np.swapaxes(coupled, 1, 2) @ np.linalg.solve(own, coupled)
+    shear, volume = (m.reshape(count, three, f, three, f) for m in (shear, volume))
+    section = np.zeros((count, 2, 2, 2, three, f, three, f))
+    ways = [int(axis == "y") for axis in AXES]
+    for a, b in product(range(three), repeat=2):
+        terms = [(b, a, 1.0), (a, b, -2 / 3), *((c, c, 1.0) for c in range(three) if a == b)]
+        for test, trial, factor in terms:  # what runs alike along y is added up in the section
+            section[:, 0, ways[test], ways[trial], a, :, b] += factor * shear[:, test, :, trial]
+        section[:, 1, ways[a], ways[b], a, :, b] = volume[:, a, :, b]
+    strip = line.mean, line.rise
+    along = [line.mass, line.slope, line.slope.T, line.stiff]
+    along += [one.T @ line.inverse @ other for one in strip for other in strip]
+    size, n = forms.held.size, line.at.size
+    functions = forms.functions[:, None, :] + size * np.arange(three)[:, None]
+    unknowns = functions.reshape(count, -1, 1) * n + np.arange(n)
+    return Prisms(section.reshape(count, 8, -1), np.array(along).reshape(8, -1), unknowns.reshape(count, -1))
 
 
 def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False) -> Solid:
@@ -132,14 +129,21 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
 
     With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain.
     """
-    matrix = stiffness(forms, line)
+    solid = prisms(forms, line)
     count, layers = forms.held.size, line.at.size
     free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
     flat = forms.plane.contact
     fronts, unknowns = fronts_of(forms, free)
-    held = np.zeros((3, count, layers))
+    held, load = np.zeros((3, count, layers)), np.zeros(3 * count * layers)
     held[1] = (forms.plane.lift[count : 2 * count] * forms.held)[:, None]
-    complement, load = schur(matrix, fronts, unknowns, matrix @ held.ravel())
+    for triangle in np.flatnonzero(forms.held[forms.functions].any(axis=1)).tolist():
+        own = solid.unknowns[triangle]
+        load[own] += solid.stiffness(triangle) @ held.ravel()[own]
+
+    def inside(triangle: int) -> Iterator[tuple[Index, Array]]:
+        yield solid.unknowns[triangle], solid.stiffness(triangle)
+
+    complement, load = schur(inside, fronts, unknowns, load)
     try:
         root = linalg.cho_factor(complement, check_finite=False)
     except linalg.LinAlgError:

@@ -1,24 +1,24 @@
-"""The section's functions at quadrature points of its triangles, for laws that prisms.py cannot factor."""
+"""The section's functions at quadrature points of its triangles."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.mechanics.bodies import fe
-from skincad.mechanics.bodies.prisms import SectionForms
 
 
 @dataclass(frozen=True)
 class SectionPoints:
     """The g points of each of t triangles, of `weight` `(t, g)` in area.
 
-    `basis` `(t, g, 3, f)` is the derivative by x, by z and the value of the triangle's functions
-    (`SectionForms.functions`), `test` `(t, g, q)` its pressure functions; `shear`, `bulk` `(t,)` are moduli.
+    `basis` `(t, g, 3, f)` is the derivative by x, by z and the value of the triangle's functions, `test`
+    `(t, g, q)` its pressure functions; `shear`, `bulk` `(t,)` are moduli.
     """
 
     weight: Array
@@ -28,28 +28,34 @@ class SectionPoints:
     bulk: Array
 
 
-def section_points(forms: SectionForms, materials: Mapping[str, tuple[float, float]]) -> SectionPoints:
-    """Return the functions of `forms` at points that integrate their products on straight triangles."""
-    mesh, space = forms.plane.mesh, forms.plane.space
-    displacement, pressure = space.components[0].components[0], space.components[1]
+def section_points(
+    mesh: Any, space: Any, pressures: Any, materials: Mapping[str, tuple[float, float]]
+) -> SectionPoints:
+    """Return the functions of scalar spaces at points that integrate their products on straight triangles."""
     elements = list(mesh.Elements(ng.VOL))
-    rule = ng.IntegrationRule(ng.TRIG, 2 * displacement.GetFE(elements[0]).order)
+    rule = ng.IntegrationRule(ng.TRIG, 2 * space.GetFE(elements[0]).order)
     at, share = [p[:2] for p in rule.points], np.array(rule.weights)
     _, _, jacobian = fe.mapped(mesh, at, ng.VOL)
-    inverse = np.linalg.inv(jacobian)
-    basis, test = [], []
-    for element, to_reference in zip(elements, inverse, strict=True):
-        shape, trial = displacement.GetFE(element), pressure.GetFE(element)
-        values = np.array([np.asarray(shape.CalcShape(*p, 0.0)).ravel() for p in at])
-        slopes = np.array([np.asarray(shape.CalcDShape(*p)) for p in at]) @ to_reference
-        basis.append(np.stack([slopes[:, :, 0], slopes[:, :, 1], values], axis=1))
-        test.append([np.asarray(trial.CalcShape(*p, 0.0)).ravel() for p in at])
+    # a hierarchical basis looks alike in all triangles whose corners are numbered in the same order
+    corners = np.array([[v.nr for v in element.vertices] for element in elements])
+    orders, which = np.unique(np.argsort(corners, axis=1), axis=0, return_inverse=True)
+    alike = [elements[int(np.argmax(which.ravel() == k))] for k in range(len(orders))]
+
+    def sampled(field: Any, of: str) -> Array:
+        shapes = [field.GetFE(element) for element in alike]
+        found = np.array([[np.asarray(getattr(shape, of)(*p, 0.0)) for p in at] for shape in shapes])
+        return found[which.ravel()]
+
+    values = sampled(space, "CalcShape").reshape(len(elements), len(at), -1)
+    slopes = sampled(space, "CalcDShape") @ np.linalg.inv(jacobian)
+    basis = np.stack([slopes[..., 0], slopes[..., 1], values], axis=2)
+    test = sampled(pressures, "CalcShape").reshape(len(elements), len(at), -1)
     moduli = np.array([materials[element.mat] for element in elements])
     young, ratio = moduli.T
     return SectionPoints(
         share * np.linalg.det(jacobian),
-        np.array(basis),
-        np.array(test),
+        basis,
+        test,
         young / (2 * (1 + ratio)),
         young / (3 * (1 - 2 * ratio)),
     )

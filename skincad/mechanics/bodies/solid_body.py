@@ -6,7 +6,7 @@ Lengths in the pad's unit, stresses in E.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import ngsolve as ng
@@ -20,7 +20,7 @@ from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
 from skincad.mechanics.bodies.folding import THROUGH, fault, widest
 from skincad.mechanics.bodies.law_energy import NO_LAWS
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
-from skincad.mechanics.bodies.section_points import SectionPoints, section_points
+from skincad.mechanics.bodies.section_points import SectionPoints
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
 
 
@@ -77,14 +77,11 @@ class SolidBody:
         stiffness = solid_law.stiffness(at, coupling)
         of_element = self.of_element
 
-        def fill(block: Array, front: Front, _own: Index, _border: Index, where: Index) -> None:
-            for element in self.of_triangle[front.triangles].ravel():
-                rows = where[of_element[element]]
-                kept = np.flatnonzero(rows >= 0)
-                rows = rows[kept]
-                block[rows[:, None], rows] += stiffness[element][kept[:, None], kept]
+        def inside(triangle: int) -> Iterator[tuple[Index, Array]]:
+            for element in self.of_triangle[triangle]:
+                yield of_element[element], stiffness[element]
 
-        small = factored(self.fronts, self.unknowns, fill, self.displacements)
+        small = factored(inside, self.fronts, self.unknowns, self.displacements)
         return SolidLinearised(self, coupling, small, residual, small.flexibility)
 
     def widest(self, step: Array) -> float:
@@ -147,22 +144,19 @@ def solid_body(
     forms: SectionForms,
     borders: Array,
     order: int,
-    materials: Mapping[str, tuple[float, float]],
     *,
     clamped_end: bool = False,
     laws: Mapping[str, Rubber] = NO_LAWS,
 ) -> SolidBody:
     """Return the body over layers between `borders` `(layers + 1,)`, displacements of `order` along y.
 
-    `materials` are those of `forms`, `laws` as in neo_hooke.body. At y = 0 u_y is 0; with `clamped_end`
-    at the end too: plane strain.
+    `laws` as in neo_hooke.body. At y = 0 u_y is 0; with `clamped_end` at the end too: plane strain.
     """
     line, count, height = layers.line(borders, order), forms.held.size, len(borders) - 1
     along = line.at.size
-    section = section_points(forms, materials)
-    elements = _extruded(section, np.diff(borders), layers.inside(order), _numbered(forms, laws, height))
+    elements = _extruded(forms.points, np.diff(borders), layers.inside(order), _numbered(forms, laws, height))
     # an element's functions: the section's first, then y's; elements: triangle, then layer
-    functions = np.array(forms.functions)[:, None, :, None] * along
+    functions = forms.functions[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
     total = len(forms.functions) * height
     of_element = functions.reshape(total, 1, -1) + np.arange(3)[:, None] * count * along

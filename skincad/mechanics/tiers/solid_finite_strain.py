@@ -113,8 +113,7 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
             unknowns,
             "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
         )
-    piece = meshed.piece
-    return solid_body(forms, borders, along.order, piece.materials, clamped_end=clamped_end, laws=piece.laws)
+    return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=meshed.piece.laws)
 
 
 def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:

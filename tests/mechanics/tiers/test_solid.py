@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.dissect import dissection, schur
-from skincad.mechanics.bodies.layers import graded, line
+from skincad.mechanics.bodies.layers import AlongY, graded, line
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.bodies.prisms import stiffness
+from skincad.mechanics.bodies.prisms import SectionForms, prisms
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
 from skincad.mechanics.problem import Pad, Request, pad_of
@@ -124,23 +125,36 @@ def test_a_half_is_half_of_the_area() -> None:
     assert half_of(replace(pad, section=replace(pad.section, outline=pad.section.outline[1:]))) is None
 
 
+def assembled(forms: SectionForms, along: AlongY) -> sparse.csr_matrix:
+    """The prisms' stiffness as one sparse matrix."""
+    solid = prisms(forms, along)
+    blocks = np.array([solid.stiffness(t) for t in range(len(forms.functions))])
+    rows, columns = np.broadcast_arrays(solid.unknowns[:, :, None], solid.unknowns[:, None])
+    index = rows.ravel(), columns.ravel()
+    return sparse.csr_matrix((blocks.ravel(), index), shape=2 * (3 * forms.held.size * along.at.size,))
+
+
 def test_nested_dissection_is_a_solve() -> None:
     """The Schur complement's inverse against the sparse solver's columns; condition 1e5 leaves 1e-9."""
     pad = pad_of(sharp().with_(ridge={"count": 1}, skin={"width": 2.0, "length": 4.0}))
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, 2)
     along = line(graded(2.0, 1.0, 2.0), 2)
-    matrix = stiffness(forms, along)
+    solid, matrix = prisms(forms, along), assembled(forms, along)
     layers, count = along.at.size, forms.held.size
     free = ~np.tile(forms.held, 3)
-    functions = [f + shift * count for f in forms.functions for shift in range(3)]
-    functions = [np.concatenate(functions[i : i + 3]) for i in range(0, len(functions), 3)]
+    functions = [np.concatenate([f + shift * count for shift in range(3)]) for f in forms.functions]
     functions = [f[free[f]] for f in functions]
     numbers = np.arange(matrix.shape[0]).reshape(-1, layers)
     contact = forms.plane.contact
     fronts = dissection(functions, forms.centres, contact)
     # u_y is free to translate without symmetry at y = 0: the clamped back holds it
-    complement, _ = schur(matrix, fronts, lambda f: numbers[f].ravel(), np.zeros(matrix.shape[0]))
+    complement, _ = schur(
+        lambda t: [(solid.unknowns[t], solid.stiffness(t))],
+        fronts,
+        lambda f: numbers[f].ravel(),
+        np.zeros(matrix.shape[0]),
+    )
     kept = numbers[free].ravel()
     sides = np.zeros((matrix.shape[0], contact.size * layers))
     root = numbers[fronts[-1].border].ravel()
