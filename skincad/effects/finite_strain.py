@@ -11,7 +11,7 @@ friction, simple shear with, and small strain at small loads (tests/mechanics/co
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
@@ -56,7 +56,7 @@ class FiniteStrain(Law):
         """Return a meshed whole pad to be marched; RefusedError for terms that ask for more than friction."""
         from skincad.mechanics.bodies import elements, neo_hooke
         from skincad.mechanics.bodies.large_field import strip_stress
-        from skincad.mechanics.contact import dragged
+        from skincad.mechanics.contact.dragged import dragged
 
         asked = frozenset[str]().union(*(term.asks for term in terms))
         if asked:
@@ -66,13 +66,10 @@ class FiniteStrain(Law):
         pad, unit = piece.pad, piece.unit
         curved = elements.curved(mesh, order)
         with one_blas_thread():
-            whole = dragged.dragged(
-                curved, order, pad.materials, pad.top, unit, pad.young_modulus * unit * pad.length
-            )
-            if pad.laws:  # at rest, which is all that `dragged` looks at, laws are the same
-                whole = replace(whole, body=neo_hooke.body(curved, order, pad.materials, pad.laws))
+            body = neo_hooke.body(curved, order, pad.materials, pad.laws)
+            whole = dragged(body, pad.top, unit, pad.young_modulus * unit * pad.length)
         strips = (
-            strip_stress(whole.body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
+            strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
             if films
             else None
         )

@@ -11,7 +11,6 @@ reason to stop: what a free ridge could not bear, one held by its plate may (cre
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -89,16 +88,8 @@ class DraggedState:
     moves: tuple[float, ...] = ()
 
 
-def dragged(
-    mesh: Any,
-    order: int,
-    materials: Mapping[str, tuple[float, float]],
-    top: float,
-    unit: float,
-    scale: float,
-) -> Dragged:
-    """Return the pad of a curved mesh; `top` mm is its highest point."""
-    body = neo_hooke.body(mesh, order, materials)
+def dragged(body: NeoHookeBody, top: float, unit: float, scale: float) -> Dragged:
+    """Return the pad of a body under its plate; `top` mm is its highest point."""
     along_x, along_z = (body.space.components[0].Range(i).start for i in (0, 1))
     rest = body.rest
     contact = np.concatenate([rest.contact - along_z + along_x, rest.contact])

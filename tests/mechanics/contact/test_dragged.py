@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.large_field import strip_stress
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
 from skincad.mechanics.contact.dragged import Dragged, DraggedState, dragged, linearised, newton, unloaded
@@ -34,7 +34,7 @@ def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None =
     mesh = elements.curved(triangles(pad, sizes or default_sizes(pad, fineness)), order)
     scale = pad.young_modulus * unit * pad.length
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
-    return dragged(mesh, order, materials, pad.top, unit, scale)
+    return dragged(neo_hooke.body(mesh, order, materials), pad.top, unit, scale)
 
 
 @cache
@@ -99,7 +99,7 @@ def test_small_loads_are_small_strain_to_first_order() -> None:
     small = sliding(piece, mesh, 2, True)
     stiff = {"skin": (1.0, piece.pad.poisson_ratio), "film": (3750.0, 0.35)}
     scale = piece.pad.young_modulus * piece.unit * piece.pad.length
-    what = dragged(elements.curved(mesh, 2), 2, stiff, piece.pad.top, piece.unit, scale)
+    what = dragged(neo_hooke.body(elements.curved(mesh, 2), 2, stiff), piece.pad.top, piece.unit, scale)
     strips = strip_stress(what.body, 2, stiff, piece.slots, piece.thickness, piece.unit)
     apart = []
     for force in (1e-3, 5e-4, 2.5e-4):
@@ -267,7 +267,7 @@ def test_strips_stress_turns_with_the_strip() -> None:
     mesh = elements.curved(triangles(piece.pad, default_sizes(piece.pad, 0.25)), 2)
     ratio, along = 0.3, 1.3
     both = {"skin": (1.0, ratio), "film": (1.0, ratio)}
-    what = dragged(mesh, 2, both, piece.pad.top, piece.unit, 1.0)
+    what = dragged(neo_hooke.body(mesh, 2, both), piece.pad.top, piece.unit, 1.0)
     strips = strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit)
     shear, rest = closed_forms.lame(1.0, ratio)
     wanted = [rest * (along - 1), shear / along * (along**2 - 1) + rest * (along - 1), rest * (along - 1)]
