@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from time import perf_counter
 
+from skincad.base.climbing import overrun
 from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
@@ -117,9 +118,8 @@ class Climb:
             if budget is not None and self._spent() + found.next_tier[1] > budget:
                 break
             name, request = found.next_tier[0], replace(request, must_fit=False)
-        if budget is not None and self._spent() > budget:
-            late = f"took {self._spent():.2g} s, more than the budget of {budget:g} s"
-            found = replace(found, warnings=(*found.warnings, late))
+        late = overrun("", self._spent(), budget)
+        found = replace(found, warnings=(*found.warnings, *late)) if late else found
         found = unasked_left_out(found)
         return with_shortfall(found, tol, 0.0) if tol is not None else with_open_friction(found)
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial as bound
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from skincad.base import climbing
 from skincad.base.arrays import Array
+from skincad.base.climbing import Ascent, overrun, unmet
 from skincad.base.errors import InputError, RefusedError
-from skincad.scenes.levels import LEVELS, expected
+from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.march import INTERRUPTED, March
 from skincad.scenes.on_mesh import Marching, march_on
 from skincad.scenes.scene import Scene
@@ -20,6 +19,7 @@ from skincad.scenes.scene import Scene
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
 
+_Error = dict[int, float] | None
 DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (docs/facts.md)
 
 
@@ -37,59 +37,49 @@ def climb(
 ) -> Climbed:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
     wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
-    before: March | None = None
-    error: dict[int, float] | None = None
-    reached, met = np.inf, False
-    short: list[str] = []
-    for level, following in zip(LEVELS, (*LEVELS[1:], None), strict=True):
-        stages: dict[str, float] = {}
-        rest = following if before is None and budget is None else None  # two meshes are the least
-        found = _or_before(bound(march_on, level, on, stages, rest), before, met, on.partial, short)
-        for stage, more in stages.items():
+    last: dict[str, float] = {}
+
+    def marched(level: Level, before: Ascent[Level, March, _Error] | None) -> March:
+        two = before is None and budget is None  # two meshes are the least
+        last.clear()
+        found = march_on(level, on, last, LEVELS[1] if two and len(LEVELS) > 1 else None)
+        for stage, more in last.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
-        if before is not None and found.readings is before.readings:
-            break
-        if before is not None:
-            error, reached = _errors(on, before, found)
-            met = reached <= wanted
-        enough = met and (tol is not None or budget is None)  # a budget alone asks for the best it buys
-        if enough or found.failed or found.interrupted or following is None:
-            break
-        if not films and before is not None:
-            break
-        price = expected(following, level, {**stages, "mesh": seconds["mesh"]})
-        if budget is not None and perf_counter() - began + price > budget:
-            break
-        before = found
-    if films and not met:
-        how = "of unknown error" if error is None else f"within {reached:.1e} of its largest"
-        short.append(f"the differential stress is {how}: the tolerance {wanted:.1e} is not met")
-    if budget is not None and (late := perf_counter() - began) > budget:
-        short.append(f"took {late:.2g} s, more than the budget of {budget:g} s")
-    return Climbed(found, error, short)
+        if before is not None and found.interrupted:
+            raise KeyboardInterrupt  # a whole march says more than a part
+        if before is not None and found.failed and before.error <= wanted:
+            raise _StoppedError(f"a finer mesh stopped at {found.stopped}")  # what is there is good enough
+        return found
+
+    def price(before: Ascent[Level, March, _Error], following: Level) -> float:
+        if before.found.failed or before.found.interrupted:
+            return np.inf
+        return expected(following, before.rungs[-1], {**last, "mesh": seconds["mesh"]})
+
+    reached = climbing.climb(
+        marched,
+        LEVELS,
+        lambda _, found, before: (None, np.inf) if before is None else _errors(on, before, found),
+        wanted if tol is not None or budget is None else 0.0,  # a budget alone asks for the best it buys
+        budget,
+        began=began,
+        price=price,
+        ends=(InputError, RefusedError, *((KeyboardInterrupt,) if on.partial else ())),
+    )
+    march, error, ended, short = reached.found, reached.told, reached.ended, list[str]()
+    if isinstance(ended, KeyboardInterrupt):
+        march = replace(march, stopped=INTERRUPTED)
+    elif ended is not None:
+        words = str(ended) if isinstance(ended, _StoppedError) else f"a finer mesh is refused ({ended})"
+        short.append(f"{words}; the results are those of the mesh before")
+    if films:
+        how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
+        short += unmet(f"the differential stress is {how}", reached.error, wanted)
+    return Climbed(march, error, [*short, *overrun("", reached.spent, budget)])
 
 
-def _or_before(
-    run: Callable[[], March], before: March | None, met: bool, partial: bool, short: list[str]
-) -> March:
-    """Return the march on the next mesh, or that `before` where it says more; `short` gets why."""
-    try:
-        found = run()
-    except KeyboardInterrupt:
-        if not partial or before is None:
-            raise
-        return replace(before, stopped=INTERRUPTED)
-    except (InputError, RefusedError) as refusal:
-        if before is None:
-            raise
-        short.append(f"a finer mesh is refused ({refusal}); the results are those of the mesh before")
-        return before
-    if found.interrupted and before is not None:
-        return replace(before, stopped=INTERRUPTED)  # a whole march says more than a part
-    if found.failed and met and before is not None:  # only a budget climbs on from what is good enough
-        short.append(f"a finer mesh stopped at {found.stopped}; the results are those of the mesh before")
-        return before
-    return found
+class _StoppedError(RefusedError):
+    """A march that did not reach the end of its history."""
 
 
 def differential(piece: PadPiece, scene: Scene, found: March) -> dict[int, Array]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.base.climbing import Ascent, climb, unmet
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.mechanics.bodies import elements
@@ -49,6 +50,9 @@ class FilmRung:
 RUNGS = (FilmRung(0.5, 4, 1 / 30, 0.5), FilmRung(1.0, 4, 1 / 100, 0.4), FilmRung(1.0, 5, 1 / 200, 0.3))
 
 
+_Pressed = tuple[PadPiece, StickSolution, StickSolution]  # both orders of a rung, the higher first
+
+
 def solve(
     pad: Pad,
     thickness: float,
@@ -77,37 +81,34 @@ def solve(
     # the rungs' meshes are finer still: what is too large here is told before anything is solved
     if (contact := _contact_unknowns(mesh, RUNGS[0].order)) > MOST_CONTACT_UNKNOWNS:
         raise _too_large(contact)
-    best = solved(plain, mesh, FIRST[1], False)
-    results: list[FilmStress] = []
-    full = ""
-    for rung in RUNGS:
-        finer = with_fine_edges(plain, best)
+    first = solved(plain, mesh, FIRST[1], False)
+
+    def pressed(rung: FilmRung, before: Ascent[FilmRung, _Pressed, Any] | None) -> _Pressed:
+        finer = with_fine_edges(plain, first if before is None else before.found[1])
         with watch.stage("mesh"):
             mesh = triangles(finer.pad, rung.sizes(finer))
         if (contact := _contact_unknowns(mesh, rung.order)) > MOST_CONTACT_UNKNOWNS:
-            if not results:
-                raise _too_large(contact)
-            full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
-            break
-        piece = finer
+            raise _too_large(contact)
         if progress:
             progress(f"film stress: fineness {rung.fineness:g}, order {rung.order}")
-        lower, best = (solved(piece, mesh, order, pull) for order in (rung.order - 1, rung.order))
-        results = [_estimated(piece, best, lower, force, t) for t in tangential]
-        reached = max(_relative_error(each) for each in results)
-        if reached <= tol:
-            break
-    short = (
-        ()
-        if reached <= tol
-        else (f"the error is {reached:.1e} of the largest stress: the tolerance {tol:.1e} is not met{full}",)
-    )
+        lower, best = (solved(finer, mesh, order, pull) for order in (rung.order - 1, rung.order))
+        return finer, best, lower
+
+    def estimated(_: FilmRung, found: _Pressed, __: object) -> tuple[list[FilmStress], float]:
+        results = [_estimated(*found, force, t) for t in tangential]
+        return results, max(_relative_error(each) for each in results)
+
+    reached = climb(pressed, RUNGS, estimated, tol, began=watch.started, ends=(SizeError,))
+    piece, best, _ = reached.found
+    full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns" if reached.ended else ""
+    missed = unmet(f"the error is {reached.error:.1e} of the largest stress", reached.error, tol)
+    short = tuple(words + full for words in missed)
     faults = [collision(piece, best.body, _moved(piece, best, t), math.inf, 0.0) or "" for t in tangential]
     shown = [tuple(ridge_field(piece, best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
     return [
         replace(each, seconds=seconds, warnings=(*short, *each.warnings), fields=fields, fault=wrong)
-        for each, fields, wrong in zip(results, shown, faults, strict=True)
+        for each, fields, wrong in zip(reached.told, shown, faults, strict=True)
     ]
 
 

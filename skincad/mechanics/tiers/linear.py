@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
+from skincad.base import climbing
 from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.base.estimate import Estimate
@@ -29,6 +30,7 @@ from skincad.mechanics.problem import (
     Pad,
     Request,
     RidgeModel,
+    SizeError,
     check_pad,
     no_yield,
     one_ridge,
@@ -109,52 +111,74 @@ def climb(
     """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
     check_pad(pad)
     _check_coarsest(pad)
-    began = perf_counter()
-    force, budget = request.force, request.budget
+    budget, levels = request.budget, _Levels(pad, request, at, tier, progress, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
-    index = 0 if budget is not None else _first_rung(wanted)
-    seconds: dict[str, float] = {}
-    meshes: dict[float, object] = {}
-    levels: dict[tuple[float, int], PlaneSolution] = {}
-    before: PlaneSolution | None = None
-    climbed: list[PlaneRung] = []
-    full = ""
-    while True:
-        rung = RUNGS[index]
-        if rung.fineness not in meshes:
+    reached = climbing.climb(
+        levels.solved,
+        RUNGS,
+        levels.estimated,
+        wanted,
+        budget,
+        began=levels.began,
+        ends=(SizeError,),
+        price=climbing.by_price,
+        first=0 if budget is not None else _first_rung(wanted),
+    )
+    full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns" if reached.ended else ""
+    warnings = shortfalls(reached.error, wanted, full, reached.spent, budget, "mesh")
+    return replace(reached.told, warnings=warnings, seconds=levels.seconds), reached.found
+
+
+@dataclass
+class _Levels:
+    """Meshes and levels of one climb: none is made twice."""
+
+    pad: Pad
+    request: Request
+    at: LevelSolver
+    tier: str
+    progress: Progress | None
+    began: float
+    seconds: dict[str, float] = field(default_factory=dict)
+    meshes: dict[float, object] = field(default_factory=dict)
+    levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
+
+    def solved(self, rung: PlaneRung, before: object) -> PlaneSolution:
+        """Solve a rung's two orders; raises SizeError before either where the mesh is too large."""
+        if rung.fineness not in self.meshes:
             started = perf_counter()
-            meshes[rung.fineness] = triangles(pad, default_sizes(pad, rung.fineness))
-            _add(seconds, {"mesh": perf_counter() - started})
-            _check_fits(request, levels, began, AFTER_MESH * (perf_counter() - started))
-        contact = elements.contact_unknowns(elements.curved(meshes[rung.fineness], 1), rung.order)
-        if contact > MOST_CONTACT_UNKNOWNS:  # judged before any of the rung's orders is solved
-            if before is not None:
-                full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns"
-                break
-            if index == 0:
-                raise too_large(contact)
-            index -= 1
-            continue
+            self.meshes[rung.fineness] = triangles(self.pad, default_sizes(self.pad, rung.fineness))
+            _add(self.seconds, {"mesh": perf_counter() - started})
+            self._check_fits(self.levels, AFTER_MESH * (perf_counter() - started))
+        mesh = self.meshes[rung.fineness]
+        contact = elements.contact_unknowns(elements.curved(mesh, 1), rung.order)
+        if contact > MOST_CONTACT_UNKNOWNS:
+            raise too_large(contact)
         for order in (rung.order - 1, rung.order):
-            if (rung.fineness, order) not in levels:
-                if progress:
-                    progress(f"{tier} tier: fineness {rung.fineness:g}, order {order}")
-                found = at(pad, meshes[rung.fineness], order, force, request.drops)
-                levels[rung.fineness, order] = found
-                _add(seconds, found.seconds)
-                if order < rung.order:
-                    _check_fits(request, before, began, AFTER_ORDER * math.fsum(found.seconds.values()))
-        best = levels[rung.fineness, rung.order]
-        result = _estimated(best, levels[rung.fineness, rung.order - 1], before, rung.order, seconds)
-        before = best
-        climbed.append(rung)
-        index += 1
-        reached = relative_error(result, force, unit_of(pad))
-        if reached <= wanted or not _affordable(climbed, index, perf_counter() - began, budget):
-            break
-    spent = perf_counter() - began
-    warnings = shortfalls(reached, wanted, full, spent, budget, "mesh")
-    return replace(result, warnings=warnings, seconds=seconds), best
+            if (rung.fineness, order) in self.levels:
+                continue
+            if self.progress:
+                self.progress(f"{self.tier} tier: fineness {rung.fineness:g}, order {order}")
+            found = self.at(self.pad, mesh, order, self.request.force, self.request.drops)
+            self.levels[rung.fineness, order] = found
+            _add(self.seconds, found.seconds)
+            if order < rung.order:
+                self._check_fits(before, AFTER_ORDER * math.fsum(found.seconds.values()))
+        return self.levels[rung.fineness, rung.order]
+
+    def estimated(
+        self, rung: PlaneRung, found: PlaneSolution, before: PlaneSolution | None
+    ) -> tuple[Answer, float]:
+        """The rung's answer and its largest relative error."""
+        lower = self.levels[rung.fineness, rung.order - 1]
+        told = _estimated(found, lower, before, rung.order, self.seconds)
+        return told, relative_error(told, self.request.force, unit_of(self.pad))
+
+    def _check_fits(self, solved: object, rest: float) -> None:
+        """Raise LateError where the first rung must fit and will not; `solved` is what there is already."""
+        late, budget = perf_counter() - self.began + rest, self.request.budget
+        if self.request.must_fit and not solved and budget is not None and late > budget:
+            raise LateError(late)
 
 
 def _parts(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
@@ -164,22 +188,6 @@ def _parts(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float
         model = ridge_model(best.ridges, max(force, best.all_touch_force or 0.0), unit_of(pad), best.scale)
     _add(seconds, {"yield": perf_counter() - started})
     return model
-
-
-def _check_fits(request: Request, solved: object, began: float, rest: float) -> None:
-    """Raise LateError where the first rung must fit and will not; `solved` is what is solved of the next."""
-    spent = perf_counter() - began
-    if request.must_fit and not solved and request.budget is not None and spent + rest > request.budget:
-        raise LateError(spent + rest)
-
-
-def _affordable(climbed: list[PlaneRung], following: int, spent: float, budget: float | None) -> bool:
-    """Whether there is a rung of the number `following` that fits into the budget, judged by what those
-    climbed so far took."""
-    if following == len(RUNGS):
-        return False
-    price = RUNGS[following].price / sum(rung.price for rung in climbed)
-    return budget is None or spent * (1 + price) <= budget
 
 
 def _first_rung(wanted: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from skincad.base.climbing import overrun, unmet
 from skincad.mechanics.problem import FLOOR, Answer
 
 
@@ -19,10 +20,5 @@ def shortfalls(
     reached: float, wanted: float, full: str, spent: float, budget: float | None, least: str
 ) -> tuple[str, ...]:
     """Return what was asked and not kept; `full` says why no rung follows, `least` what the least is."""
-    found = []
-    if reached > wanted > 0:
-        words = f"the mesh's error is {reached:.1e} of the value: the tolerance {wanted:.1e} is not met"
-        found.append(words + full)
-    if budget is not None and spent > budget:
-        found.append(f"the cheapest {least} took {spent:.2g} s, more than the budget of {budget:g} s")
-    return tuple(found)
+    missed = unmet(f"the mesh's error is {reached:.1e} of the value", reached, wanted)
+    return (*(words + full for words in missed), *overrun(f"the cheapest {least} ", spent, budget))

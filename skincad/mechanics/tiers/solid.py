@@ -15,6 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.base.climbing import Ascent, by_price, climb
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
@@ -71,23 +72,21 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     climbing further; the first rung is always solved.
     """
     check_pad(pad)
-    began = perf_counter()
     force, budget = request.force, request.budget
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     seconds: dict[str, float] = {}
-    result = _climb(pad, RUNGS[0], force, seconds, progress)
-    reached = relative_error(result, force, unit_of(pad))
-    for rung in RUNGS[1:]:
-        spent = perf_counter() - began
-        if reached <= wanted or (budget is not None and spent * (1 + rung.price) > budget):
-            break
-        try:
-            result = _climb(pad, rung, force, seconds, progress)
-        except SizeError:  # the rung before is the best there is, and its error is said
-            break
-        reached = relative_error(result, force, unit_of(pad))
-    spent = perf_counter() - began
-    return replace(result, warnings=shortfalls(reached, wanted, "", spent, budget, "solid"), seconds=seconds)
+    reached: Ascent[SolidRung, Answer, Answer] = climb(
+        lambda rung, _: _climb(pad, rung, force, seconds, progress),
+        RUNGS,
+        lambda _, found, __: (found, relative_error(found, force, unit_of(pad))),
+        wanted,
+        budget,
+        began=perf_counter(),
+        ends=(SizeError,),
+        price=by_price,
+    )
+    warnings = shortfalls(reached.error, wanted, "", reached.spent, budget, "solid")
+    return replace(reached.told, warnings=warnings, seconds=seconds)
 
 
 def _climb(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from skincad.base import climbing
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load
 from skincad.mechanics.problem import FLOOR, Answer, LateError, Request, SizeError, pad_of
@@ -126,7 +127,7 @@ class Levels:
     rise, and a mesh that takes `meshing` s and has `contact` unknowns for a fineness of 1."""
 
     def __init__(self, patch: pytest.MonkeyPatch, seconds: float = 0.0, meshing: float = 0.0) -> None:
-        self.clock, self.seconds, self.meshing = Clock(patch, linear), seconds, meshing
+        self.clock, self.seconds, self.meshing = Clock(patch, climbing, linear), seconds, meshing
         self.solved: list[tuple[float, int]] = []
         self.contact = 10.0
         patch.setattr(linear, "default_sizes", lambda _, fineness: fineness)
@@ -261,7 +262,7 @@ def test_finer_layers_and_a_higher_order_add_up_in_the_solid() -> None:
 def test_the_solid_climbs_where_the_tolerance_asks_it_and_the_budget_lets_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    clock, climbed = Clock(monkeypatch, solid), []
+    clock, climbed = Clock(monkeypatch, climbing, solid), []
     pad = pad_of(load("plain-ridges"))
 
     def climb(_: object, rung: Any, *__: object) -> Answer:

@@ -1,0 +1,90 @@
+"""One rung after the other, until the error is as asked or the time is used up: the climb of every model.
+
+Who climbs supplies the rungs, cheapest first, what solves one and what estimates its error. That is all that
+checks, films' stress and scenes differ by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from time import perf_counter
+from typing import Any, Generic, TypeVar
+
+Rung = TypeVar("Rung")
+Found = TypeVar("Found")
+Told = TypeVar("Told")
+
+
+@dataclass(frozen=True)
+class Ascent(Generic[Rung, Found, Told]):
+    """How far a climb has come in `spent` s: what is `found` on the last of its `rungs`, what is `told` of it
+    and its relative `error`, inf where unknown; `ended` is why a finer rung does not count."""
+
+    found: Found
+    told: Told
+    error: float
+    rungs: tuple[Rung, ...]
+    spent: float
+    ended: BaseException | None = None
+
+
+def by_price(before: Ascent[Any, Any, Any], following: Any) -> float:
+    """Return the seconds that a rung will take, by what those before took: a rung's `price` is its time on
+    top of them, in any unit that all share."""
+    return float(before.spent * following.price / sum(rung.price for rung in before.rungs))
+
+
+def climb(
+    solve: Callable[[Rung, Ascent[Rung, Found, Told] | None], Found],
+    rungs: Sequence[Rung],
+    estimate: Callable[[Rung, Found, Found | None], tuple[Told, float]],
+    tol: float,
+    budget: float | None = None,
+    *,
+    began: float,
+    ends: tuple[type[BaseException], ...],
+    price: Callable[[Ascent[Rung, Found, Told], Rung], float] = lambda *_: 0.0,
+    first: int = 0,
+) -> Ascent[Rung, Found, Told]:
+    """Return how far rungs were climbed from the `first` on: to a relative error of `tol`, or until the next
+    one would overrun `budget` s from `began` by its `price`, s; one of an endless price is not climbed.
+
+    `solve` is given a rung and what was reached before it, `estimate` a rung and what was found on it and on
+    the one before. A rung that raises one of `ends` leaves the one before as the last; without any before, it
+    gives way to the next cheaper, and the cheapest one's refusal stands.
+    """
+    reached: Ascent[Rung, Found, Told] | None = None
+    at = first
+    while True:
+        try:
+            found = solve(rungs[at], reached)
+        except ends as refusal:
+            if reached is not None:
+                return replace(reached, spent=perf_counter() - began, ended=refusal)
+            if at == 0:
+                raise
+            at -= 1
+            continue
+        before, climbed = (reached.found, reached.rungs) if reached is not None else (None, ())
+        told, error = estimate(rungs[at], found, before)
+        reached = Ascent(found, told, error, (*climbed, rungs[at]), perf_counter() - began)
+        at += 1
+        if error <= tol or at == len(rungs):
+            return reached
+        whole = reached.spent + price(reached, rungs[at])
+        if whole == inf or (budget is not None and whole > budget):
+            return reached
+
+
+def unmet(error: str, reached: float, tol: float) -> tuple[str, ...]:
+    """Return the warning that a tolerance is not met, none where it is or is 0; `error` says which error."""
+    return (f"{error}: the tolerance {tol:.1e} is not met",) if reached > tol > 0 else ()
+
+
+def overrun(what: str, spent: float, budget: float | None) -> tuple[str, ...]:
+    """Return the warning that a budget is not kept, none where it is; `what` took the seconds."""
+    if budget is None or spent <= budget:
+        return ()
+    return (f"{what}took {spent:.2g} s, more than the budget of {budget:g} s",)

@@ -1,0 +1,83 @@
+"""The climb over made-up rungs: where it begins, where it ends, and what it does with a rung that refuses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Any
+
+import pytest
+
+from skincad.base import climbing
+from skincad.base.climbing import Ascent, by_price, climb
+
+
+@dataclass(frozen=True)
+class Rung:
+    error: float
+    price: float
+
+
+RUNGS = (Rung(0.3, 1.0), Rung(0.1, 2.0), Rung(0.03, 4.0))
+
+
+class Stairs:
+    """Rungs that take their price in s; those of `refused` raise that instead."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, refused: dict[Rung, BaseException] | None = None) -> None:
+        self.now, self.refused, self.tried = 50.0, refused or {}, list[Rung]()
+        patch.setattr(climbing, "perf_counter", lambda: self.now)
+
+    def solve(self, rung: Rung, before: Ascent[Rung, Rung, str] | None) -> Rung:
+        self.tried.append(rung)
+        assert before is None or before.rungs == tuple(r for r in self.tried[:-1] if r not in self.refused)
+        if rung in self.refused:
+            raise self.refused[rung]
+        self.now += rung.price
+        return rung
+
+    def climbed(self, tol: float = 0.0, budget: float | None = None, **more: Any) -> Ascent[Rung, Rung, str]:
+        self.tried.clear()
+        asked = {"began": self.now, "ends": (ValueError,), "price": by_price, **more}
+        return climb(self.solve, RUNGS, lambda rung, _, old: (f"{old}", rung.error), tol, budget, **asked)
+
+
+def test_rungs_are_climbed_to_the_tolerance_and_not_beyond_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    stairs = Stairs(monkeypatch)
+    for tol, count in ((0.3, 1), (0.29, 2), (0.1, 2), (0.0, 3)):
+        found = stairs.climbed(tol)
+        assert (found.rungs, found.found) == (RUNGS[:count], RUNGS[count - 1])
+        assert (found.error, found.ended) == (RUNGS[count - 1].error, None)
+        assert found.spent == sum(r.price for r in RUNGS[:count])
+        assert found.told == (f"{RUNGS[count - 2]}" if count > 1 else "None")
+    assert stairs.climbed(0.1, first=2).rungs == RUNGS[2:]
+
+
+def test_a_budget_is_not_overrun_by_what_the_next_rung_is_expected_to_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stairs = Stairs(monkeypatch)
+    for budget, count in ((0.5, 1), (2.9, 1), (3.0, 2), (6.9, 2), (7.0, 3)):
+        assert len(stairs.climbed(0.0, budget).rungs) == count
+    # what was spent before the climb counts too
+    assert len(stairs.climbed(0.0, 3.0, began=stairs.now - 0.1).rungs) == 1
+    assert len(stairs.climbed(0.0, price=lambda _, rung: inf if rung is RUNGS[2] else 0.0).rungs) == 2
+
+
+def test_a_rung_that_refuses_leaves_the_one_before_or_gives_way_to_a_cheaper(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    too_large = ValueError("too large")
+    stairs = Stairs(monkeypatch, {RUNGS[2]: too_large})
+    found = stairs.climbed()
+    assert (found.rungs, found.error, found.ended) == (RUNGS[:2], 0.1, too_large)
+    last = stairs.climbed(first=2)
+    assert (last.rungs, last.ended) == (RUNGS[1:2], too_large)
+    assert stairs.tried == [RUNGS[2], RUNGS[1], RUNGS[2]]
+    with pytest.raises(ValueError, match="too large"):
+        Stairs(monkeypatch, dict.fromkeys(RUNGS, too_large)).climbed(first=1)
+    with pytest.raises(KeyboardInterrupt):  # what is not named ends all
+        Stairs(monkeypatch, {RUNGS[1]: KeyboardInterrupt()}).climbed()
+    ended = Stairs(monkeypatch, {RUNGS[1]: KeyboardInterrupt()}).climbed(ends=(KeyboardInterrupt,))
+    assert (ended.rungs, type(ended.ended)) == (RUNGS[:1], KeyboardInterrupt)
+    assert replace(ended, ended=None) == Stairs(monkeypatch).climbed(0.3)
