@@ -25,7 +25,7 @@ from skincad.mechanics.problem import (
     Spread,
     no_yield,
 )
-from skincad.mechanics.tiers.prices import LAWS, expected, own
+from skincad.mechanics.tiers.prices import LAWS, expected, of_yield, own
 from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, is_small_strain, load, run
 from skincad.mechanics.validity import (
     beyond_small_strain,
@@ -66,8 +66,9 @@ class Climb:
     ) -> None:
         self.design, self.force, self.drops, self.notes = design, force, drops, notes
         self.progress = progress
-        self.began, self.sampling, self.samplings = perf_counter(), 0.0, 0
+        self.began, self.sampling = perf_counter(), 0.0
         self.done: dict[str, Answer] = {}
+        self.known: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.climbed: list[tuple[str, Estimate, float]] = []
         self.tiers = [name for name in AUTO if not able(name, design, bool(drops))]
         self.friction = PlateFriction(design, force, drops)
@@ -91,7 +92,7 @@ class Climb:
                 raise LateError(expected(name, self.design, set()))
             return self._climbed(name, replace(request, must_fit=least), tol, budget)
         except LateError as late:
-            found = self.judged("winkler", replace(request, tol=FINEST))
+            found = self._tier("winkler", replace(request, tol=FINEST))
             words = f"the linear tier would take about {late.seconds:.2g} s of the budget of {budget:g} s"
             found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
             return with_shortfall(found, tol, 0.0)
@@ -99,9 +100,9 @@ class Climb:
     def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
         found: ContactCheck | None = None
         while True:
-            left = None if budget is None else max(budget - self._spent(), LEAST)
+            left = None if budget is None else max(budget - self._spent() - self._yield(), LEAST)
             try:
-                found = self.judged(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
+                found = self._tier(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
             except (InputError, RefusedError) as refusal:
                 found = found or self._solved_before(request, refusal)
                 if found is None:
@@ -118,9 +119,8 @@ class Climb:
             if budget is not None and self._spent() + found.next_tier[1] > budget:
                 break
             name, request = found.next_tier[0], replace(request, must_fit=False)
-        late = overrun("", self._spent(), budget)
-        found = replace(found, warnings=(*found.warnings, *late)) if late else found
-        found = unasked_left_out(found)
+        found = unasked_left_out(self._with_yield(found))
+        found = replace(found, warnings=(*found.warnings, *overrun("", self._spent(), budget)))
         return with_shortfall(found, tol, 0.0) if tol is not None else with_open_friction(found)
 
     def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
@@ -129,7 +129,7 @@ class Climb:
         solved = [name for name in self.tiers if name in self.done]
         if not solved and isinstance(refusal, SizeError) and self.tiers[0] == "winkler":
             solved = ["winkler"]
-        return self.judged(solved[-1], replace(request, must_fit=False)) if solved else None
+        return self._tier(solved[-1], replace(request, must_fit=False)) if solved else None
 
     def _start(self, tol: float | None) -> int:
         """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
@@ -169,7 +169,11 @@ class Climb:
         return perf_counter() - self.began
 
     def judged(self, name: str, request: Request) -> ContactCheck:
-        """Return the verdict by one tier, solved on what is solved already."""
+        """Return the verdict by one tier, with its yield."""
+        return self._with_yield(self._tier(name, request))
+
+    def _tier(self, name: str, request: Request) -> ContactCheck:
+        """The verdict by one tier, solved on what is solved already."""
         started = self._spent()
         for each in (*below(name), name):
             if self.progress and each not in (*self.done, "winkler"):
@@ -179,36 +183,50 @@ class Climb:
         left = None if request.budget is None else request.budget - (self._spent() - started)
         found = self.friction.on(name, found, left, own("linear", self.design) * self._speed())
         bounds = self._bounds(name, found)
-        made = None
-        known = with_model(found, bounds, self.force)
-        if not self.drops and name != "winkler":
+        self.known[name] = known = with_model(found, bounds, self.force)
+        verdict = self._verdict(name, known, bounds)
+        self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
+        return verdict
+
+    def _with_yield(self, found: ContactCheck) -> ContactCheck:
+        """The last verdict with its yield; those before it are asked for none."""
+        known, made, expected_ = self.known[found.tier], None, self._yield()
+        failed: tuple[str, ...] = ()
+        if not (self.drops or found.beyond or found.tier == "winkler"):
             try:
                 with needing("the yield"):
                     made = self._manufacture(known)
             except (ContactError, ExhaustedError) as failure:  # the yield has no say in the verdict
-                known = replace(known, warnings=(*known.warnings, no_yield(failure)))
-        verdict = self._verdict(name, known, bounds, made)
-        self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
-        return verdict
+                failed = (no_yield(failure),)
+        beyond = found.beyond or self._fault(found.tier, known)  # of the plane, which a solid's yield solves
+        following = found.next_tier
+        return replace(
+            found,
+            passed=found.passed and not beyond,
+            beyond=beyond,
+            manufacture=None if beyond else made,
+            seconds={**found.seconds, "total": self._spent(), **self._sampled(known)},
+            warnings=(*found.warnings, *failed),
+            next_tier=following and (following[0], following[1] + self._yield() - expected_),
+        )
+
+    def _plane(self) -> Answer:
+        """The linear tier's answer; its coarsest mesh is enough for what is scaled anyway."""
+        return run("linear", self.design, Request(self.force, FINEST, parts=True), self.done, self.progress)
 
     def _manufacture(self, found: Answer) -> Manufacture | None:
         """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
-        threshold = found.all_touch_force.value
-        if not threshold:
-            return None
-        parts = found.parts
-        if parts is None:  # the coarsest linear mesh is enough for a model that is scaled anyway
-            rough = Request(self.force, FINEST, parts=True)
-            parts = run("linear", self.design, rough, self.done, self.progress).parts
-        if parts is None:
+        threshold, parts = found.all_touch_force.value, found.parts
+        if threshold and parts is None:
+            parts = self._plane().parts
+        if not threshold or parts is None:
             return None
         from skincad.mechanics.manufacture import manufacture
 
         started = perf_counter()
         unsure = found.all_touch_force.error or 0.0
         made = manufacture(parts, self.force, threshold, spread_of(self.design), unsure)
-        self.sampling += perf_counter() - started
-        self.samplings += 1
+        self.sampling = perf_counter() - started
         return made
 
     def _verdict(
@@ -216,16 +234,12 @@ class Climb:
         name: str,
         found: Answer,
         bounds: tuple[LeftOut, ...],
-        made: Manufacture | None,
     ) -> ContactCheck:
         design, force, small = self.design, self.force, is_small_strain(name)
         beyond, warnings = "", (*found.warnings, *self.notes)
         if small:
             beyond = beyond_small_strain(design, force, found)
-        # the solid looks at crowns alone; its yield has solved the plane
-        plane = self.done.get("linear", found)
-        fault = found.fault or (plane.fault if small else "")
-        beyond = beyond or (fault and f"at {force:g} N {fault}, which the model does not cover")
+        beyond = beyond or self._fault(name, found)
         if small:
             warnings += strain_warnings(design, found)
         upper, ridges = found.all_touch_force.upper, design.ridge.count
@@ -242,17 +256,26 @@ class Climb:
             name,
             found.unknowns,
             found.residual,
-            {"total": self._spent(), **found.seconds, **self._sampled(found)},
+            {"total": self._spent(), **found.seconds},
             warnings,
             bounds,
             tuple(self.climbed),
             self._next(name),
-            None if beyond else made,
-            design.contact.plate.shape,
-            beyond,
+            plate=design.contact.plate.shape,
+            beyond=beyond,
             tipping=tipping(design, found),
             friction=design.contact.friction,
         )
+
+    def _fault(self, name: str, found: Answer) -> str:
+        """What goes through each other unseen: the solid looks at crowns alone, the plane at all."""
+        plane = self.done.get("linear", found)
+        fault = found.fault or (plane.fault if is_small_strain(name) else "")
+        return fault and f"at {self.force:g} N {fault}, which the model does not cover"
+
+    def _yield(self) -> float:
+        """Seconds of the yield: those that it took, or by its law at the speed seen so far."""
+        return 0.0 if self.drops else self.sampling or of_yield(self.design) * self._speed()
 
     def _sampled(self, found: Answer) -> dict[str, float]:
         """Time of the yield: its model's, which the linear tier built, and its parts'."""
@@ -272,9 +295,8 @@ class Climb:
         return better[0], self._seconds(better[0])
 
     def _seconds(self, name: str) -> float:
-        """What a tier will take from here: its law's at the speed seen so far, and a yield."""
-        price = expected(name, self.design, set(self.done)) * self._speed()
-        return price + self.sampling / max(1, self.samplings)
+        """What a tier will take from here: its law's at the speed seen so far, and the yield."""
+        return expected(name, self.design, set(self.done)) * self._speed() + self._yield()
 
     def _speed(self) -> float:
         """Seconds here for a second of the laws' machine, by the linear tier; 1 where that is not solved."""

@@ -514,7 +514,7 @@ class MadeUp:
     N with 1 % of it as the mesh's error (`mesh`); what is left out of a model is LEFT."""
 
     def __init__(self, patch: pytest.MonkeyPatch, value: float = 3.0) -> None:
-        self.value, self.mesh, self.now = value, 0.01, 100.0
+        self.value, self.mesh, self.now, self.sampling = value, 0.01, 100.0, 0.0
         self.asked: dict[str, Request] = {}
         self.refusals: dict[str, Exception] = {}
         winkler = tiers.load("winkler")
@@ -523,6 +523,7 @@ class MadeUp:
         )
         patch.setattr(climbing, "perf_counter", lambda: self.now)
         patch.setattr(climbing, "expected", self.expected)
+        patch.setattr(climbing, "of_yield", lambda _: self.sampling)
         patch.setattr(climbing, "LAWS", {"linear": TimeLaw(10.0, 1.0, 1.0)})
         patch.setattr(climbing, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
 
@@ -690,17 +691,18 @@ def test_a_force_that_a_better_tier_calls_too_large_is_no_pass(monkeypatch: pyte
     assert (found.tier, found.beyond, found.next_tier) == ("linear", "", None)
 
 
-def test_the_yields_time_is_told_with_the_tiers_and_expected_again_of_the_next(
+def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_next(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made = MadeUp(monkeypatch, 3.9)
+    made.sampling = 1.5
     answer = made.answer
 
     def with_parts(*asked: Any) -> Answer:
         return replace(answer(*asked), parts=object())
 
     def sampled(*_: object) -> object:
-        made.now += 3.0
+        made.now += 2.5
         return object()
 
     monkeypatch.setattr(made, "answer", with_parts)
@@ -711,7 +713,14 @@ def test_the_yields_time_is_told_with_the_tiers_and_expected_again_of_the_next(
     monkeypatch.setattr(manufacturing, "manufacture", sampled)
     found = check(yamada(), force=4.0)
     assert [name for name, _, _ in found.climbed] == ["linear", "corrected"]
-    # each tier's own time (see above) and 3 s of its yield; the yield's model took the linear tier 50 s
-    assert [seconds for _, _, seconds in found.climbed] == pytest.approx([5.0, 7.0])
-    assert found.seconds["yield"] == pytest.approx(50.0 + 3 * 3.0)
-    assert found.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 3.0))
+    # each tier's own time (see above); the yield's model took the linear tier 50 s
+    assert [seconds for _, _, seconds in found.climbed] == pytest.approx([2.0, 4.0])
+    assert found.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
+    assert found.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
+    assert found.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 2.5))  # not the 2 * 1.5 of its law
+    # within a budget it has its place before it is known what it takes
+    for budget, tier in ((8.9, "linear"), (9.1, "corrected")):
+        within = check(yamada(), force=4.0, budget=budget)
+        assert (within.tier, within.manufacture is None) == (tier, False)
+        assert made.asked["linear"].budget == pytest.approx(budget - 1.5)
+        assert not any("budget" in w for w in within.warnings)
