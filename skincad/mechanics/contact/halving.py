@@ -1,33 +1,56 @@
-"""A step with friction cut in halves where it does not converge whole."""
+"""A step of a march cut in halves where it does not converge whole."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
 
+State = TypeVar("State")
+# From a state, and the drive that led to it, to another drive; what share of the whole step that is
+Advance = Callable[[State, Drive, Drive, float], State]
 
-def halved(
-    skin: Callable[[Drive], Compliant], before: Grip, start: Drive, end: Drive, cone: Cone, deepest: int = 4
-) -> Grip:
-    """Return `grip` at `end`; a step that does not converge is cut in two, `deepest` times at most.
 
-    What the parts slipped is added up. Raises as `grip` does.
-    """
+def in_halves(
+    advance: Advance[State],
+    before: State,
+    start: Drive,
+    end: Drive,
+    joined: Callable[[State, State], State],
+    deepest: int,
+    share: float = 1.0,
+) -> State:
+    """Return what `advance` says of a step, or of this `share` of one; where it does not converge, of both
+    halves `joined`, cut `deepest` times at most. Raises as `advance` does."""
     try:
-        return grip(skin(end), before, end, cone)
+        return advance(before, start, end, share)
     except GrossSlip:
         raise
     except ContactError:
         if deepest == 0:
             raise
     middle = between(start, end)
-    first = halved(skin, before, start, middle, cone, deepest - 1)
-    second = halved(skin, first, middle, end, cone, deepest - 1)
-    return joined(first, second)
+    first = in_halves(advance, before, start, middle, joined, deepest - 1, share / 2)
+    try:
+        return joined(first, in_halves(advance, first, middle, end, joined, deepest - 1, share / 2))
+    except GrossSlip as limit:
+        limit.last = joined(first, limit.last)
+        raise
+
+
+def halved(
+    skin: Callable[[Drive], Compliant], before: Grip, start: Drive, end: Drive, cone: Cone, deepest: int = 4
+) -> Grip:
+    """Return `grip` at `end`, in halves where need be; what the parts slipped is added up."""
+
+    def advance(before: Grip, _start: Drive, end: Drive, _share: float) -> Grip:
+        return grip(skin(end), before, end, cone)
+
+    return in_halves(advance, before, start, end, joined, deepest)
 
 
 def joined(first: Grip, second: Grip) -> Grip:

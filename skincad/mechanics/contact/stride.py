@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from skincad.mechanics.contact.dragged import Dragged, DraggedState, newton
 from skincad.mechanics.contact.grip import Cone, Drive, GrossSlip
-from skincad.mechanics.contact.halving import between, joined
+from skincad.mechanics.contact.halving import in_halves, joined
 from skincad.mechanics.problem import ContactError
 
 DEEPEST = 5  # halvings of a step
@@ -24,11 +24,26 @@ SAME_FORCE = 1e-9  # of the normal force
 def to(
     pad: Dragged, before: DraggedState, start: Drive, end: Drive, cone: Cone, deepest: int = DEEPEST
 ) -> DraggedState:
-    """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most.
-
-    A pull that does not converge in any cut is driven by travel. What the parts slipped and dissipated is
-    added up. Raises as `newton` does.
+    """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most, a pull
+    that does not is driven by travel. What the parts slipped and dissipated is added up. Raises as `newton`
+    does.
     """
+
+    def advance(before: DraggedState, start: Drive, end: Drive, _share: float) -> DraggedState:
+        return _whole(pad, before, start, end, cone)
+
+    if end.tangential in (None, start.tangential) or not before.grip.touches.any():
+        return in_halves(advance, before, start, end, _joined, deepest)
+    try:
+        return _whole(pad, before, start, end, cone)
+    except GrossSlip:
+        raise
+    except ContactError:
+        return _driven(pad, before, end, cone)
+
+
+def _whole(pad: Dragged, before: DraggedState, start: Drive, end: Drive, cone: Cone) -> DraggedState:
+    """The state at one step's end, looked for from where the last equal one leads, then from its own start."""
     steady = _moves(start, end)
     guesses = (before.values + before.change, None) if steady == before.moves else (None,)
     for guess in guesses:
@@ -36,18 +51,10 @@ def to(
             return replace(newton(pad, before, end, cone, guess), moves=steady)
         except GrossSlip:
             raise
-        except ContactError:
+        except ContactError as refusal:
             pad.kept.clear()
-            if deepest == 0 and guess is None:
-                raise
-    if end.tangential is not None and before.grip.touches.any() and end.tangential != start.tangential:
-        return _driven(pad, before, end, cone)
-    first = to(pad, before, start, between(start, end), cone, deepest - 1)
-    try:
-        return _joined(first, to(pad, first, between(start, end), end, cone, deepest - 1))
-    except GrossSlip as limit:
-        limit.last = _joined(first, limit.last)
-        raise
+            failure = refusal
+    raise failure
 
 
 def _moves(start: Drive, end: Drive) -> tuple[float, ...]:

@@ -22,11 +22,10 @@ from skincad.base.arrays import Array
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
-from skincad.mechanics.contact.halving import between, joined
+from skincad.mechanics.contact.halving import in_halves, joined
 from skincad.mechanics.dynamics.plate import TONNE, carried, pushed_plate, rubbed, work_done
 from skincad.mechanics.dynamics.state import Moved, PadEquations, sum_of, unrelaxed
 from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
-from skincad.mechanics.problem import ContactError
 
 DEEPEST = 4  # times that a step is cut in two
 DIGITS = 9  # of a step's length: equal ones share a factorisation
@@ -59,25 +58,12 @@ class Dynamics:
         if len(state.memory) != len(matter.relaxing):
             state = replace(state, memory=(np.zeros_like(state.u),) * len(matter.relaxing))
         begun = replace(state, matter=matter)
-        return self._cut(begun, drive, float(f"{dt:.{DIGITS}g}"), cone, DEEPEST)
+        length = float(f"{dt:.{DIGITS}g}")
 
-    def _cut(self, state: Moved, drive: Drive, dt: float, cone: Cone, deepest: int) -> Moved:
-        try:
-            return self._one(state, drive, dt, cone)
-        except GrossSlip:
-            raise
-        except ContactError:
-            if deepest == 0:
-                raise
-        first = self._cut(state, between(state.drive, drive), dt / 2, cone, deepest - 1)
-        second = self._cut(first, drive, dt / 2, cone, deepest - 1)
-        return replace(
-            second,
-            grip=joined(first.grip, second.grip),
-            friction=first.friction + second.friction,
-            viscous=first.viscous + second.viscous,
-            work=first.work + second.work,
-        )
+        def advance(before: Moved, _start: Drive, end: Drive, share: float) -> Moved:
+            return self._one(before, end, share * length, cone)
+
+        return in_halves(advance, begun, begun.drive, drive, _joined, DEEPEST)
 
     def _one(self, state: Moved, drive: Drive, dt: float, cone: Cone) -> Moved:
         pad, ops = self.pad, self.factorised(dt, state.matter)
@@ -209,3 +195,14 @@ class Dynamics:
             for i, half in enumerate(self.pad.halves)
         )
         return np.asarray(found).reshape(-1, 3)
+
+
+def _joined(first: Moved, second: Moved) -> Moved:
+    """The state at the end of two steps as that of one."""
+    return replace(
+        second,
+        grip=joined(first.grip, second.grip),
+        friction=first.friction + second.friction,
+        viscous=first.viscous + second.viscous,
+        work=first.work + second.work,
+    )
