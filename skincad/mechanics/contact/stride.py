@@ -43,7 +43,7 @@ def to(
 
 
 def _whole(pad: Dragged, before: DraggedState, start: Drive, end: Drive, cone: Cone) -> DraggedState:
-    """The state at one step's end, looked for from where the last equal one leads, then from its own start."""
+    """The state at one step's end, looked for where the last equal one leads, then from its own start."""
     steady = _moves(start, end)
     guesses = (before.values + before.change, None) if steady == before.moves else (None,)
     for guess in guesses:
