@@ -18,7 +18,7 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, plane_level, solid
 from skincad.mechanics.tiers.plane_level import LevelSolver
-from skincad.mechanics.tiers.prices import LAWS, own, plane_unknowns
+from skincad.mechanics.tiers.prices import plane_unknowns
 from skincad.mechanics.tiers.solid_level import (
     Layers,
     SolidSolution,
@@ -27,7 +27,7 @@ from skincad.mechanics.tiers.solid_level import (
     meshed_piece,
     pressed,
 )
-from skincad.mechanics.tiers.table import able, run
+from skincad.mechanics.tiers.table import able, at_size, own, run
 from skincad.mechanics.validity import refuse_crushed
 
 MESH = 5e-3  # relative; what `check` asks of a tier's mesh
@@ -72,7 +72,7 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
         for level in LEVELS.get(name, ()):
             size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
             last = level == LEVELS[name][-1]
-            found[_level(name, *level)] = repeated(OF_TIER * LAWS[name].at(size), 1 if last else repeats)
+            found[_level(name, *level)] = repeated(OF_TIER * at_size(name, size), 1 if last else repeats)
         if name in LEVELS:
             continue
         price = _own(name, design)

@@ -15,8 +15,7 @@ from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Reader
 from skincad.inputs.design import Design
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
-from skincad.ladders.scenes import apart, marched, scene_on
-from skincad.mechanics.tiers.prices import plane_unknowns
+from skincad.ladders.scenes import apart, marched, of_size, scene_on
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import LAW
 from skincad.scenes.simulation import Simulation
@@ -25,9 +24,8 @@ STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is dear,
 SLIPPERY = {"finite_strain": 0.3}  # coefficient of friction, both with and without: at 1 the surface folds
 MOST = 120.0  # s a march
 BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assumption: a light plate
-# s of a march of yamada-2002 without any and with those that take longer, and its unknowns by
-# `plane_unknowns`; measured
-PLAIN, UNKNOWNS = 1.7, 30_000
+# s of a march of yamada-2002 without any and with those that take longer; measured
+PLAIN = 1.7
 SECONDS = {"finite_strain": 60.0, "free_ends": 8.0, "inertia": 20.0, "viscosity": 20.0}
 Marched = tuple[Simulation, tuple[float, ...]]
 
@@ -78,9 +76,9 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
     """Return the stages and their expected seconds."""
-    of_size = plane_unknowns(design) / UNKNOWNS
+    larger = of_size(design)
     marches = {name: PLAIN + SECONDS.get(name, PLAIN) for name in EFFECTS if name != LAW and not _reads(name)}
-    return {_stage(name): repeated(of_size * seconds, repeats) for name, seconds in marches.items()}
+    return {_stage(name): repeated(larger * seconds, repeats) for name, seconds in marches.items()}
 
 
 def _stage(name: str) -> str:

@@ -9,12 +9,18 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.inputs.design import Design
+from skincad.mechanics.tiers.prices import plane_unknowns
 from skincad.scenes.levels import Level
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
 
 SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
 TOLD = 3  # paper: the third ridge from an end
+
+
+def of_size(design: Design) -> float:
+    """Return how large a skin is of the paper's, on which the ladders' times were measured."""
+    return plane_unknowns(design) / plane_unknowns(load_scene(SCENE).design)
 
 
 def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:

@@ -10,16 +10,15 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
-from skincad.ladders.scenes import apart, marched, scene_on
-from skincad.mechanics.tiers.prices import plane_unknowns
+from skincad.ladders.scenes import apart, marched, of_size, scene_on
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.simulation import Simulation
 
 MESHES = (*((level.fineness, level.order) for level in LEVELS), (1.0, 5))  # the last is the reference
 STEPS = (55, 110, 275, 550, 2200)  # of one history, 550 the paper's; the last is the reference
 MOST = 120.0  # s a trial
-# s of yamada-2002 on the first mesh and, in all, on the last, and its unknowns by `plane_unknowns`; measured
-FIRST, LAST, UNKNOWNS = {"mesh": 0.52, "condense": 0.95, "march": 0.4}, 15.0, 30_000
+# s of yamada-2002 on the first mesh and, in all, on the last; measured
+FIRST, LAST = {"mesh": 0.52, "condense": 0.95, "march": 0.4}, 15.0
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
@@ -54,11 +53,11 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
     """Return the stages and their expected seconds."""
-    of_size = plane_unknowns(design) / UNKNOWNS
+    larger = of_size(design)
     found = {}
     for settings in _ways().values():
         for setting, mesh, steps in settings:
-            once = LAST * of_size if mesh == MESHES[-1] else _seconds(mesh, steps) * of_size
+            once = LAST * larger if mesh == MESHES[-1] else _seconds(mesh, steps) * larger
             found[_stage(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
     return found
 

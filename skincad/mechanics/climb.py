@@ -25,8 +25,18 @@ from skincad.mechanics.problem import (
     Spread,
     no_yield,
 )
-from skincad.mechanics.tiers.prices import LAWS, expected, of_yield, own
-from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, is_small_strain, load, run
+from skincad.mechanics.tiers.table import (
+    AUTO,
+    TIERS,
+    able,
+    at_size,
+    below,
+    beside,
+    expected,
+    is_small_strain,
+    load,
+    run,
+)
 from skincad.mechanics.validity import (
     beyond_small_strain,
     refuse_crushed,
@@ -181,7 +191,7 @@ class Climb:
             found = run(each, self.design, request, self.done, self.progress)
         refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
         left = None if request.budget is None else request.budget - (self._spent() - started)
-        found = self.friction.on(name, found, left, own("linear", self.design) * self._speed())
+        found = self.friction.on(name, found, left, beside("friction", self.design) * self._speed())
         bounds = self._bounds(name, found)
         self.known[name] = known = with_model(found, bounds, self.force)
         verdict = self._verdict(name, known, bounds)
@@ -275,7 +285,7 @@ class Climb:
 
     def _yield(self) -> float:
         """Seconds of the yield: those that it took, or by its law at the speed seen so far."""
-        return 0.0 if self.drops else self.sampling or of_yield(self.design) * self._speed()
+        return 0.0 if self.drops else self.sampling or beside("yield", self.design) * self._speed()
 
     def _sampled(self, found: Answer) -> dict[str, float]:
         """Time of the yield: its model's, which the linear tier built, and its parts'."""
@@ -283,11 +293,11 @@ class Climb:
 
     def _next(self, name: str) -> tuple[str, float] | None:
         """The next tier with less left out and its seconds: its law's, at the speed seen so far."""
-        mine = TIERS[name]
+        mine, later = TIERS[name], list(TIERS)
         better = [
             other
             for other in self.tiers
-            if TIERS[other].price > mine.price
+            if later.index(other) > later.index(name)
             and (name == "winkler" or len(TIERS[other].leaves_out) <= len(mine.leaves_out))
         ]
         if not better:
@@ -304,7 +314,7 @@ class Climb:
         if plane is None:
             return 1.0
         spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
-        return spent / LAWS["linear"].at(plane.unknowns)
+        return spent / at_size("linear", plane.unknowns)
 
 
 def outgrown(design: Design, found: ContactCheck) -> bool:

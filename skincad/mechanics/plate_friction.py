@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from skincad.mechanics.tiers.friction import TwoPresses
 
 CLOSED_FORM = "winkler"
-PRICE = 0.05  # of the linear tier's law, per ridge: 0.3, 3.8 and 15 s with 9, 33 and 60 ridges
 
 
 class PlateFriction:
@@ -57,16 +56,15 @@ class PlateFriction:
         """Whether the coefficient is not given, or of no use."""
         return self.coefficient is None or bool(self.failed)
 
-    def on(self, tier: str, found: Answer, within: float | None, linear: float) -> Answer:
+    def on(self, tier: str, found: Answer, within: float | None, price: float) -> Answer:
         """Return a tier's answer with friction, where that is known and the tier no closed form.
 
-        Where it cannot be computed, or not `within` so many seconds by what the `linear` tier takes, that is
-        said and its bound stays.
+        Where it cannot be computed, or its `price`, s, is more than it must stay `within`, that is said and
+        its bound stays.
         """
         if not self.coefficient or tier == CLOSED_FORM:
             return found
         if self.solved is None and not self.failed:
-            price = PRICE * self.design.ridge.count * linear
             if within is not None and price > within:
                 self.failed = f"would take about {price:.2g} s"
             else:

@@ -25,7 +25,7 @@ from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad
 from skincad.mechanics.tiers import prices
 from skincad.mechanics.tiers import table as tiers
 from skincad.mechanics.tiers.plane_level import level
-from skincad.mechanics.tiers.prices import LAWS, TimeLaw, expected, own
+from skincad.mechanics.tiers.table import TIERS, expected, own
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
@@ -469,7 +469,7 @@ def test_a_climb_that_runs_out_of_memory_leaves_the_verdict_before(monkeypatch: 
 
 def test_a_tier_is_priced_by_its_unknowns() -> None:
     plain, strips = filleted(), yamada()
-    for tier in LAWS:
+    for tier in TIERS:
         assert own(tier, plain) <= own(tier, strips)
     done = {"linear", "corrected"}
     assert expected("corrected-finite-strain", plain, set()) == pytest.approx(
@@ -523,8 +523,8 @@ class MadeUp:
         )
         patch.setattr(climbing, "perf_counter", lambda: self.now)
         patch.setattr(climbing, "expected", self.expected)
-        patch.setattr(climbing, "of_yield", lambda _: self.sampling)
-        patch.setattr(climbing, "LAWS", {"linear": TimeLaw(10.0, 1.0, 1.0)})
+        patch.setattr(climbing, "beside", self.beside)
+        patch.setattr(climbing, "at_size", lambda _, size: size / 10.0)
         patch.setattr(climbing, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
 
     def answer(self, name: str, _: Any, request: Request, *__: object) -> Answer:
@@ -541,6 +541,9 @@ class MadeUp:
 
     def expected(self, name: str, _: Any, done: set[str]) -> float:
         return math.fsum(PRICES.get(each, 3.0) for each in {*tiers.below(name), name} - done - {"winkler"})
+
+    def beside(self, what: str, design: Design) -> float:
+        return self.sampling if what == "yield" else tiers.beside(what, design)
 
     def bound(self, effect: str) -> LeftOut:
         return LeftOut(effect, LEFT[effect], LEFT[effect], LEFT[effect])

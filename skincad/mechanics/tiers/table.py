@@ -1,7 +1,8 @@
-"""The tiers, cheapest first: what each leaves out, what it costs, and where its code is."""
+"""The tiers, cheapest first: what each leaves out, builds on, can judge and costs, and where its code is."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -11,19 +12,28 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers.prices import (
+    BESIDE,
+    TimeLaw,
+    coarse_solid_unknowns,
+    one,
+    plane_unknowns,
+    solid_unknowns,
+)
 
 
 @dataclass(frozen=True)
 class Tier:
     """`where` is module and function of its `answer(design, request, progress, *answers of on)`.
 
-    `price` is its time in units of the linear tier's, the tiers in `on` included (bench_check.py, on
-    yamada-2002). `shaped` says whether it knows plates that are not flat, `drops` whether measured crests,
-    `doubly` whether skins that are curved along y too.
+    `law` is the time of its own part, without the tiers in `on`, by its `size` of a design. `shaped` says
+    whether it knows plates that are not flat, `drops` whether measured crests, `doubly` whether skins that
+    are curved along y too.
     """
 
     where: str
-    price: float
+    law: TimeLaw
+    size: Callable[[Design], float]
     leaves_out: tuple[str, ...] = ()
     on: tuple[str, ...] = ()
     shaped: bool = False
@@ -33,20 +43,47 @@ class Tier:
 
 _ROOM = "skincad.mechanics.tiers."
 TIERS = {
-    "winkler": Tier(f"{_ROOM}winkler:answer", 1e-3, shaped=True, doubly=True),
-    "linear": Tier(f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped=True, drops=True),
-    "corrected": Tier(
-        f"{_ROOM}corrected:answer", 2.6, (FINITE_STRAIN,), ("linear",), shaped=True, drops=True
+    "winkler": Tier(f"{_ROOM}winkler:answer", TimeLaw(1.0, 4e-4, 0.0), one, shaped=True, doubly=True),
+    "linear": Tier(
+        f"{_ROOM}linear:answer",
+        TimeLaw(19_400, 0.66, 1.1),
+        plane_unknowns,
+        (FREE_ENDS, FINITE_STRAIN),
+        shaped=True,
+        drops=True,
     ),
-    "finite-strain": Tier(f"{_ROOM}finite_strain:answer", 5.3, (FREE_ENDS,), drops=True),
+    "corrected": Tier(
+        f"{_ROOM}corrected:answer",
+        TimeLaw(8_700, 0.29, 1.3),
+        coarse_solid_unknowns,
+        (FINITE_STRAIN,),
+        ("linear",),
+        shaped=True,
+        drops=True,
+    ),
+    "finite-strain": Tier(
+        f"{_ROOM}finite_strain:answer",
+        TimeLaw(19_400, 3.4, 1.38),
+        plane_unknowns,
+        (FREE_ENDS,),
+        drops=True,
+    ),
     "corrected-finite-strain": Tier(
         f"{_ROOM}product:answer",
-        6.7,
+        TimeLaw(1.0, 1e-3, 0.0),
+        one,
         on=("linear", "corrected", "finite-strain"),
         drops=True,
     ),
-    "solid": Tier(f"{_ROOM}solid:answer", 14.0, (FINITE_STRAIN,), shaped=True),
-    "solid-finite-strain": Tier(f"{_ROOM}solid_finite_strain:answer", 21.0, on=("solid",)),
+    "solid": Tier(
+        f"{_ROOM}solid:answer", TimeLaw(75_000, 8.0, 1.65), solid_unknowns, (FINITE_STRAIN,), shaped=True
+    ),
+    "solid-finite-strain": Tier(
+        f"{_ROOM}solid_finite_strain:answer",
+        TimeLaw(8_700, 0.9, 1.6),
+        coarse_solid_unknowns,
+        on=("solid",),
+    ),
 }
 AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
 
@@ -78,6 +115,26 @@ def able(name: str, design: Design, drops: bool) -> str:
 def below(name: str) -> list[str]:
     """Return the tiers that a tier builds on, each after those that it builds on itself."""
     return list(dict.fromkeys(each for other in TIERS[name].on for each in (*below(other), other)))
+
+
+def at_size(name: str, size: float) -> float:
+    """Return the seconds of a tier's own part at a size."""
+    return TIERS[name].law.at(size)
+
+
+def own(name: str, design: Design) -> float:
+    """Return the seconds of a tier's own part."""
+    return at_size(name, TIERS[name].size(design))
+
+
+def expected(name: str, design: Design, done: set[str]) -> float:
+    """Return the seconds that a tier takes on top of those in `done`."""
+    return math.fsum(own(each, design) for each in {*below(name), name} - done)
+
+
+def beside(what: str, design: Design) -> float:
+    """Return the seconds of a check's `yield`, or of its plate's `friction`."""
+    return BESIDE[what].at(design.ridge.count)
 
 
 def run(

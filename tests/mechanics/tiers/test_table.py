@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.tiers.linear import RUNGS
-from skincad.mechanics.tiers.prices import LAWS
-from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, tier_of
+from skincad.mechanics.tiers.table import AUTO, TIERS, able, below, expected, tier_of
 
 
 @pytest.mark.parametrize("name", TIERS)
@@ -28,10 +29,17 @@ def test_what_builds_on_nothing_has_nothing_below() -> None:
     assert below("corrected-finite-strain") == ["linear", "corrected", "finite-strain"]
 
 
-def test_every_tier_has_its_law_of_time_and_auto_climbs_by_price() -> None:
-    assert set(LAWS) == set(TIERS)
-    prices = [TIERS[name].price for name in AUTO]
+@pytest.mark.parametrize(
+    ("name", "tiers"), [("yamada-2002", TIERS), ("plain-ridges", AUTO), ("steep-fingertip", AUTO)]
+)
+def test_tiers_stand_in_the_order_of_their_price_and_auto_climbs_by_it(
+    name: str, tiers: Iterable[str]
+) -> None:
+    """On a small pad without strips the solid is as cheap as finite strain in the plane."""
+    design = load(name)
+    prices = [expected(tier, design, set()) for tier in tiers]
     assert prices == sorted(prices)
+    assert [tier for tier in TIERS if tier in AUTO] == list(AUTO)
 
 
 def test_a_tier_is_had_by_its_name_alone() -> None:
@@ -77,14 +85,17 @@ def test_a_tier_leaves_out_what_its_name_does_not_tell() -> None:
     assert {TIERS[name].leaves_out for name in ("corrected-finite-strain", "solid-finite-strain")} == {()}
 
 
-def test_prices_are_those_of_the_documents_table() -> None:
+def test_the_laws_are_right_of_the_documents_table(yamada: Design) -> None:
+    """Which `python -m bench.bench_check` measured; within 1.5 times, as the laws are to be anywhere."""
     text = (Path(__file__).parents[3] / "docs" / "verdicts.md").read_text("utf-8")
     rows = re.findall(r"^\| `([\w-]+)`, .*\| ([\d./]+) \|$", text, re.MULTILINE)
     assert {name for name, _ in rows} == set(TIERS)
+    linear = expected("linear", yamada, set())
     for name, told in rows:
         price = 1 / float(told[2:]) if told.startswith("1/") else float(told)
         # the springs' is told to the digit: 0.4 to 1 ms against the linear tier's 1 to 2 s
-        assert TIERS[name].price == pytest.approx(price, rel=1.0 if name == "winkler" else 1e-9)
+        within = 2.0 if name == "winkler" else 1.5
+        assert 1 / within <= expected(name, yamada, set()) / linear / price <= within
 
 
 @pytest.mark.parametrize("name", TIERS)
