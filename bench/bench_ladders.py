@@ -2,18 +2,31 @@
 
 `python -m bench.bench_ladders [TEMPLATE] [--ladder NAME]... [--minutes M]` climbs the ladders one
 after the other; a ladder that is expected to end after M minutes is not begun, and said.
+
+`python -m bench.bench_ladders --law TEMPLATE...` solves every tier on each template, keeps what the
+first one's took as `skincad accuracy` does, in a folder that is thrown away, and prints what the law then
+expects of each tier against what it took: as it stands, and at the speed of that template's own linear tier,
+as `check` takes it once that is solved; beside it the built-in law at that speed.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
+from contextlib import suppress
+from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
 
 import skincad
+from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
+from skincad.ladders.contact import MESH, taken_of
 from skincad.ladders.ladder import LADDERS, ladder_of
+from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers.measured import FOLDER, keep
+from skincad.mechanics.tiers.table import TIERS, able, own, run
 
 REPEATS = 3
 
@@ -52,13 +65,54 @@ def climb(name: str, design: Design) -> float:
     return whole
 
 
+def solved(design: Design) -> dict[str, Answer]:
+    """Return the answer of each tier that can judge the design, to the mesh that the ladder asks."""
+    done: dict[str, Answer] = {}
+    for name in TIERS:
+        with suppress(InputError, RefusedError):
+            if not able(name, design, drops=False):
+                run(name, design, Request(design.contact.force, MESH), done, None)
+    return done
+
+
+def laws(names: list[str]) -> None:
+    """Print how right the law of time is that the first template's run leaves on this machine."""
+    designs = {name: skincad.load(name, ["contact.friction=0"]) for name in names}
+    answers = {name: solved(design) for name, design in designs.items()}
+    plain = {name: {tier: own(tier, designs[name]) for tier in done} for name, done in answers.items()}
+    first = names[0]
+    with TemporaryDirectory() as folder:
+        os.environ[FOLDER] = folder
+        keep(first, taken_of(designs[first], answers[first]))
+        head = f"{'expected':>10}{'took, s':>10}{'ratio':>8}{'at speed':>10}{'built in':>10}"
+        print(f"{f'law of {first}':46}{head}")
+        for name, done in answers.items():
+            counted, linear = taken_of(designs[name], done), done["linear"].took
+            for tier in (tier for tier in done if TIERS[tier].law.exponent):
+                told, took = own(tier, designs[name]), done[tier].took
+                kept, built_in = (
+                    each / took * linear / of_linear
+                    for each, of_linear in (
+                        (told, own("linear", designs[name])), (plain[name][tier], plain[name]["linear"])
+                    )
+                )  # fmt: skip
+                further = "" if tier in counted else "  on finer meshes than the law counts"
+                line = f"  {name:20}{tier:24}{told:10.2f}{took:10.2f}{told / took:8.2f}"
+                print(f"{line}{kept:10.2f}{built_in:10.2f}{further}", flush=True)
+
+
 def main() -> None:
     """Climb what fits."""
     parser = argparse.ArgumentParser()
     parser.add_argument("template", nargs="?", default="yamada-2002")
     parser.add_argument("--ladder", action="append", choices=list(LADDERS))
     parser.add_argument("--minutes", type=float, default=10.0)
+    parser.add_argument("--law", nargs="+", metavar="TEMPLATE")
     asked = parser.parse_args()
+    os.environ[FOLDER] = os.devnull  # the built-in law, whatever this machine's user has kept
+    if asked.law:
+        laws(asked.law)
+        return
     design, began = skincad.load(asked.template), perf_counter()
     print(f"{asked.template:50}{'expected':>10}{'taken, s':>10}{'ratio':>8}")
     for name in asked.ladder or LADDERS:

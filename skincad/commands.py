@@ -359,7 +359,8 @@ def accuracy(
 ) -> None:
     """Show what accuracy costs in time on this design.
 
-    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
+    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings. What
+    check's models took (ladder contact) is kept in your cache folder: check --budget chooses by it.
     """
     from skincad.outputs.accuracies import COMMAND, names
     from skincad.outputs.delivery import ready
@@ -368,7 +369,7 @@ def accuracy(
     target = folder or Path("out") / design.name
     ready(target, COMMAND, names(ladders))
     with stage_bar(1) as progress:
-        found = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
+        found = skincad.accuracy(design, ladders, repeats=repeats, progress=progress).keep()
     _deliver(found, as_json, skincad.write(found, target))
 
 

@@ -26,6 +26,14 @@ from skincad.outputs.delivery import Written
 from skincad.outputs.making import MakeResult, PartReport
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _no_users_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No test reads or writes what the user's own machine took."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SKINCAD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def yamada() -> Design:
     return skincad.load("yamada-2002")

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from time import perf_counter
 from typing import Any
 
 from skincad.base.arguments import require_number
+from skincad.base.machine import machine
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.countdown import Countdown
 from skincad.ladders.ladder import LADDERS, Ladder, ladder_of
-from skincad.ladders.machine import machine
+from skincad.mechanics.tiers.measured import Taken, keep, shown
 
 MOST_REPEATS = 100
 
@@ -28,6 +29,26 @@ class Accuracy(Result):
     machine: dict[str, Any]
     repeats: int
     seconds: float
+    kept: str = ""  # in words, where what the tiers took is kept
+
+    @property
+    def taken(self) -> dict[str, Taken]:
+        """What each tier's own part took."""
+        return {tier: one for ladder in self.ladders for tier, one in ladder.taken.items()}
+
+    def keep(self) -> Accuracy:
+        """Keep what the tiers took in the user's cache folder, for the laws of time that `check` chooses by;
+        return the result that says where, or why not. Nothing where no tier was timed."""
+        if not self.taken:
+            return self
+        try:
+            path = keep(self.name, self.taken)
+        except (OSError, RuntimeError) as failure:
+            why = (
+                getattr(failure, "strerror", None) or failure
+            )  # without the path, which may tell a user's name
+            return replace(self, kept=f"the cost law is not kept: {why}")
+        return replace(self, kept=f"cost law kept in {shown(path)}; delete it to forget it")
 
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""
@@ -38,6 +59,10 @@ class Accuracy(Result):
             "time_laws": {
                 ladder.name: {model: asdict(law) for model, law in ladder.laws().items()}
                 for ladder in self.ladders
+            },
+            "cost_law": {
+                "taken": {tier: one.model_dump() for tier, one in self.taken.items()},
+                "kept": self.kept,
             },
             "machine": self.machine,
             "repeats": self.repeats,

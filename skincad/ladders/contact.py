@@ -7,7 +7,7 @@ every trial against the best model that can judge the design. A model's time inc
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
@@ -17,6 +17,7 @@ from skincad.ladders.ladder import Ladder, repeated, timed
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, plane_level, solid
+from skincad.mechanics.tiers.measured import Taken
 from skincad.mechanics.tiers.plane_level import LevelSolver
 from skincad.mechanics.tiers.prices import plane_unknowns
 from skincad.mechanics.tiers.solid_level import (
@@ -27,7 +28,7 @@ from skincad.mechanics.tiers.solid_level import (
     meshed_piece,
     pressed,
 )
-from skincad.mechanics.tiers.table import able, at_size, own, run
+from skincad.mechanics.tiers.table import TIERS, able, at_size, own, run
 from skincad.mechanics.validity import refuse_crushed
 
 MESH = 5e-3  # relative; what `check` asks of a tier's mesh
@@ -45,6 +46,7 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 }
 
 
+FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that climbed to its second rung, else up to 1.4
 ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are tried
 SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
 # time of a level in that of its tier; its unknowns in those of the tier's first rung are (order - 0.65) times
@@ -61,7 +63,19 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     force, height = tried.request.force, design.skin.thickness
     trials = tuple(trial_of(found, tried.truth, best, force, height) for found in tried.found)
     title = f"contact of {design.name} at {force:g} N"
-    return Ladder("contact", title, trials, measures_of(tried.truth, best), skipped=tried.skipped)
+    measures, taken = measures_of(tried.truth, best), taken_of(design, tried.done)
+    return Ladder("contact", title, trials, measures, skipped=tried.skipped, taken=taken)
+
+
+def taken_of(design: Design, done: Mapping[str, Answer]) -> dict[str, Taken]:
+    """Return what the tiers' own parts took, as their laws count it: not what takes as long for every design,
+    nor where finer meshes had to be climbed than the law is of."""
+    found = {}
+    for name, answer in done.items():
+        tier, size = TIERS[name], TIERS[name].size(design)
+        if tier.law.exponent and (tier.on or answer.unknowns < FINER * size):
+            found[name] = Taken(size=size, seconds=answer.took)
+    return found
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
@@ -140,14 +154,16 @@ class _Tried:
         if name == "solid":
             self._solid_levels()
         self._tell(_stage(name))
-        alone = name in ALONE
+        alone, done = name in ALONE, self.done
 
         def work() -> Answer:
-            return run(name, self.design, self.request, {} if alone else self.done, None)
+            nonlocal done
+            done = {} if alone else self.done
+            return run(name, self.design, self.request, done, None)
 
         answer, runs = timed(work, self.repeats if alone else 1)
         refuse_crushed(self.design, self.request.force, name, answer.approach.value or 0.0)
-        self.done[name] = answer
+        self.done |= done
         if not alone:
             runs = (math.fsum(answer.seconds.values()),)
         setting = "closed form" if name == "winkler" else OWN

@@ -14,6 +14,7 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.precision import PowerLaw, front, power_law
+from skincad.mechanics.tiers.measured import Taken
 
 Found = TypeVar("Found")
 LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break
@@ -84,7 +85,8 @@ class Trial:
 class Ladder:
     """Rungs with the measures that judge them, the first being the `error` of the contract.
 
-    `lines` says whether trials of a model are steps of one method; `skipped` why a trial is not there.
+    `lines` says whether trials of a model are steps of one method; `skipped` why a trial is not there;
+    `taken` what each tier's own part took.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Ladder:
     measures: tuple[ErrorMeasure, ...]
     lines: bool = True
     skipped: dict[str, str] = field(default_factory=dict)
+    taken: dict[str, Taken] = field(default_factory=dict)
 
     def best(self, measure: ErrorMeasure) -> list[Trial]:
         """Return the trials that no other beats in both time and this error: of all trials, or of its own

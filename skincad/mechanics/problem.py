@@ -154,7 +154,8 @@ class Answer:
     """What a tier found at `force` N: estimates with their error of discretisation, work and residual.
 
     `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form; `fault`
-    says what goes through each other or the plate unseen, "" where nothing does.
+    says what goes through each other or the plate unseen, "" where nothing does; `took` s is what the tier's
+    own part took, without what it builds on.
     """
 
     touching: int
@@ -167,6 +168,7 @@ class Answer:
     warnings: tuple[str, ...] = ()
     fault: str = ""
     parts: RidgeModel | None = None
+    took: float = 0.0
 
     def widened(self, threshold: float, approach: float, share: float) -> Answer:
         """Return the answer with larger errors: by parts of F9 and of the approach, and by `share` N."""

@@ -15,6 +15,7 @@ from skincad.mechanics.problem import (
     Request,
 )
 from skincad.mechanics.remedies import cause, changes
+from skincad.mechanics.tiers.measured import kept
 from skincad.mechanics.tiers.table import able, tier_of
 from skincad.mechanics.validity import (
     material_warnings,
@@ -68,6 +69,7 @@ def check(
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     drops = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(drops, design), *material_warnings(design))
+    notes += (trouble,) if (trouble := kept().trouble) else ()
     climb = Climb(design, asked, drops, notes, progress)
     if tier == "auto":
         found = climb.auto(tol, budget)

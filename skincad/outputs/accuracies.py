@@ -68,6 +68,7 @@ def lines(found: Accuracy) -> list[str]:
         + ", ".join(f"{name} {version}" for name, version in versions.items()),
         f"Times are medians of {found.repeats} runs, ± half from the shortest to the longest; trials "
         f"that take long run once. The whole took {found.seconds:.0f} s.",
+        *([found.kept] if found.kept else []),
     ]
 
 

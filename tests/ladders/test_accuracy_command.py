@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -11,10 +12,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from skincad.base.machine import machine
 from skincad.base.outfolder import replaced
 from skincad.ladders import circuit
+from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
-from skincad.ladders.machine import machine
+from skincad.mechanics.tiers.measured import FOLDER, NAME, Taken, kept
+from skincad.outputs.accuracies import lines
 from skincad.pictures.canvas import save
 from skincad.pictures.ladder_figures import SIZE, STYLES, diagram
 from tests.conftest import run_skincad
@@ -76,6 +80,30 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
     assert first == pytest.approx(found["rows"][0]["error"], rel=1e-3)  # four digits
     with Image.open(folder / "accuracy-circuit.png") as picture:
         assert picture.size == (round(100 * SIZE[0]), round(100 * SIZE[1]))
+
+
+def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
+    measure = ErrorMeasure("all", "error", "1", "the truth", "")
+    ladder = Ladder("contact", "contact", (), (measure,), taken={"linear": Taken(size=20_000.0, seconds=4.0)})
+    found = Accuracy("a", (ladder,), machine(), 1, 1.0)
+    monkeypatch.setenv(FOLDER, str(tmp_path))
+    monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
+    assert found.as_json()["cost_law"] == {
+        "taken": {"linear": {"size": 20_000.0, "seconds": 4.0}}, "kept": ""
+    }  # fmt: skip
+    assert not any(tmp_path.iterdir())  # nobody asked for it
+    told = found.keep()
+    assert told.kept == f"cost law kept in {Path('~', tmp_path.name, NAME)}; delete it to forget it"
+    assert lines(told)[-1] == told.kept == told.as_json()["cost_law"]["kept"]
+    assert kept().taken["linear"]["a"] == ladder.taken["linear"]
+    empty = replace(found, ladders=())
+    assert empty.keep() is empty
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv(FOLDER, str(tmp_path / "file" / "below"))
+    refused = found.keep()
+    assert refused.kept.startswith("the cost law is not kept: ")
+    assert str(tmp_path) not in refused.kept
 
 
 def test_no_host_and_no_user_is_told() -> None:

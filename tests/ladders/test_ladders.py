@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,8 +16,10 @@ from skincad.inputs.design import Design
 from skincad.ladders import circuit, contact, effects, slip, tessellation
 from skincad.ladders.circuit import HOLDS, PER_PERIOD
 from skincad.ladders.ladder import LADDERS, Ladder, Trial, ladder_of
+from skincad.mechanics.problem import Request
 from skincad.mechanics.tiers import solid
 from skincad.mechanics.tiers.solid_level import Layers
+from skincad.mechanics.tiers.table import TIERS, run
 
 
 @pytest.fixture(scope="module")
@@ -157,6 +160,17 @@ def pressed(plain: Design) -> Ladder:
         return found
 
 
+def test_what_a_tier_took_is_kept_where_its_law_counts_it(plain: Design) -> None:
+    """Not that of a solid on its second rung; a correction's unknowns are those of what it corrects."""
+    found = run("winkler", plain, Request(1.0), {}, None)
+    size, small = TIERS["solid"].size(plain), TIERS["corrected"].size(plain)
+    for unknowns, tiers in ((1.9 * size, {"solid", "corrected"}), (2.1 * size, {"corrected"})):
+        solved = replace(found, unknowns=round(unknowns), took=3.0)
+        taken = contact.taken_of(plain, {"winkler": found, "solid": solved, "corrected": solved})
+        assert set(taken) == tiers
+        assert (taken["corrected"].size, taken["corrected"].seconds) == (small, 3.0)
+
+
 @pytest.mark.slow
 def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert_whole(pressed)
@@ -164,6 +178,9 @@ def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert {trial.model for trial in pressed.trials} == {
         "winkler", "linear", "finite-strain", "solid", "corrected", *contact.BEST[:2],
     }  # fmt: skip
+    # what tiers took alone; the solid may have climbed further than its law counts, two take next to nothing
+    assert set(pressed.taken) | {"solid"} == set(TIERS) - {"winkler", "corrected-finite-strain"}
+    assert all(one.seconds > 0 for one in pressed.taken.values())
 
 
 @pytest.mark.slow
