@@ -48,16 +48,16 @@ def solved(fineness: float, order: int) -> dict[str, Any]:
     """Return the time by stage and the size of one level on nine ridges."""
     from time import perf_counter
 
-    from skincad.mechanics.bodies.mesh import default_sizes, triangles
+    from skincad.mechanics.bodies.meshed import plane_piece
     from skincad.mechanics.problem import pad_of
     from skincad.mechanics.tiers.plane_level import level
 
     design = load("plain-ridges")
     pad = pad_of(design)
     started = perf_counter()
-    mesh = triangles(pad, default_sizes(pad, fineness))
+    piece = plane_piece(pad, fineness)
     meshed = perf_counter()
-    found = level(pad, mesh, order, design.contact.force)
+    found = level(piece, order, design.contact.force)
     stages = {"total": perf_counter() - started, "mesh": meshed - started, **found.seconds}
     return {"seconds": stages, "unknowns": found.unknowns}
 

@@ -19,7 +19,7 @@ from bench.campaign.random_designs import drawn
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.left_out import free_ends
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
@@ -208,8 +208,7 @@ class _Levels:
     def numbers(self, i: int) -> dict[str, float | None]:
         """Return F9 and approach of the rung's higher order."""
         if i not in self.known:
-            mesh = triangles(self.pad, default_sizes(self.pad, RUNGS[i].fineness))
-            found = level(self.pad, mesh, RUNGS[i].order, self.force)
+            found = level(plane_piece(self.pad, RUNGS[i].fineness), RUNGS[i].order, self.force)
             self.known[i] = {"all_touch_force": found.all_touch_force, "approach": found.approach}
         return self.known[i]
 

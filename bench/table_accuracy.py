@@ -17,7 +17,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers.linear import FLOOR, RUNGS
 from skincad.mechanics.tiers.plane_level import level
@@ -106,7 +106,7 @@ def tolerances(names: list[str]) -> int:
 def finest(design: Design) -> tuple[float | None, float]:
     """Return F9 and approach of the linear ladder's last rung."""
     pad, rung = pad_of(design), RUNGS[-1]
-    found = level(pad, triangles(pad, default_sizes(pad, rung.fineness)), rung.order, design.contact.force)
+    found = level(plane_piece(pad, rung.fineness), rung.order, design.contact.force)
     return found.all_touch_force, found.approach
 
 

@@ -14,20 +14,13 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.contact_errors import Found, Truth, apart, measures_of, stated, trial_of
 from skincad.ladders.ladder import Ladder, repeated, timed
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
 from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, plane_level, solid
 from skincad.mechanics.tiers.measured import Taken
 from skincad.mechanics.tiers.plane_level import LevelSolver
 from skincad.mechanics.tiers.prices import plane_unknowns
-from skincad.mechanics.tiers.solid_level import (
-    Layers,
-    SolidSolution,
-    coarse_sizes,
-    forms_of,
-    meshed_piece,
-    pressed,
-)
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, pressed
 from skincad.mechanics.tiers.table import TIERS, able, at_size, own, run
 from skincad.mechanics.validity import refuse_crushed
 
@@ -136,8 +129,9 @@ class _Tried:
             self._tell(_level(name, fineness, order))
 
             def solved(fineness: float = fineness, order: int = order) -> plane_level.PlaneSolution:
-                mesh = triangles(pad, default_sizes(pad, fineness))
-                return SOLVERS[name]()(pad, mesh, order, force, ())
+                return SOLVERS[name]()(
+                    plane_piece(pad, fineness, whole=name == "finite-strain"), order, force, ()
+                )
 
             last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
             level, runs = timed(solved, 1 if last else self.repeats)

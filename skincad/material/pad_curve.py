@@ -17,13 +17,13 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.problem import Pad, check_pad, pad_of
 from skincad.mechanics.tiers import corrected, linear, plane_level
 from skincad.mechanics.tiers.finite_strain import Levels
-from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
+from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.validity import limits
 
 POINTS = 80  # forces of the table, closer at the first touch
@@ -81,16 +81,16 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
     a_ridge = limits(design.with_(material={"young_modulus": young_modulus, "law": None})).largest
     force = a_ridge * len(pad.ridges) * (np.arange(1, POINTS + 1) / POINTS) ** 2
     with clock.stage("linear"):
-        found = plane_level.level(
-            pad, triangles(pad, default_sizes(pad, FINE.fineness)), FINE.order, force[-1] / 4
-        )
+        meshed = plane_piece(pad, FINE.fineness)
+        found = plane_level.level(meshed, FINE.order, force[-1] / 4)
         states = _pressed(found.ridges, force / found.scale)
-        approach = np.array([state.approach for state in states]) * unit_of(pad)
+        approach = np.array([state.approach for state in states]) * found.unit
     with clock.stage("free ends"):
         approach = approach * _free_ends(
             replace(corrected.plain_pad(design), young_modulus=young_modulus), force
         )
-    loaded = np.array([_largest_share(state, found.ridges) for state in states]) * found.scale
+    shares = [meshed.on_whole(_shares(state, found.ridges)) for state in states]
+    loaded = np.array(shares).max(axis=1) * found.scale
     kept = int(np.count_nonzero(np.maximum.accumulate(loaded) <= a_ridge))
     zero = np.zeros(1)
     force, approach = np.append(zero, force[:kept]), np.append(zero, approach[:kept])
@@ -105,12 +105,12 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
     pad = replace(pad_of(design), young_modulus=curve.young_modulus)
     largest = min(largest, float(curve.force[-1]))
     with clock.stage("finite strain"):
-        mesh, solve = triangles(pad, default_sizes(pad, COARSE.fineness)), Levels()
+        coarse, solve = plane_piece(pad, COARSE.fineness, whole=True), Levels()
         at, ratio = [0.0], [1.0]
         for force in (share * largest for share in STRAINED_AT):
-            small = plane_level.level(pad, mesh, COARSE_ORDER, force).approach
+            small = plane_level.level(coarse, COARSE_ORDER, force).approach
             try:
-                finite = solve(pad, mesh, COARSE_ORDER, force).approach
+                finite = solve(coarse, COARSE_ORDER, force).approach
             except InputError:
                 if len(at) == 1:
                     raise
@@ -141,5 +141,5 @@ def _pressed(ridges: Ridges, forces: Array) -> list[NodalContact]:
         return [press(ridges.flexibility, ridges.gap, float(force)) for force in forces]
 
 
-def _largest_share(state: NodalContact, ridges: Ridges) -> float:
-    return max(float(state.force[ridges.of_point == r].sum()) for r in ridges.numbers)
+def _shares(state: NodalContact, ridges: Ridges) -> Array:
+    return np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers])

@@ -227,9 +227,11 @@ class Climb:
     def _manufacture(self, found: Answer) -> Manufacture | None:
         """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
         threshold, parts = found.all_touch_force.value, found.parts
-        if threshold and parts is None:
+        if threshold is None or self.design.ridge.count == 1:
+            return None
+        if parts is None:
             parts = self._plane().parts
-        if not threshold or parts is None:
+        if parts is None:
             return None
         from skincad.mechanics.manufacture import manufacture
 

@@ -58,7 +58,7 @@ def manufacture(
     )  # at least what none of so many leaves open
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED else SCALED_MISCLASSIFIES
     error += wrong * 4 * both * (1 - both)
-    error += _by_threshold(model, drops, scaled, unsure / threshold, both)
+    error += _by_threshold(model, drops, scaled, unsure and unsure / threshold, both)
     return Manufacture(
         Estimate(both, error, "1"),
         tuple(float(s) for s in _crest_slopes(model, own) * scale / unit / softer),

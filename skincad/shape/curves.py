@@ -15,7 +15,7 @@ import shapely
 
 from skincad.base.arrays import Array
 
-Kind = Literal["back", "side", "base", "root_fillet", "flank", "tip_fillet", "crown", "slot", "other"]
+Kind = Literal["back", "side", "base", "root_fillet", "flank", "tip_fillet", "crown", "slot", "cut", "other"]
 _GAUSS = np.polynomial.legendre.leggauss(16)  # exact to rounding for sweeps below a half turn
 
 

@@ -11,7 +11,7 @@ import pytest
 from bench import calculix
 from bench.bench_calculix import FORCE, SOFTER, own
 from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers import finite_strain
 from tests.mechanics.designs import filleted
@@ -62,7 +62,7 @@ def calculixs(law: Ogden | None) -> np.ndarray:
 def skincads(law: Ogden | None) -> np.ndarray:
     """This program's."""
     pad = replace(pad_of(filleted()), law=law)
-    found = finite_strain.Levels()(pad, triangles(pad, default_sizes(pad, 0.5)), 3, FORCE)
+    found = finite_strain.Levels()(plane_piece(pad, 0.5, whole=True), 3, FORCE)
     return np.array([found.approach, *found.ridge_force])
 
 

@@ -20,6 +20,7 @@ from scipy.sparse.linalg import splu
 from skincad.inputs.skin_tables import Plate
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
+from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.tiers.plane_level import level
@@ -224,14 +225,14 @@ def ring_order(ratio: float, order: int, of: int) -> float:
 def corner_errors(ratio: float, order: int) -> tuple[float, ...]:
     """Of a clamped block's approach on uniform meshes, against order 6 on one graded into its corners."""
     pad = block(2.0, 2.0, ratio)
-    exact = level(pad, triangles(pad, Sizes(0.1, 0.1, 0.1, 1e-5)), 6, 0.01)
+    exact = level(meshed_piece(pad, Sizes(0.1, 0.1, 0.1, 1e-5), whole=True), 6, 0.01)
     assert (exact.pressure > 0).all()  # all of the top touches, so that no edge of contact is in play
     errors = []
     for refined in (2, 3, 4):
-        mesh = triangles(pad, Sizes(0.5, 0.5, 0.5, 0.5))
+        meshed = meshed_piece(pad, Sizes(0.5, 0.5, 0.5, 0.5), whole=True)
         for _ in range(refined):
-            mesh.Refine()
-        errors.append(abs(level(pad, mesh, order, 0.01).approach / exact.approach - 1))
+            meshed.mesh.Refine()
+        errors.append(abs(level(meshed, order, 0.01).approach / exact.approach - 1))
     return tuple(errors)
 
 
@@ -244,9 +245,11 @@ def edge_errors(order: int, sizes: tuple[float, ...]) -> list[float]:
     pad = cylinder(50.0, 0.3)
     errors = []
     for size in sizes:
-        mesh = triangles(pad, Sizes(contact=size, ridge=0.3, bulk=0.7, corner=0.05))
-        found = level(pad, mesh, order, 1e-3)
-        weight = elements.assemble(elements.curved(mesh, order), order, {"skin": (1.0, 0.3)}).nodes.weight
+        meshed = meshed_piece(pad, Sizes(contact=size, ridge=0.3, bulk=0.7, corner=0.05), whole=True)
+        found = level(meshed, order, 1e-3)
+        weight = elements.assemble(
+            elements.curved(meshed.mesh, order), order, {"skin": (1.0, 0.3)}
+        ).nodes.weight
         squares = []
         for half_width in np.linspace(0.08, 0.12, 16):
             load = math.pi * pad.young_modulus / (1 - 0.3**2) * half_width**2 / (4 * 50.0)
@@ -268,7 +271,7 @@ def layer_errors(ratio: float) -> tuple[float, float, float]:
     assert exact.half_width == pytest.approx(ratio, rel=1e-12)  # rounding
     pad = block(2 * ratio + 12 * thickness, thickness, poisson)
     pad = replace(pad, plate=Plate(shape="cylinder", radius=radius))
-    found = level(pad, triangles(pad, Sizes(0.25, 0.25, 0.25, 0.02)), 3, load * pad.length)
+    found = level(meshed_piece(pad, Sizes(0.25, 0.25, 0.25, 0.02)), 3, load * pad.length)
     half_width = float(np.abs(found.x[found.pressure > 0]).max())
     return (
         abs(float(found.pressure.max()) / exact.peak_pressure - 1),

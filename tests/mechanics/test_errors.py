@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.problem import Answer, Request, pad_of
 from skincad.mechanics.tiers import linear
 from skincad.mechanics.tiers.plane_level import PlaneSolution, level
@@ -32,7 +32,7 @@ def truth(name: str) -> PlaneSolution:
     """Order 4 on a mesh finer than any rung's."""
     design = DESIGNS[name]()
     pad = pad_of(design)
-    return level(pad, triangles(pad, default_sizes(pad, 3.0)), 4, force_on(design))
+    return level(plane_piece(pad, 3.0), 4, force_on(design))
 
 
 def assert_inside(found: Answer, exact: PlaneSolution) -> None:
@@ -74,7 +74,7 @@ VARIANTS: dict[str, dict[str, dict[str, float]]] = {
 def test_variants_errors(name: str) -> None:
     design: Design = yamada().with_(**THREE).with_(**VARIANTS[name])
     pad = pad_of(design)
-    exact = level(pad, triangles(pad, default_sizes(pad, 2.0)), 4, 1.3)
+    exact = level(plane_piece(pad, 2.0), 4, 1.3)
     assert_inside(linear.answer(design, Request(1.3)), exact)
 
 

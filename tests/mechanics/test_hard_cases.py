@@ -11,6 +11,7 @@ import pytest
 
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes
@@ -70,7 +71,7 @@ def light(force: float) -> PlaneSolution:
     half_width = hertz_of(pad, force).half_width
     pad = narrowed(pad, 3 * half_width)
     sizes = replace(default_sizes(pad), contact=half_width / 10, ridge=0.06, bulk=0.5, corner=0.002)
-    return level(pad, triangles(pad, sizes), 3, force)
+    return level(meshed_piece(pad, sizes, whole=True), 3, force)
 
 
 def test_a_single_ridge_under_a_micronewton_is_hertzs() -> None:

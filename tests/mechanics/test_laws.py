@@ -17,6 +17,7 @@ from skincad.laws.yeoh import Yeoh
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.large_field import strip_stress
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.contact.grip import Drive
 from skincad.mechanics.contact.newton import Pressed
 from skincad.mechanics.contact.pressing import press_to
@@ -41,7 +42,7 @@ NEO = Ogden(mu=[0.6, 0.4], alpha=[2.0, 2.0])
 def three(law: Rubber | None) -> PlaneSolution:
     """Three ridges on the coarsest mesh."""
     pad = replace(pad_of(reference().with_(**THREE)), law=law)
-    return finite_strain.Levels()(pad, triangles(pad, default_sizes(pad, 0.5)), 2, FORCE)
+    return finite_strain.Levels()(plane_piece(pad, 0.5, whole=True), 2, FORCE)
 
 
 def numbers(of: PlaneSolution) -> np.ndarray:

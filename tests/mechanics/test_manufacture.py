@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.ridge_model import ridge_forces, ridge_model
 from skincad.mechanics.contact.under_plate import seen_by_plate
@@ -16,7 +17,7 @@ from skincad.mechanics.manufacture import MODEL_MISCLASSIFIES, SCALED_MISCLASSIF
 from skincad.mechanics.problem import Request, RidgeModel, Spread, pad_of
 from skincad.mechanics.tiers import corrected
 from skincad.mechanics.tiers.plane_level import PlaneSolution, level
-from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of, meshed_piece
+from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of
 from tests.mechanics.designs import linear_check, reference
 
 
@@ -24,7 +25,7 @@ from tests.mechanics.designs import linear_check, reference
 def case(request: pytest.FixtureRequest) -> tuple[PlaneSolution, RidgeModel, float, float]:
     design = load(request.param)
     pad, force = pad_of(design), design.contact.force
-    found = level(pad, triangles(pad, default_sizes(pad, 0.5)), 2, force)
+    found = level(plane_piece(pad, 0.5, whole=True), 2, force)
     return found, ridge_model(found.ridges, force, unit_of(pad), found.scale), unit_of(pad), force
 
 
@@ -71,7 +72,7 @@ def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
     """docs/facts.md#manufacture: F9 +32 % and +65 %."""
     design = reference()
     pad = pad_of(design)
-    found = level(pad, triangles(pad, default_sizes(pad)), 2, 4.0)
+    found = level(plane_piece(pad, whole=True), 2, 4.0)
     model = ridge_model(found.ridges, 6.0, unit_of(pad), found.scale)
     outer = np.zeros((3, 9))
     outer[1, [0, -1]], outer[2, [0, -1]] = 0.025 / unit_of(pad), 0.05 / unit_of(pad)
@@ -86,7 +87,7 @@ def test_share_of_failing_reference_parts() -> None:
     of 0.97 N over 42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
     """
     pad = pad_of(reference())
-    found = level(pad, triangles(pad, default_sizes(pad, 0.5)), 2, 4.0)
+    found = level(plane_piece(pad, 0.5, whole=True), 2, 4.0)
     asked, ridges = 4.0 / found.scale, found.ridges
     model = ridge_model(ridges, 4.0, unit_of(pad), found.scale)
     rigid = (0.8, 0.8, 0.8)

@@ -13,6 +13,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics import climb as climbing
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.film import rungs, sliding
 from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.manufacture import manufacture
@@ -39,8 +40,7 @@ def small() -> Design:
 def contact(design: Design, fineness: float, order: int) -> int:
     """Contact unknowns of the plane at this mesh and order."""
     pad = pad_of(design)
-    mesh = triangles(pad, default_sizes(pad, fineness))
-    return elements.contact_unknowns(elements.curved(mesh, 1), order)
+    return plane_level.contact_unknowns(plane_piece(pad, fineness), order)
 
 
 def unsolved(*arguments: Any, **options: Any) -> Any:
@@ -57,7 +57,7 @@ def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pad = pad_of(small)
-    best = plane_level.level(pad, triangles(pad, default_sizes(pad, 1.0)), 3, small.contact.force)
+    best = plane_level.level(plane_piece(pad, 1.0), 3, small.contact.force)
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 1.0, 3))
     found = plane(small, tol=1e-4)
     assert found.unknowns == best.unknowns
@@ -113,6 +113,7 @@ def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) ->
         elements.contact_unknowns(elements.curved(triangles(p, sizes), 1), 1) for p in (one_ridge(pad), pad)
     )
     assert whole >= linear.ALONE * alone * len(pad.ridges)
+    assert plane_level.contact_unknowns(plane_piece(pad, 0.5), 1) >= linear.ALONE * alone * len(pad.ridges)
 
 
 def test_a_better_tier_that_is_too_large_leaves_the_one_before(

@@ -19,7 +19,7 @@ from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.mechanics import climb as climbing
 from skincad.mechanics import manufacture as manufacturing
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.tiers import prices
@@ -130,7 +130,7 @@ def test_force_is_smooth_in_the_design() -> None:
     forces = []
     for i in range(7):
         pad = pad_of(filleted().with_(ridge={"height": 0.5 + 1e-4 * i}))
-        forces.append(level(pad, triangles(pad, default_sizes(pad)), 3, 4.0).all_touch_force)
+        forces.append(level(plane_piece(pad), 3, 4.0).all_touch_force)
     steps = np.diff(np.array(forces, dtype=float))
     assert np.abs(np.diff(steps)).max() <= 2e-4 * (forces[0] or 0.0)
 

@@ -8,7 +8,7 @@ positive definite and does not lock for nu near 0.5. Lengths are in the pad's un
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import ngsolve as ng
@@ -43,9 +43,10 @@ class Assembled:
     """A condensed stiffness and what the contact needs of it.
 
     `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the
-    free unknowns, the contact ones (vertical, on the contact boundary) apart; `lift` `(n,)` is the
-    vertical rigid translation by 1. `nodes` are Gauss-Lobatto points, `fine` a dense even sampling; `mesh`
-    and `space` (displacements times pressures) are what was assembled.
+    free unknowns, the contact ones (vertical, on the contact boundary) apart, those on a half's cut among
+    them (see `even`, `odd`); `lift` `(n,)` is the vertical rigid translation by 1. `nodes` are Gauss-Lobatto
+    points, `fine` a dense even sampling; `mesh` and `space` (displacements times pressures) are what was
+    assembled.
     """
 
     matrix: sparse.csr_matrix
@@ -129,6 +130,19 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
         mesh,
         both,
     )
+
+
+def even(system: Assembled) -> Assembled:
+    """Return the system for loads that are their own mirror image: on a half's cut x is held."""
+    held, _ = fe.held_on_cut(system.mesh, system.space.components[0])
+    return replace(system, interior=np.setdiff1d(system.interior, held))
+
+
+def odd(system: Assembled) -> tuple[Index, Index]:
+    """Return a half's interior and contact unknowns that are free under loads which the mirror turns round:
+    on the cut z is held. `system` is not `even`'s."""
+    _, held = fe.held_on_cut(system.mesh, system.space.components[0])
+    return np.setdiff1d(system.interior, held), np.setdiff1d(system.contact, held)
 
 
 def lobatto(order: int) -> tuple[Array, Array]:

@@ -12,9 +12,7 @@ import ngsolve as ng
 import numpy as np
 from scipy import sparse
 
-from skincad.base.arrays import Array, Mask
-
-ON_AXIS = 1e-9  # in units; vertices of the cut at x = 0
+from skincad.base.arrays import Array, Index, Mask
 
 
 def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
@@ -48,12 +46,15 @@ def centres(mesh: Any, triangles: Sequence[Any]) -> Array:
 
 
 def on_cut(mesh: Any, space: Any) -> Mask:
-    """Return which unknowns of a scalar space lie on x = 0."""
-    found, points = np.zeros(space.ndof, dtype=bool), np.array([v.point for v in mesh.vertices])
-    for edge in mesh.Elements(ng.BND):
-        if np.abs(points[[v.nr for v in edge.vertices], 0]).max() < ON_AXIS:
-            found[list(space.GetDofNrs(edge))] = True
-    return found
+    """Return which unknowns of a scalar space lie on the cut at x = 0 of a half; none of a whole pad."""
+    return np.fromiter(space.GetDofs(mesh.Boundaries("cut")), dtype=bool, count=space.ndof)
+
+
+def held_on_cut(mesh: Any, space: Any) -> tuple[Index, Index]:
+    """Return the displacements' unknowns in x and in z that lie on the cut: what loads that are even in x
+    hold, and what odd ones do."""
+    on = np.flatnonzero(on_cut(mesh, space.components[0]))
+    return on + space.Range(0).start, on + space.Range(1).start
 
 
 def as_csr(matrix: Any) -> sparse.csr_matrix:

@@ -17,10 +17,17 @@ from skincad.mechanics.bodies.elements import Outline
 THROUGH = 2e-3  # of the unit; between contact points the crown itself is up to 1e-3 above the plate
 
 
-def fault(loops: list[Outline], plate: Callable[[Array], Array], with_itself: bool = True) -> str | None:
+def fault(
+    loops: list[Outline],
+    plate: Callable[[Array], Array],
+    with_itself: bool = True,
+    *,
+    mirrored: bool = False,
+) -> str | None:
     """Return what is wrong with deformed loops under a plate at the heights `plate` of x, or None.
 
-    Contact of the skin with itself is looked for unless `with_itself` is false.
+    Contact of the skin with itself is looked for unless `with_itself` is false. Of a `mirrored` half, what
+    crosses x = 0 meets its own image.
     """
     for loop in loops:
         x, z = loop.moved[~(loop.touches | np.roll(loop.touches, 1))].T
@@ -28,6 +35,8 @@ def fault(loops: list[Outline], plate: Callable[[Array], Array], with_itself: bo
             return "a ridge's flank or the skin between ridges meets the plate"
     if any(_area(loop.rest) * _area(loop.moved) <= 0 for loop in loops):
         return "a slot is turned inside out"
+    if mirrored and min(loop.moved[:, 0].min() for loop in loops) < -THROUGH:
+        return "two ridges meet in the middle"
     outer = max(range(len(loops)), key=lambda i: abs(_area(loops[i].rest)))
     holes = [loop.moved for i, loop in enumerate(loops) if i != outer]
     if with_itself and not shapely.is_valid(shapely.Polygon(loops[outer].moved, holes)):

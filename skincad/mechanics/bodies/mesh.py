@@ -32,7 +32,8 @@ class Sizes:
     """Largest edges, in mm: on contact segments, the ridges' sides, elsewhere, the back's corners.
 
     Long sides of slots and strips may have edges of `slot` mm, their corners of `tip` mm if it is not 0;
-    `grading` is the growth of neighbouring triangles, netgen's default 0.3.
+    `grading` is the growth of neighbouring triangles, netgen's default 0.3. Where the back of a half ends on
+    its cut, no corner of the pad, edges are of `corner` too unless `smooth`.
     """
 
     contact: float
@@ -42,6 +43,7 @@ class Sizes:
     slot: float = 0.0
     grading: float = 0.3
     tip: float = 0.0
+    smooth: bool = False
 
 
 def unit_of(pad: Pad) -> float:
@@ -70,7 +72,8 @@ def default_sizes(pad: Pad, fineness: float = 1.0) -> Sizes:
 def triangles(pad: Pad, sizes: Sizes) -> Any:
     """Return the netgen mesh of the pad, in the pad's own unit.
 
-    Boundaries are named `back`, `contact<ridge>`, `free` and `strip`, domains `skin` and `film`.
+    Boundaries are named `back`, `contact<ridge>`, `free`, `strip` and, of a half, `cut`; domains `skin` and
+    `film`.
     Raises InputError when netgen finds no mesh.
     """
     unit = unit_of(pad)
@@ -160,7 +163,7 @@ def _control(arc: Segment) -> Point:
 def _corner(before: Segment, after: Segment, sizes: Sizes) -> float:
     """Largest edge at a singular corner, mm; 0 for the sizes of its segments."""
     if (before.kind == "back") != (after.kind == "back"):
-        return sizes.corner
+        return 0.0 if sizes.smooth and "cut" in (before.kind, after.kind) else sizes.corner
     return sizes.tip if after.kind == "slot" else 0.0
 
 
@@ -181,6 +184,6 @@ def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:
 def _name(segment: Segment, domains: tuple[int, int]) -> str:
     if domains[0] == FILM:
         return "strip"
-    if segment.kind == "back":
-        return "back"
+    if segment.kind in ("back", "cut"):
+        return segment.kind
     return f"contact{segment.ridge}" if segment.kind in CONTACT_KINDS and domains[0] == SKIN else "free"

@@ -17,7 +17,7 @@ from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import layers, solid_law
 from skincad.mechanics.bodies.dissect import Factored, Front, Unknowns, factored
 from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
-from skincad.mechanics.bodies.folding import THROUGH, fault, widest
+from skincad.mechanics.bodies.folding import fault, widest
 from skincad.mechanics.bodies.law_energy import NO_LAWS
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.section_points import SectionPoints
@@ -90,17 +90,10 @@ class SolidBody:
         return widest([loop for loops in self.outlines(step) for loop in loops])
 
     def fault(self, state: Array, plate: float) -> str | None:
-        """Return what touches without being in contact in the middle or at the end, or None.
-
-        Of a mirrored half, what crosses x = 0 meets its own image.
-        """
-        for loops in self.outlines(state):
-            wrong = fault(loops, lambda x: np.full_like(x, plate))
-            if wrong is None and self.forms.cut.any() and min(p.moved[:, 0].min() for p in loops) < -THROUGH:
-                wrong = "two ridges meet in the middle"
-            if wrong is not None:
-                return wrong
-        return None
+        """Return what touches without being in contact in the middle or at the end, or None."""
+        cut = bool(self.forms.cut.any())
+        found = (fault(p, lambda x: np.full_like(x, plate), mirrored=cut) for p in self.outlines(state))
+        return next((wrong for wrong in found if wrong), None)
 
     def outlines(self, state: Array) -> list[list[Outline]]:
         """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""

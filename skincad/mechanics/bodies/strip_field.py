@@ -45,12 +45,11 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     form, both = elements.small_strain(mesh, order, materials)
     space = both.components[0]
     first = [space.Range(i).start for i in (0, 1)]
-    held = np.flatnonzero(fe.on_cut(mesh, space.components[0]))
     system = elements.with_contact(fe.as_csr(form.mat), mesh, both, order)
     moved = ng.GridFunction(both)
     stress = _stress(mesh, materials, *moved.components)
     along_x = system.contact - first[1] + first[0]
-    return StripBody(system, order, form, stress, moved, along_x, (held + first[0], held + first[1]))
+    return StripBody(system, order, form, stress, moved, along_x, fe.held_on_cut(mesh, space))
 
 
 def _stress(mesh: Any, materials: Mapping[str, tuple[float, float]], u: Any, q: Any) -> Any:

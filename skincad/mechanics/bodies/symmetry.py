@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy import optimize
+from scipy import optimize, spatial
 
 from skincad.mechanics.problem import Pad
 from skincad.shape.cross_section import Section
@@ -52,9 +52,8 @@ def _mirrored(segments: list[Segment], tolerance: float) -> bool:
         return True
     here = np.array([[*s.start, *s.end] for s in segments])
     image = np.array([[-s.end.x, s.end.z, -s.start.x, s.start.z] for s in segments])
-    distance = np.abs(here[:, None] - image).max(axis=2)
-    partner = distance.argmin(axis=1)
-    return bool(distance.min(axis=1).max() <= tolerance) and all(
+    distance, partner = spatial.cKDTree(image).query(here, p=np.inf)
+    return bool(distance.max() <= tolerance) and all(
         math.isclose(s.bulge, segments[j].bulge, rel_tol=1e-6, abs_tol=1e-9) and s.kind == segments[j].kind
         for s, j in zip(segments, partner, strict=True)
     )
@@ -80,7 +79,7 @@ def _cut(outline: Loop, tolerance: float) -> Loop | None:
     first, last = chain[0].start, chain[-1].end
     chain[0] = replace(chain[0], start=Point(0.0, first.z))
     chain[-1] = replace(chain[-1], end=Point(0.0, last.z))
-    return (*chain, Segment(Point(0.0, last.z), Point(0.0, first.z)))
+    return (*chain, Segment(Point(0.0, last.z), Point(0.0, first.z), kind="cut"))
 
 
 def _right_part(segment: Segment) -> Segment:

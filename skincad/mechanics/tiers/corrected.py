@@ -17,17 +17,10 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
+from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.solid_level import (
-    Layers,
-    SolidSolution,
-    coarse_sizes,
-    forms_of,
-    meshed_piece,
-    pressed,
-    timed,
-)
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, pressed, timed
 
 ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)

@@ -16,17 +16,11 @@ from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
+from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.tiers.corrected import LAYERS, ORDER, plain_pad
-from skincad.mechanics.tiers.solid_level import (
-    Layers,
-    Meshed,
-    coarse_sizes,
-    condensed_pad,
-    forms_of,
-    meshed_piece,
-)
+from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, condensed_pad, forms_of
 
 ROUNDING = 1e-9  # relative; what of a compliance counts as stiffer ends
 

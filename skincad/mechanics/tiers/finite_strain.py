@@ -24,7 +24,7 @@ from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, neo_hooke
-from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.bodies.meshed import Meshed
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, transferred
 from skincad.mechanics.contact.elastic import Elastic
 from skincad.mechanics.contact.newton import (
@@ -35,7 +35,7 @@ from skincad.mechanics.contact.newton import (
 from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
 from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
 from skincad.mechanics.tiers.linear import climb
-from skincad.mechanics.tiers.plane_level import PlaneSolution
+from skincad.mechanics.tiers.plane_level import PlaneSolution, scale_of
 
 # Relative change by the small-strain law at the clamped ends (neo_hooke.body), taken as twice the change
 # measured without it at 4, 6 and 9 N: 5e-5 of F9, 6e-5 to 3e-4 of approach and of the mean share
@@ -56,7 +56,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     """
     check_flat(pad.plate, "finite-strain", "linear")
     levels = Levels()
-    found, _ = climb(pad, request, levels, "finite-strain", progress)
+    found, _ = climb(pad, request, levels, "finite-strain", progress, whole=True)
     found, ridges = replace(found, warnings=(*found.warnings, *levels.warnings())), len(found.ridge_force)
     share = (
         EDGE_STATE * request.force / ridges if ridges > 1 else 0.0
@@ -68,7 +68,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 class _Solved:
     """A level's two states, for the next order to start from."""
 
-    triangles: object
+    meshed: Meshed
     mesh: Any
     pad: Pressed[NeoHookeBody]
     pressed: PressedState
@@ -83,12 +83,13 @@ class Levels:
         self.last: _Solved | None = None
 
     def __call__(
-        self, pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...] = ()
+        self, meshed: Meshed, order: int, force: float, drops: tuple[float, ...] = ()
     ) -> PlaneSolution:
-        """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
+        """Solve one order at `force` N on the pad, crests lower than the section's by `drops` mm: those need
+        a mesh of the whole pad."""
         with one_blas_thread():
-            before = self.last if self.last and self.last.triangles is triangles else None
-            self.last, found = _level(pad, triangles, order, force, drops, before)
+            before = self.last if self.last and self.last.meshed is meshed else None
+            self.last, found = _level(meshed, order, force, drops, before)
         return found
 
     def warnings(self) -> list[str]:
@@ -97,12 +98,11 @@ class Levels:
 
 
 def _level(
-    pad: Pad, triangles: object, order: int, force: float, drops: tuple[float, ...], before: _Solved | None
+    meshed: Meshed, order: int, force: float, drops: tuple[float, ...], before: _Solved | None
 ) -> tuple[_Solved, PlaneSolution]:
-    unit, modulus = unit_of(pad), pad.young_modulus
-    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
+    pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
-    mesh = elements.curved(triangles, order) if before is None else before.mesh
+    mesh = elements.curved(meshed.mesh, order) if before is None else before.mesh
     mesh.Curve(max(3, order))
     low = np.array(drops) / unit if drops else None
     what = Pressed(neo_hooke.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
@@ -113,8 +113,8 @@ def _level(
     touching, beyond = _all_touch(what, state, scale, before)
     clock.append(perf_counter())
     stages = dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True))
-    solved = _Solved(triangles, mesh, what, state, touching, beyond)
-    return solved, _found(pad, solved, unit, scale, stages)
+    solved = _Solved(meshed, mesh, what, state, touching, beyond)
+    return solved, _found(solved, scale, stages)
 
 
 def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | None = None) -> PressedState:
@@ -171,22 +171,23 @@ def all_touch(
     )
 
 
-def _found(pad: Pad, solved: _Solved, unit: float, scale: float, stages: dict[str, float]) -> PlaneSolution:
-    state, touching, rest = solved.pressed, solved.touching, solved.pad.body.rest
+def _found(solved: _Solved, scale: float, stages: dict[str, float]) -> PlaneSolution:
+    meshed, state, touching, rest = solved.meshed, solved.pressed, solved.touching, solved.pad.body.rest
     numbers, nodal = state.ridges.numbers, state.contact.force
     shares = np.array([nodal[state.ridges.of_point == r].sum() for r in numbers]) * scale
     states = [state] if touching is None else [state, touching]
     threshold = 0.0 if numbers.size == 1 else None
     return PlaneSolution(
         threshold if touching is None else touching.force * scale,
-        state.approach * unit,
-        shares,
-        int(np.count_nonzero(shares > 0)),
-        rest.nodes.position[:, 0] * unit,
-        nodal / rest.nodes.weight * pad.young_modulus,
+        state.approach * meshed.unit,
+        meshed.on_whole(shares),
+        int(np.count_nonzero(meshed.on_whole(shares) > 0)),
+        rest.nodes.position[:, 0] * meshed.unit,
+        nodal / rest.nodes.weight * meshed.whole.young_modulus,
         rest.unknowns,
         max(max(s.residual, s.contact.residual) for s in states),
         stages,
         state.ridges,
+        meshed.unit,
         scale,
     )

@@ -21,6 +21,8 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.meshed import Meshed, plane_piece
+from skincad.mechanics.contact.mirrored import on_both_sides
 from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.problem import (
     FLOOR,
@@ -40,6 +42,7 @@ from skincad.mechanics.tiers.plane_level import (
     MOST_CONTACT_UNKNOWNS,
     LevelSolver,
     PlaneSolution,
+    contact_unknowns,
     level,
     too_large,
 )
@@ -97,7 +100,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     found, best = climb(pad, request, level, "linear", progress)
     if found.all_touch_force.value is None:
         found = replace(found, warnings=(*found.warnings, NEVER))
-    if request.parts and best.all_touch_force:
+    if request.parts and best.all_touch_force is not None and len(pad.ridges) > 1:
         try:
             found = replace(found, parts=_parts(pad, best, request.force, found.seconds))
         except ContactError as failure:  # the yield's model has no say in the verdict
@@ -106,12 +109,22 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 
 def climb(
-    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
+    pad: Pad,
+    request: Request,
+    at: LevelSolver,
+    tier: str,
+    progress: Progress | None = None,
+    *,
+    whole: bool = False,
 ) -> tuple[Answer, PlaneSolution]:
-    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
+    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says.
+
+    A pad that is its own mirror image is solved on its half, unless the `whole` is asked or crests are lower.
+    """
     check_pad(pad)
+    whole = whole or bool(request.drops)  # crests of one part are not mirrored
     _check_coarsest(pad)
-    budget, levels = request.budget, _Levels(pad, request, at, tier, progress, perf_counter())
+    budget, levels = request.budget, _Levels(pad, request, at, tier, progress, whole, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     reached = climbing.climb(
         levels.solved,
@@ -138,20 +151,21 @@ class _Levels:
     at: LevelSolver
     tier: str
     progress: Progress | None
+    whole: bool
     began: float
     seconds: dict[str, float] = field(default_factory=dict)
-    meshes: dict[float, object] = field(default_factory=dict)
+    meshes: dict[float, Meshed] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
     def solved(self, rung: PlaneRung, before: object) -> PlaneSolution:
         """Solve a rung's two orders; raises SizeError before either where the mesh is too large."""
         if rung.fineness not in self.meshes:
             started = perf_counter()
-            self.meshes[rung.fineness] = triangles(self.pad, default_sizes(self.pad, rung.fineness))
+            self.meshes[rung.fineness] = plane_piece(self.pad, rung.fineness, whole=self.whole)
             _add(self.seconds, {"mesh": perf_counter() - started})
             self._check_fits(self.levels, AFTER_MESH * (perf_counter() - started))
         mesh = self.meshes[rung.fineness]
-        contact = elements.contact_unknowns(elements.curved(mesh, 1), rung.order)
+        contact = contact_unknowns(mesh, rung.order)
         if contact > MOST_CONTACT_UNKNOWNS:
             raise too_large(contact)
         for order in (rung.order - 1, rung.order):
@@ -159,7 +173,7 @@ class _Levels:
                 continue
             if self.progress:
                 self.progress(f"{self.tier} tier: fineness {rung.fineness:g}, order {order}")
-            found = self.at(self.pad, mesh, order, self.request.force, self.request.drops)
+            found = self.at(mesh, order, self.request.force, self.request.drops)
             self.levels[rung.fineness, order] = found
             _add(self.seconds, found.seconds)
             if order < rung.order:
@@ -184,8 +198,11 @@ class _Levels:
 def _parts(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
     """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
+    ridges, scale = best.ridges, best.scale
     with one_blas_thread():
-        model = ridge_model(best.ridges, max(force, best.all_touch_force or 0.0), unit_of(pad), best.scale)
+        if best.half is not None:
+            ridges, scale = on_both_sides(ridges, best.half, pad.ridges), scale / 2
+        model = ridge_model(ridges, max(force, best.all_touch_force or 0.0), best.unit, scale)
     _add(seconds, {"yield": perf_counter() - started})
     return model
 

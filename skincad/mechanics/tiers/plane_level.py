@@ -13,11 +13,11 @@ from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.bodies.folding import fault
-from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.bodies.meshed import Meshed
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
-from skincad.mechanics.problem import ContactError, Pad, SizeError
+from skincad.mechanics.problem import ContactError, SizeError
 
 MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
@@ -25,9 +25,11 @@ BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factor
 
 @dataclass(frozen=True)
 class PlaneSolution:
-    """One mesh and order: what the verdict asks, in mm and N, and the state behind it.
+    """One mesh and order: what the verdict asks of the whole pad, in mm and N, and the state behind it.
 
-    `ridge_force` is `(ridges,)`; `x`, `pressure` `(m,)` are the contact points in mm and MPa.
+    `ridge_force` is `(ridges,)`. Of the piece that is meshed are: `x`, `pressure` `(m,)`, its contact points
+    in mm and MPa, `unknowns`, `ridges`, and of a mirrored half `half`, its stiffness for loads of either
+    parity.
     """
 
     all_touch_force: float | None
@@ -40,28 +42,41 @@ class PlaneSolution:
     residual: float
     seconds: dict[str, float]
     ridges: Ridges
-    scale: float  # N for a force of 1 in the pad's units
+    unit: float  # of the piece, mm
+    scale: float  # N on the whole pad for a force of 1 on the piece, in its units
     fault: str = ""  # parts that go through each other or the plate unseen
+    half: elements.Assembled | None = None
 
 
-LevelSolver = Callable[[Pad, object, int, float, tuple[float, ...]], PlaneSolution]
+LevelSolver = Callable[[Meshed, int, float, tuple[float, ...]], PlaneSolution]
 
 
-def level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...] = ()) -> PlaneSolution:
-    """Solve one order on netgen's mesh at `force` N, crests lower than the section's by `drops` mm."""
+def level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...] = ()) -> PlaneSolution:
+    """Solve one order at `force` N on the pad, crests lower than the section's by `drops` mm: those need a
+    mesh of the whole pad."""
     with one_blas_thread():
-        return _level(pad, mesh, order, force, drops)
+        return _level(meshed, order, force, drops)
 
 
-def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float, ...]) -> PlaneSolution:
-    unit, modulus = unit_of(pad), pad.young_modulus
-    scale = modulus * unit * pad.length  # N for a force of 1 in the pad's units
+def scale_of(meshed: Meshed) -> float:
+    """Return what N on the whole pad are a force of 1 on the piece, in its units."""
+    return meshed.whole.young_modulus * meshed.unit * meshed.whole.length * meshed.sides
+
+
+def contact_unknowns(meshed: Meshed, order: int) -> int:
+    """Return how many contact unknowns the whole pad has at this order: the yield asks for all of them."""
+    return elements.contact_unknowns(elements.curved(meshed.mesh, 1), order) * meshed.sides
+
+
+def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -> PlaneSolution:
+    pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
-    curved = elements.curved(mesh, order)
-    contact = elements.contact_unknowns(curved, order)
+    curved = elements.curved(meshed.mesh, order)
+    contact = contact_unknowns(meshed, order)
     if contact > MOST_CONTACT_UNKNOWNS:
         raise too_large(contact)
-    system = elements.assemble(curved, order, pad.materials)
+    assembled = elements.assemble(curved, order, pad.materials)
+    system = elements.even(assembled)
     clock.append(perf_counter())
     small = condense(system.matrix, system.interior, system.contact)
     clock.append(perf_counter())
@@ -72,22 +87,25 @@ def _level(pad: Pad, mesh: object, order: int, force: float, drops: tuple[float,
     threshold = all_touch_force(ridges, force / scale)
     moved = _moved(system, small, state)
     residual = max(state.residual, _balance(system, moved, force / scale))
-    wrong = fault(elements.outlines(system, moved), height_above(pad, ridges, system, state.approach, unit))
+    plate = height_above(pad, ridges, system, state.approach, unit)
+    wrong = fault(elements.outlines(system, moved), plate, mirrored=meshed.mirrored)
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
     return PlaneSolution(
         None if threshold is None else threshold * scale,
         state.approach * unit,
-        shares,
-        int(np.count_nonzero(shares > 0)),
+        meshed.on_whole(shares),
+        int(np.count_nonzero(meshed.on_whole(shares) > 0)),
         system.nodes.position[:, 0] * unit,
-        state.force / system.nodes.weight * modulus,
+        state.force / system.nodes.weight * pad.young_modulus,
         system.unknowns,
         residual,
         dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
         ridges,
+        unit,
         scale,
         wrong or "",
+        assembled if meshed.mirrored else None,
     )
 
 

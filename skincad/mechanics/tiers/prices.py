@@ -57,8 +57,9 @@ def solid_unknowns(design: Design) -> float:
 def _solid_unknowns(pad: Pad, order: int) -> float:
     """Unknowns of the coarse solid at an order in the section, by its mesh: a few hundredths of its price."""
     from skincad.mechanics.bodies import elements, layers
+    from skincad.mechanics.bodies.meshed import meshed_piece
     from skincad.mechanics.tiers.corrected import LAYERS
-    from skincad.mechanics.tiers.solid_level import coarse_sizes, meshed_piece
+    from skincad.mechanics.tiers.solid_level import coarse_sizes
 
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     mesh = elements.curved(meshed.mesh, 1)

@@ -20,6 +20,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import unit_of
+from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_pad, pad_of
 from skincad.mechanics.tiers.reached import relative_error, shortfalls
 from skincad.mechanics.tiers.solid_level import (
@@ -29,7 +30,6 @@ from skincad.mechanics.tiers.solid_level import (
     coarse_sizes,
     forms_of,
     layers_of,
-    meshed_piece,
     pressed,
     timed,
 )

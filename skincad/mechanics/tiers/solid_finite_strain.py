@@ -18,6 +18,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import layers
+from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.newton import Pressed
@@ -26,16 +27,7 @@ from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_fla
 from skincad.mechanics.tiers import solid
 from skincad.mechanics.tiers.corrected import ORDER, Errors, changed, plain_pad
 from skincad.mechanics.tiers.finite_strain import all_touch, at_force
-from skincad.mechanics.tiers.solid_level import (
-    Layers,
-    Meshed,
-    SolidSolution,
-    coarse_sizes,
-    forms_of,
-    level_of,
-    meshed_piece,
-    timed,
-)
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, level_of, timed
 
 LAYERS = Layers(0.6, 2.0, 3)
 MOST_UNKNOWNS = 150_000  # about 4 GB
@@ -119,7 +111,7 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
 def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
     what = Pressed(body, meshed.whole.top / meshed.unit)
     # N on the whole pad that are a force of 1 on the piece
-    scale = meshed.whole.young_modulus * meshed.unit**2 * (4 if meshed.mirrored else 2)
+    scale = meshed.whole.young_modulus * meshed.unit**2 * 2 * meshed.sides
 
     def found(state: NodalContact, approach: float, first: float | None, residual: float) -> SolidSolution:
         nodes, unknowns = body.rest.nodes, int(body.free.sum())

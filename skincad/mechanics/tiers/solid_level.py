@@ -12,8 +12,8 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, layers, prisms
-from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
-from skincad.mechanics.bodies.symmetry import half_of
+from skincad.mechanics.bodies.mesh import Sizes, unit_of
+from skincad.mechanics.bodies.meshed import Meshed, height_of
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import all_touch_force
 from skincad.mechanics.contact.under_plate import seen_by_plate
@@ -32,18 +32,6 @@ class Layers:
     last: float
     growth: float
     order: int
-
-
-@dataclass(frozen=True)
-class Meshed:
-    """The piece of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm."""
-
-    whole: Pad
-    piece: Pad
-    mirrored: bool
-    unit: float
-    height: float
-    mesh: Any
 
 
 @dataclass(frozen=True)
@@ -80,19 +68,6 @@ def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
         slot=0.3 * unit / fineness,
         grading=0.9 / fineness,
     )
-
-
-def height_of(pad: Pad) -> float:
-    """Return the height of the pad's corners over its lowest, mm."""
-    heights = [s.start.z for s in pad.section.outline]
-    return max(heights) - min(heights)
-
-
-def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
-    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
-    half = None if whole else half_of(pad)
-    piece = pad if half is None else half
-    return Meshed(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
 
 
 def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
@@ -143,7 +118,7 @@ def condensed_pad(
             f"the clamped back carries the force to {small.lifted:.1e} only; take a smaller poisson_ratio"
         )
     length = 2 * half if along is None else 2.0
-    return small, meshed.whole.young_modulus * meshed.unit**2 * length * (2 if meshed.mirrored else 1)
+    return small, meshed.whole.young_modulus * meshed.unit**2 * length * meshed.sides
 
 
 def _level(
@@ -187,24 +162,13 @@ def level_of(
     return SolidSolution(
         None if threshold is None else threshold * scale,
         approach * unit,
-        _on_whole(meshed, shares),
+        meshed.on_whole(shares),
         nodes.position[:, 0] * unit,
         along * unit,
         state.force / nodes.weight * meshed.whole.young_modulus,
         unknowns,
         residual,
     )
-
-
-def _on_whole(meshed: Meshed, shares: Array) -> Array:
-    """Each ridge's force; of a mirrored half, the sides share what its ridges carry."""
-    if not meshed.mirrored:
-        return shares
-    numbers = meshed.whole.ridges
-    found = np.zeros(len(numbers))
-    for ridge, share in zip(meshed.piece.ridges, shares, strict=True):
-        found[numbers.index(ridge)] += share / 2
-    return found + found[::-1]
 
 
 def layers_of(meshed: Meshed, along: Layers) -> layers.AlongY:

@@ -11,6 +11,7 @@ from scipy.sparse.linalg import splu
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers.plane_level import level
 from skincad.shape.cross_section import Section
@@ -57,7 +58,7 @@ def cylinder(radius: float, ratio: float) -> Pad:
 def test_patch_uniform_stress(order: int) -> None:
     """At nu = 0 a clamped block shortens uniformly: the elements hold it, so only rounding is left."""
     pad = block(3.0, 2.0, 0.0)
-    found = level(pad, triangles(pad, default_sizes(pad)), order, 0.5)
+    found = level(plane_piece(pad), order, 0.5)
     assert found.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
     assert found.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
 
@@ -83,8 +84,8 @@ def test_hertz(ratio: float) -> None:
     load = math.pi * plane * wanted**2 / (4 * radius)
     exact = closed_forms.hertz(load, radius, pad.young_modulus, ratio)
     assert exact.half_width == pytest.approx(wanted, rel=1e-14)
-    mesh = triangles(pad, Sizes(contact=0.01, ridge=0.5, bulk=0.7, corner=0.05))
-    found = level(pad, mesh, 3, load * pad.length)
+    meshed = meshed_piece(pad, Sizes(contact=0.01, ridge=0.5, bulk=0.7, corner=0.05), whole=True)
+    found = level(meshed, 3, load * pad.length)
     fitted = closed_forms.fitted_line_contact(found.x, found.pressure)
     assert fitted.half_width == pytest.approx(exact.half_width, rel=5e-3)
     assert fitted.peak_pressure == pytest.approx(exact.peak_pressure, rel=5e-3)
@@ -110,9 +111,9 @@ def test_trailing_block_is_a_solve_per_unknown() -> None:
 def test_error_falls_with_the_order() -> None:
     """Rounded corners: each order divides the error of F9 by 5 or more, against k = 4 on a finer mesh."""
     pad = pad_of(filleted().with_(**THREE))
-    exact = level(pad, triangles(pad, default_sizes(pad, 2.0)), 4, 1.3).all_touch_force or 0.0
-    mesh = triangles(pad, default_sizes(pad, 0.5))
-    errors = [abs((level(pad, mesh, k, 1.3).all_touch_force or 0.0) - exact) for k in (1, 2, 3)]
+    exact = level(plane_piece(pad, 2.0, whole=True), 4, 1.3).all_touch_force or 0.0
+    meshed = plane_piece(pad, 0.5, whole=True)
+    errors = [abs((level(meshed, k, 1.3).all_touch_force or 0.0) - exact) for k in (1, 2, 3)]
     assert errors[1] < errors[0] / 5
     assert errors[2] < errors[1] / 5
 
@@ -121,11 +122,8 @@ def test_error_falls_with_the_order() -> None:
 def test_error_falls_with_the_mesh() -> None:
     """Sharp re-entrant corners leave less than the order's rate; halving still divides by at least 1.5."""
     pad = pad_of(sharp())
-    exact = level(pad, triangles(pad, default_sizes(pad, 4.0)), 3, 4.0).all_touch_force
-    found = [
-        level(pad, triangles(pad, default_sizes(pad, fineness)), 2, 4.0).all_touch_force
-        for fineness in (0.5, 1.0, 2.0)
-    ]
+    exact = level(plane_piece(pad, 4.0), 3, 4.0).all_touch_force
+    found = [level(plane_piece(pad, fineness), 2, 4.0).all_touch_force for fineness in (0.5, 1.0, 2.0)]
     errors = [abs((f or 0.0) - (exact or 0.0)) for f in found]
     assert errors[1] < errors[0] / 1.5
     assert errors[2] < errors[1] / 1.5

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.problem import Request, pad_of
 from skincad.mechanics.tiers import corrected, linear
-from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, meshed_piece, pressed
+from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, pressed
 from skincad.mechanics.touching import check
 from tests.mechanics.designs import THREE, filleted, reference, yamada
 from tests.mechanics.tiers.test_solid import FORCE, assert_inside, refined

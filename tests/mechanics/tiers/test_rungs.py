@@ -26,7 +26,7 @@ NONE = np.empty(0)
 def plane(force: float | None, approach: float, shares: tuple[float, ...], residual: float = 0.0) -> Any:
     at_work: Any = None
     return PlaneSolution(
-        force, approach, np.array(shares), 2, NONE, NONE, 10, residual, {"contact": 1.0}, at_work, 1.0
+        force, approach, np.array(shares), 2, NONE, NONE, 10, residual, {"contact": 1.0}, at_work, 1.0, 1.0
     )
 
 
@@ -130,19 +130,22 @@ class Levels:
         self.clock, self.seconds, self.meshing = Clock(patch, climbing, linear), seconds, meshing
         self.solved: list[tuple[float, int]] = []
         self.contact = 10.0
+        patch.setattr(linear, "plane_piece", self.piece)
         patch.setattr(linear, "default_sizes", lambda _, fineness: fineness)
-        patch.setattr(linear, "triangles", self.triangles)
+        patch.setattr(linear, "triangles", lambda _, fineness: fineness)
         patch.setattr(linear.elements, "curved", lambda mesh, _: mesh)
         patch.setattr(linear.elements, "contact_unknowns", lambda mesh, _: self.contact * mesh)
+        patch.setattr(linear, "contact_unknowns", lambda meshed, _: self.contact * meshed.mesh)
 
-    def triangles(self, _: object, fineness: float) -> float:
+    def piece(self, _: object, fineness: float, *, whole: bool) -> Any:
+        assert not whole
         self.clock.now += self.meshing
-        return fineness
+        return SimpleNamespace(mesh=fineness)
 
-    def __call__(self, _: object, mesh: Any, order: int, force: float, __: object) -> Any:
-        self.solved.append((mesh, order))
+    def __call__(self, meshed: Any, order: int, force: float, _: object) -> Any:
+        self.solved.append((meshed.mesh, order))
         self.clock.now += self.seconds
-        off = 0.1 / mesh / order**2
+        off = 0.1 / meshed.mesh / order**2
         found = plane(2.0 * (1 + off), 0.1, (force / 2, force / 2))
         return replace(found, seconds={"contact": self.seconds})
 

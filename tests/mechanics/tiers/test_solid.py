@@ -15,21 +15,14 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.dissect import dissection, schur
 from skincad.mechanics.bodies.layers import AlongY, graded, line
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.meshed import Meshed, height_of, meshed_piece
 from skincad.mechanics.bodies.prisms import SectionForms, prisms
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
 from skincad.mechanics.problem import Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, plane_level, solid, solid_level
-from skincad.mechanics.tiers.solid_level import (
-    Layers,
-    Meshed,
-    SolidSolution,
-    coarse_sizes,
-    forms_of,
-    meshed_piece,
-    pressed,
-)
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, pressed
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import SHORT, THREE, filleted, yamada
@@ -61,9 +54,9 @@ def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
     are rational, ngsolve's quadrature of the parts differs from that of the whole (measured 4e-6, 2e-7)."""
     pad = pad_of(sharp())
     mesh = triangles(pad, default_sizes(pad, 0.25))
-    meshed = Meshed(pad, pad, False, solid_level.unit_of(pad), solid_level.height_of(pad), mesh)
+    meshed = Meshed(pad, pad, False, unit_of(pad), height_of(pad), mesh)
     found = pressed(meshed, forms_of(meshed, order), None, 4.0, {})
-    exact = plane_level.level(pad, mesh, order, 4.0)
+    exact = plane_level.level(meshed, order, 4.0)
     assert found.approach == pytest.approx(exact.approach, rel=1e-5)
     assert found.all_touch_force == pytest.approx(exact.all_touch_force, rel=1e-5)
     assert found.ridge_force == pytest.approx(exact.ridge_force, rel=1e-4)
@@ -74,9 +67,9 @@ def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> No
     """Quadrature is exact here: rounding only."""
     pad = block(3.0, 2.0, 0.499)
     mesh = triangles(pad, coarse_sizes(pad, 1.0))
-    meshed = Meshed(pad, pad, False, solid_level.unit_of(pad), solid_level.height_of(pad), mesh)
+    meshed = Meshed(pad, pad, False, unit_of(pad), height_of(pad), mesh)
     found = pressed(meshed, forms_of(meshed, order), None, 0.5, {})
-    exact = plane_level.level(pad, mesh, order, 0.5)
+    exact = plane_level.level(meshed, order, 0.5)
     assert found.approach == pytest.approx(exact.approach, rel=1e-10)
 
 
@@ -108,9 +101,7 @@ def test_half_is_the_whole() -> None:
     sizes = coarse_sizes(pad, 1.5)
     half = meshed_piece(pad, sizes)
     assert half.mirrored
-    whole = Meshed(
-        pad, pad, False, solid_level.unit_of(pad), solid_level.height_of(pad), triangles(pad, sizes)
-    )
+    whole = Meshed(pad, pad, False, unit_of(pad), height_of(pad), triangles(pad, sizes))
     one, other = (pressed(m, forms_of(m, 2), FEW, 1.0, {}) for m in (half, whole))
     assert one.approach == pytest.approx(other.approach, rel=5e-3)
     assert one.all_touch_force == pytest.approx(other.all_touch_force, abs=5e-3)

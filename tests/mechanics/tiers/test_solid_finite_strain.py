@@ -13,6 +13,7 @@ from scipy import optimize
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.mechanics.bodies import elements, layers, prisms, solid_law
+from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody
 from skincad.mechanics.contact import newton
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
@@ -21,14 +22,7 @@ from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import solid_finite_strain
 from skincad.mechanics.tiers.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve
-from skincad.mechanics.tiers.solid_level import (
-    Layers,
-    Meshed,
-    coarse_sizes,
-    forms_of,
-    meshed_piece,
-    pressed,
-)
+from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, pressed
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import reference, yamada
 
