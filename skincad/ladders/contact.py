@@ -129,9 +129,7 @@ class _Tried:
             self._tell(_level(name, fineness, order))
 
             def solved(fineness: float = fineness, order: int = order) -> plane_level.PlaneSolution:
-                return SOLVERS[name]()(
-                    plane_piece(pad, fineness, whole=name == "finite-strain"), order, force, ()
-                )
+                return SOLVERS[name]()(plane_piece(pad, fineness), order, force, ())
 
             last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
             level, runs = timed(solved, 1 if last else self.repeats)

@@ -105,7 +105,7 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
     pad = replace(pad_of(design), young_modulus=curve.young_modulus)
     largest = min(largest, float(curve.force[-1]))
     with clock.stage("finite strain"):
-        coarse, solve = plane_piece(pad, COARSE.fineness, whole=True), Levels()
+        coarse, solve = plane_piece(pad, COARSE.fineness), Levels()
         at, ratio = [0.0], [1.0]
         for force in (share * largest for share in STRAINED_AT):
             small = plane_level.level(coarse, COARSE_ORDER, force).approach

@@ -62,7 +62,7 @@ def calculixs(law: Ogden | None) -> np.ndarray:
 def skincads(law: Ogden | None) -> np.ndarray:
     """This program's."""
     pad = replace(pad_of(filleted()), law=law)
-    found = finite_strain.Levels()(plane_piece(pad, 0.5, whole=True), 3, FORCE)
+    found = finite_strain.Levels()(plane_piece(pad, 0.5), 3, FORCE)
     return np.array([found.approach, *found.ridge_force])
 
 

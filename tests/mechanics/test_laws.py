@@ -42,7 +42,7 @@ NEO = Ogden(mu=[0.6, 0.4], alpha=[2.0, 2.0])
 def three(law: Rubber | None) -> PlaneSolution:
     """Three ridges on the coarsest mesh."""
     pad = replace(pad_of(reference().with_(**THREE)), law=law)
-    return finite_strain.Levels()(plane_piece(pad, 0.5, whole=True), 2, FORCE)
+    return finite_strain.Levels()(plane_piece(pad, 0.5), 2, FORCE)
 
 
 def numbers(of: PlaneSolution) -> np.ndarray:

@@ -9,7 +9,7 @@ A state is the vector of all unknowns, displacements and pressures, `(n,)`, in t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
 from typing import Any
@@ -21,7 +21,7 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
-from skincad.mechanics.bodies import fe
+from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
 from skincad.mechanics.bodies.elements import Assembled, outlines, with_contact
 from skincad.mechanics.bodies.folding import fault, widest
@@ -30,6 +30,7 @@ from skincad.mechanics.problem import ContactError
 
 PLANE = 2  # dimensions
 CLAMPED_EDGE = 0.005  # of the height, see `body`
+NONE = np.empty(0, dtype=np.int64)
 SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse
 
 
@@ -38,7 +39,9 @@ class NeoHookeBody:
     """A meshed pad at one order. `rest` is its tangent at rest with the contact's rows.
 
     `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
-    them as they are eliminated, contact unknowns last, in all steps. Newton takes it as an `Elastic`.
+    them as they are eliminated, contact unknowns last, in all steps. Of a half these are for movements that
+    are their own mirror image; `odd` lists the unknowns of those that the mirror turns round, the last
+    `odd_contact` contact ones; a whole pad has none. Newton takes it as an `Elastic`.
     """
 
     mesh: Any
@@ -47,6 +50,8 @@ class NeoHookeBody:
     rest: Assembled
     free: Mask
     order: Index
+    odd: Index
+    odd_contact: int
 
     def residual(self, state: Array) -> Array:
         """Return the energy's derivative `(n,)` by all unknowns, clamped ones included."""
@@ -63,7 +68,7 @@ class NeoHookeBody:
         """Return the tangent factorised; ContactError where it is singular."""
         at = tangent(self, state, residual)
         small = factorise(at.matrix, self.order, self.rest.contact.size)
-        return PlaneLinearised(at, small, small.flexibility)
+        return PlaneLinearised(self, at, small, small.flexibility)
 
     def widest(self, step: Array) -> float:
         """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
@@ -71,7 +76,8 @@ class NeoHookeBody:
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
-        return fault(outlines(self.rest, state), lambda x: np.full_like(x, plate))
+        loops = outlines(self.rest, state)
+        return fault(loops, lambda x: np.full_like(x, plate), mirrored=self.odd.size > 0)
 
 
 def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
@@ -116,7 +122,8 @@ def _clamped_edges(mesh: Any, reach: float) -> Any:
     back: set[int] = set()
     others: set[int] = set()
     for element in mesh.Elements(ng.BND):
-        (back if element.mat == "back" else others).update(v.nr for v in element.vertices)
+        if element.mat != "cut":
+            (back if element.mat == "back" else others).update(v.nr for v in element.vertices)
     near = np.zeros(len(places), dtype=bool)
     for end in back & others:
         near |= np.hypot(*(places - places[end]).T) <= reach * np.ptp(places[:, 1])
@@ -152,10 +159,14 @@ def body(
     form = ng.BilinearForm(both, symmetric=True, condense=True)
     form += ng.Variation(density.Compile() * ng.dx)
     form.AssembleLinearization(ng.GridFunction(both).vec)
-    rest = with_contact(fe.as_csr(form.mat), mesh, both, order)
+    system = with_contact(fe.as_csr(form.mat), mesh, both, order)
+    rest = elements.even(system)
     free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
+    free[np.setdiff1d(system.interior, rest.interior)] = False
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
-    return NeoHookeBody(mesh, both, form, rest, free, elimination)
+    odd, contact = elements.odd(system) if rest.interior.size < system.interior.size else (NONE, NONE)
+    turned = np.concatenate([fill_order(rest.matrix, odd), contact]) if odd.size else NONE
+    return NeoHookeBody(mesh, both, form, rest, free, elimination, turned, contact.size)
 
 
 @dataclass(frozen=True)
@@ -184,6 +195,7 @@ class Tangent:
 class PlaneLinearised:
     """The body's tangent, condensed onto the contact unknowns."""
 
+    body: NeoHookeBody
     tangent: Tangent
     small: Condensed
     flexibility: Array
@@ -192,7 +204,18 @@ class PlaneLinearised:
     def falling(self) -> tuple[int, int]:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
         negative = self.small.pivots < 0
-        return int(negative[: -len(self.flexibility)].sum()), int(negative.sum())
+        return int(negative[: -len(self.small.flexibility)].sum()), int(negative.sum())
+
+    def odd(self) -> PlaneLinearised | None:
+        """Return the same tangent for what the mirror turns round: on a half's cut z is held and x is not."""
+        body = self.body
+        if not body.odd.size:
+            return None
+        small = factorise(self.tangent.matrix, body.odd, body.odd_contact)
+        free = np.flatnonzero(np.isin(body.rest.contact, body.odd))
+        flexibility = np.zeros_like(self.flexibility)
+        flexibility[np.ix_(free, free)] = small.flexibility
+        return replace(self, small=small, flexibility=flexibility)
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""

@@ -122,6 +122,9 @@ class SolidLinearised:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
         return 0, self.small.falling
 
+    def odd(self) -> None:
+        """A half is judged by what is its own mirror image alone."""
+
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
         body, count = self.body, self.body.displacements

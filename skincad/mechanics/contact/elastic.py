@@ -24,6 +24,10 @@ class LinearisedBody(Protocol):
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
 
+    def odd(self) -> LinearisedBody | None:
+        """Return the half of a mirrored body linearised for what the mirror turns round, on whose cut nothing
+        moves up; None of a whole body. ContactError where that is singular."""
+
 
 class Elastic(Protocol):
     """An elastic body; a state is the vector of all its unknowns `(n,)`, of which `free` are not held.

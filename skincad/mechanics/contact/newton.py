@@ -112,7 +112,7 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None 
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
         if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale):
-            if not stable(linear, ridges, contact):
+            if not stable(body, linear, ridges, contact):
                 raise UnstableError(UNSTABLE)
             return PressedState(
                 values, force, contact.approach + base, contact, ridges, history[-1], tuple(history)

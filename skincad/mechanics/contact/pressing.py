@@ -68,7 +68,7 @@ def _ended(pad: Pressed[Elastic], last: PressedState | None, failure: DivergedEr
     if last is None or not isinstance(failure, UnstableError):
         return DivergedError(str(failure), 0.0 if last is None else last.force)
     linear = pad.body.linearised(last.values, pad.body.residual(last.values))
-    ridge = tipping_ridge(pad.body, last.values, linear, last.ridges, last.contact)
+    ridge = tipping_ridge(pad.body, last.values, linear, last.contact)
     return UnstableError(f"ridge {ridge} tips over, no equilibrium beyond is stable", last.force)
 
 

@@ -2,50 +2,86 @@
 where it is not.
 
 A body that would buckle if its contact were free may well stand under its plate. What counts is the tangent
-for all movements in which touching points stay on the plate, which rests on them with a dead load.
+for all movements in which touching points stay on the plate, which rests on them with a dead load. Of a
+mirrored half there are two kinds: those that are their own image, and those that the mirror turns round.
+Under these the plate, which does not turn, stays where it is.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy import linalg
+from scipy import linalg, sparse
 
 from skincad.base.arrays import Array
 from skincad.mechanics.contact.elastic import Elastic, LinearisedBody
 from skincad.mechanics.contact.frictionless import NodalContact
 from skincad.mechanics.contact.threshold import Ridges
+from skincad.mechanics.problem import ContactError
 
 ITERATIONS = 6  # of the inverse iteration; the weakest movement is 10 times weaker than most others
 
 
-def stable(linear: LinearisedBody, ridges: Ridges, contact: NodalContact) -> bool:
+def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: NodalContact) -> bool:
     """Whether an equilibrium is stable under a plate with a dead load: the tangent positive definite for all
     movements in which the touching points move with the plate.
 
-    With these points held the tangent has as many negative eigenvalues as it has free, less those of the
-    points' flexibility (Haynsworth, Linear Algebra Appl. 1 (1968) 73); the plate's own stiffness is left.
+    Of a half both kinds of movements are looked at.
     """
     held, free = linear.falling
-    if held or not free:
-        return not held
     points = np.flatnonzero(contact.active)
     flexibility = ridges.flexibility[np.ix_(points, points)]
-    if int((linalg.eigvalsh(flexibility) < 0).sum()) != free:
+    if not _held_up(held, free, flexibility):
         return False
-    return bool(linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0)
+    if free and not linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0:
+        return False  # the plate's own stiffness
+    try:
+        odd = linear.odd()
+    except ContactError:  # it has no such tangent
+        return False
+    return odd is None or _held_up(*odd.falling, _at_points(body, odd, contact)[0])
 
 
-def tipping_ridge(
-    body: Elastic, state: Array, linear: LinearisedBody, ridges: Ridges, contact: NodalContact
-) -> int:
+def _held_up(held: int, free: int, flexibility: Array) -> bool:
+    """Whether a tangent is positive definite while points of a `flexibility` `(k, k)` are held; it has so
+    many negative eigenvalues with the contact unknowns `held`, and `free`.
+
+    With these points held the tangent has as many negative eigenvalues as it has free, less those of the
+    points' flexibility (Haynsworth, Linear Algebra Appl. 1 (1968) 73).
+    """
+    if held or not free:
+        return not held
+    return int((linalg.eigvalsh(flexibility) < 0).sum()) == free
+
+
+def _at_points(
+    body: Elastic, linear: LinearisedBody, contact: NodalContact
+) -> tuple[Array, sparse.csr_matrix]:
+    """The flexibility `(k, k)` and the rows `(k, contact unknowns)` of touching points that can move up."""
+    rows = body.rest.nodes.rows[contact.active]
+    found = np.asarray(rows @ np.asarray(rows @ linear.flexibility).T)
+    able = np.flatnonzero(found.any(axis=1))  # on a half's cut some cannot
+    return (found + found.T)[np.ix_(able, able)] / 2, rows[able]
+
+
+def tipping_ridge(body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact) -> int:
     """Return the number of the ridge that the weakest movement with the touching points held moves most.
 
     Inverse iteration at an equilibrium `state` `(n,)`, from a movement with a part of every other.
     """
+    odd = linear.odd()
+    kinds = [_weakest(body, state, kind, contact) for kind in (linear, odd) if kind is not None]
+    step, _ = max(kinds, key=lambda found: found[1])
+    nodes = body.rest.nodes
+    nearest = np.abs(nodes.position[:, 0] - body.widest(step)).argmin()
+    return int(nodes.ridge[nearest])
+
+
+def _weakest(
+    body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact
+) -> tuple[Array, float]:
+    """The weakest movement `(n,)` with the touching points held, and how far a load of 1 moves it."""
     rest = body.rest
-    rows = rest.nodes.rows[contact.active]
-    points = np.flatnonzero(contact.active)
-    held = ridges.flexibility[np.ix_(points, points)]
+    held, rows = _at_points(body, linear, contact)
     balanced = _at_contact(body, -(rest.nodes.rows.T @ contact.force))
     still = linear.move(-balanced)
 
@@ -54,12 +90,12 @@ def tipping_ridge(
         force = linalg.solve(held, rows @ free[rest.contact], assume_a="sym")
         return free - (linear.move(-balanced - _at_contact(body, rows.T @ force)) - still)
 
-    step = np.random.default_rng(0).standard_normal(state.size) * body.free
+    step, growth = np.random.default_rng(0).standard_normal(state.size) * body.free, 0.0
     for _ in range(ITERATIONS):
         step = moved(step)
-        step /= np.abs(step).max()
-    nearest = np.abs(rest.nodes.position[:, 0] - body.widest(step)).argmin()
-    return int(rest.nodes.ridge[nearest])
+        growth = float(np.abs(step).max())
+        step /= growth
+    return step, growth
 
 
 def _at_contact(body: Elastic, force: Array) -> Array:

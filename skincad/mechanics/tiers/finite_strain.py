@@ -56,7 +56,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     """
     check_flat(pad.plate, "finite-strain", "linear")
     levels = Levels()
-    found, _ = climb(pad, request, levels, "finite-strain", progress, whole=True)
+    found, _ = climb(pad, request, levels, "finite-strain", progress)
     found, ridges = replace(found, warnings=(*found.warnings, *levels.warnings())), len(found.ridge_force)
     share = (
         EDGE_STATE * request.force / ridges if ridges > 1 else 0.0

@@ -109,20 +109,11 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 
 def climb(
-    pad: Pad,
-    request: Request,
-    at: LevelSolver,
-    tier: str,
-    progress: Progress | None = None,
-    *,
-    whole: bool = False,
+    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
 ) -> tuple[Answer, PlaneSolution]:
-    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says.
-
-    A pad that is its own mirror image is solved on its half, unless the `whole` is asked or crests are lower.
-    """
+    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
     check_pad(pad)
-    whole = whole or bool(request.drops)  # crests of one part are not mirrored
+    whole = bool(request.drops)  # crests of one part are not mirrored
     _check_coarsest(pad)
     budget, levels = request.budget, _Levels(pad, request, at, tier, progress, whole, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)

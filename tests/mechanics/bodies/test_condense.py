@@ -106,4 +106,4 @@ def test_negative_stiffnesses_are_counted_inside_and_in_all(
 ) -> None:
     """Of three springs the last is the contact's."""
     small = condense.factorise(sparse.csr_matrix(np.diag(springs)), np.arange(3), 1)
-    assert neo_hooke.PlaneLinearised(None, small, small.flexibility).falling == falling  # type: ignore[arg-type]
+    assert neo_hooke.PlaneLinearised(None, None, small, small.flexibility).falling == falling  # type: ignore

@@ -17,6 +17,7 @@ from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stability import stable, tipping_ridge
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.validity import buckling_force
+from tests.mechanics.contact.test_mirrored import both
 from tests.mechanics.designs import reference
 
 SCALE = 0.8 * 12.0  # N for a force of 1 on the reference section, whose unit is a mm
@@ -54,7 +55,7 @@ def test_what_the_plate_holds_up_is_stable() -> None:
     assert free[0] < 0 < held[0]
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
     assert linear.falling == (0, int((free < 0).sum()))
-    assert stable(linear, state.ridges, state.contact)
+    assert stable(pad().body, linear, state.ridges, state.contact)
 
 
 def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,7 +69,7 @@ def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPat
     _, held, _ = spectra(pad(), state)
     assert held[0] < 0
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
-    assert not stable(linear, state.ridges, state.contact)
+    assert not stable(pad().body, linear, state.ridges, state.contact)
     _, held, _ = spectra(pad(), press_to(pad(), last))
     assert held[0] > 0
 
@@ -79,7 +80,62 @@ def test_the_ridge_that_tips_over_is_named() -> None:
     _, _, mode = spectra(what, state)
     nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.widest(mode)).argmin()
     linear = what.body.linearised(state.values, what.body.residual(state.values))
-    found = tipping_ridge(what.body, state.values, linear, state.ridges, state.contact)
+    found = tipping_ridge(what.body, state.values, linear, state.contact)
     ridge = int(what.body.rest.nodes.ridge[nearest])
     assert ridge != 2
     assert found in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
+
+
+def sides(count: int) -> tuple[Pressed, Pressed]:
+    """The half of a pad and, on its triangles and their images, the whole; in the half's unit."""
+    design = design_of(count)
+    return tuple(
+        pressed(elements.curved(each.mesh, 2), 2, each.whole.materials, each.whole.top / each.unit)
+        for each in both(pad_of(design))
+    )
+
+
+def force_of(what: Pressed, share: float) -> float:
+    """A force on what is meshed that is as much on a ridge, in units."""
+    return share if what.body.odd.size == 0 else share / 2
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The half and the whole are refused at the same force, also where every ridge tips to the same side."""
+    found = []
+    for what in sides(count):
+        with pytest.raises(DivergedError) as caught:
+            press_to(what, force_of(what, 1.2 * count))
+        found.append((caught.value.reached / force_of(what, 1.0), str(caught.value)))
+    (half, words), (whole, _) = found
+    assert half == pytest.approx(whole, rel=1e-6)  # the same bisection on the same triangles
+    if count != 1:
+        return
+    assert words.startswith("ridge 1 tips over")
+    # its own image cannot tip over: by that alone the half would stand far beyond
+    monkeypatch.setattr(neo_hooke.PlaneLinearised, "odd", lambda _: None)
+    what = sides(count)[0]
+    assert press_to(what, force_of(what, 1.5 * half)).force == force_of(what, 1.5 * half)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("beyond", [0.9, 1.3])
+def test_both_kinds_of_movements_are_all_there_are(
+    count: int, beyond: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Negative eigenvalues of the whole are those of the half's even and odd movements together, held by the
+    plate or not; the verdict is that of the whole's dense ones."""
+    monkeypatch.setattr(newton, "stable", lambda *_: True)
+    counted = []
+    for what in sides(count):
+        state = press_to(what, force_of(what, beyond * 2.62 / SCALE * count))
+        linear = what.body.linearised(state.values, what.body.residual(state.values))
+        kinds = [kind for kind in (linear, linear.odd()) if kind is not None]
+        assert len(kinds) == (2 if what.body.odd.size else 1)
+        verdict = stable(what.body, linear, state.ridges, state.contact)
+        counted.append((np.sum([kind.falling for kind in kinds], axis=0).tolist(), verdict))
+        free, held, _ = spectra(what, state)
+    assert counted[0] == counted[1]
+    assert counted[1][0][1] == (free < 0).sum()
+    assert counted[1][1] == (held[0] > 0)

@@ -103,7 +103,7 @@ def test_a_block_shortens_as_the_closed_form() -> None:
     force, area, shear = 0.9, 6.0, 0.35
     ratio = force / area / shear
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
-    found = finite_strain.Levels()(plane_piece(pad, 0.5, whole=True), 3, force)
+    found = finite_strain.Levels()(plane_piece(pad, 0.5), 3, force)
     assert found.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-4)
     assert found.pressure == pytest.approx(force / area, rel=0.02)
 
@@ -327,7 +327,7 @@ def test_truth_lies_inside(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found = [solved(design, force, tol) for tol in (COARSE, 5e-3)]
     monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", neo_hooke.CLAMPED_EDGE / 2)
     pad = pad_of(design)
-    levels, meshed = finite_strain.Levels(), plane_piece(pad, 2.0, whole=True)
+    levels, meshed = finite_strain.Levels(), plane_piece(pad, 2.0)
     exact = [levels(meshed, order, force) for order in (3, 4)][-1]
     for one in found:
         threshold, approach = one.all_touch_force, one.approach
