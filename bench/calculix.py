@@ -20,7 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies.mesh import default_sizes
+from skincad.mechanics.bodies.mesh import Sizes, default_sizes
+from skincad.mechanics.bodies.meshed import on_whole
+from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.problem import Pad
 from skincad.shape.cross_section import CONTACT_KINDS
 
@@ -35,15 +37,18 @@ FIRST = 1 / 16  # of the approach in one increment; of 1/8 and 1/4 half were cut
 UNBALANCED = 1e-3  # of the force, what the contact forces may miss of it
 PLATE = 0.5  # mm, height of the plate's only element
 LINE, QUAD = 8, 16  # gmsh's numbers of a line of 3 nodes and a quad of 8
+BACK, CUT = 10_000, 10_001  # numbers of curves, beyond any ridge's
 
 
 @dataclass(frozen=True)
 class Quads:
-    """Nodes `(n, 2)` mm, elements `(m, 8)` counted from 0, and per ridge its (element, face) pairs."""
+    """Nodes `(n, 2)` mm, elements `(m, 8)` counted from 0, and per ridge its (element, face) pairs; nodes on
+    the clamped `back` and on the `cut` of a half."""
 
     nodes: NDArray[np.float64]
     elements: NDArray[np.int64]
     back: NDArray[np.int64]
+    cut: NDArray[np.int64]
     faces: dict[int, list[tuple[int, int]]]
 
 
@@ -66,18 +71,18 @@ def missing() -> str:
     return f"CalculiX is not compared: apt-get install {' '.join(PACKAGES)}"
 
 
-def quads(pad: Pad, fineness: float, folder: Path) -> Quads:
+def quads(pad: Pad, sizes: Sizes, folder: Path) -> Quads:
     """Return gmsh's second-order quads of the pad's section, their edges on its lines and arcs."""
     if pad.strips or pad.voids:
         raise ValueError("only sections without slots and strips are compared")
-    (folder / "pad.geo").write_text("\n".join(_geometry(pad, fineness)))
+    (folder / "pad.geo").write_text("\n".join(_geometry(pad, sizes)))
     _run(["gmsh", "-2", "-order", "2", "-format", "msh22", "-nt", "1", "pad.geo"], folder)
     return _read_mesh((folder / "pad.msh").read_text())
 
 
-def _geometry(pad: Pad, fineness: float) -> Iterator[str]:
+def _geometry(pad: Pad, sizes: Sizes) -> Iterator[str]:
     """Lines of gmsh's input: points, arcs by their centres, named curves, and the size of edges."""
-    sizes, outline = default_sizes(pad, fineness), pad.section.outline
+    outline = pad.section.outline
     for i, s in enumerate(outline, 1):
         yield f"Point({i}) = {{{s.start.x!r}, {s.start.z!r}, 0}};"
     for i, s in enumerate(outline, 1):
@@ -91,11 +96,15 @@ def _geometry(pad: Pad, fineness: float) -> Iterator[str]:
         yield f"Point({1000 + i}) = {{{x!r}, {z!r}, 0}}; Circle({i}) = {{{i}, {1000 + i}, {end}}};"
     yield f"Curve Loop(1) = {{1:{len(outline)}}}; Plane Surface(1) = {{1}}; Physical Surface(1) = {{1}};"
     back = [i for i, s in enumerate(outline, 1) if s.kind == "back"]
-    yield f"Physical Curve(1000) = {{{_list(back)}}};"
+    yield f"Physical Curve({BACK}) = {{{_list(back)}}};"
+    cut = [i for i, s in enumerate(outline, 1) if s.kind == "cut"]
+    if cut:
+        yield f"Physical Curve({CUT}) = {{{_list(cut)}}};"
     for ridge in pad.ridges:
         own = [i for i, s in enumerate(outline, 1) if s.kind in CONTACT_KINDS and s.ridge == ridge]
         yield f"Physical Curve({ridge}) = {{{_list(own)}}};"
-    corners = {i for b in back for i in (b, b % len(outline) + 1)}
+    ends = {i for b in back for i in (b, b % len(outline) + 1)}
+    corners = ends - {i for c in cut for i in (c, c % len(outline) + 1)}  # no corner of the pad
     crests = [i for i, s in enumerate(outline, 1) if s.ridge is not None]
     yield f"Field[1] = Distance; Field[1].PointsList = {{{_list(corners)}}};"
     yield f"Field[2] = Distance; Field[2].PointsList = {{{_list(crests)}}};"
@@ -135,13 +144,14 @@ def _read_mesh(text: str) -> Quads:
         for j in range(4)
     }
     faces: dict[int, list[tuple[int, int]]] = {}
-    back = []
+    held: dict[int, list[int]] = {BACK: [], CUT: []}
     for row in table:
-        if row[1] == LINE and row[3] == 1000:
-            back += row[5:]
+        if row[1] == LINE and row[3] in held:
+            held[row[3]] += row[5:]
         elif row[1] == LINE:
             faces.setdefault(row[3], []).append(sides[frozenset(row[5:7])])
-    return Quads(nodes, elements, np.searchsorted(used, np.unique(back)), faces)
+    back, cut = (np.searchsorted(used, np.unique(held[part])).astype(np.int64) for part in (BACK, CUT))
+    return Quads(nodes, elements, back, np.setdiff1d(cut, back), faces)
 
 
 def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[str]:
@@ -166,8 +176,8 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
     yield from (f"*EQUATION\n2\n{n}, 2, 1., {reference}, 2, -1." for n in others)
     yield f"*ELEMENT, TYPE=SPRING1, ELSET=soft\n{last + 1}, {reference}\n*SPRING, ELSET=soft\n2\n{SOFT:f}"
     yield "*NSET, NSET=plate\n" + "\n".join(str(n) for n in (reference, *others))
-    yield "*NSET, NSET=back"
-    yield from (f"{n + 1}" for n in mesh.back)
+    for name, nodes in (("back", mesh.back), ("cut", mesh.cut)):
+        yield from [f"*NSET, NSET={name}", *(f"{n + 1}" for n in nodes)] if nodes.size else ()
     yield f"*NSET, NSET=reference\n{reference}"
     shear = pad.young_modulus / (2 * (1 + pad.poisson_ratio))
     bulk = pad.young_modulus / (3 * (1 - 2 * pad.poisson_ratio))
@@ -187,7 +197,7 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
         yield from (f"{element + 1}, S{face}" for element, face in faces)
         yield "*CONTACT PAIR, INTERACTION=smooth, TYPE=SURFACE TO SURFACE"
         yield f"ridge{ridge}, under"
-    held = "back, 1, 2\nplate, 1, 1"
+    held = "back, 1, 2\nplate, 1, 1" + ("\ncut, 1, 1" if mesh.cut.size else "")
     yield f"*BOUNDARY\n{held}"
     step = "*STEP, INC=1000"
     if finite:  # from open contact a force diverges: first to an approach near the end, in small steps
@@ -212,8 +222,11 @@ def _ogden(pad: Pad, bulk: float) -> Iterator[str]:
     yield f"*HYPERELASTIC, OGDEN, N={len(law.mu)}\n{', '.join(map(repr, constants))}"
 
 
-def press(pad: Pad, fineness: float, force: float, start: float | None = None) -> Pressed:
-    """Return CalculiX's contact of the pad with the plate at `force` N.
+def press(
+    pad: Pad, fineness: float, force: float, start: float | None = None, *, whole: bool = True
+) -> Pressed:
+    """Return CalculiX's contact of the pad with the plate at `force` N; of all of it, or of its half with the
+    cut held sideways.
 
     Small strain, or by the pad's law, neo-Hooke's or Ogden's, where `start` is given: an approach near the
     answer, mm, from where it changes from a driven plate to a loaded one. Raises RuntimeError when a
@@ -221,14 +234,20 @@ def press(pad: Pad, fineness: float, force: float, start: float | None = None) -
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        mesh = quads(pad, fineness, folder)
-        (folder / "pad.inp").write_text("\n".join(_deck(pad, mesh, force, start)))
+        piece = pad if whole else half_of(pad)
+        if piece is None:
+            raise ValueError("the pad is not its own mirror image")
+        borne = force if whole else force / 2
+        mesh = quads(piece, default_sizes(pad, fineness), folder)
+        (folder / "pad.inp").write_text("\n".join(_deck(piece, mesh, borne, start)))
         before = _children()
         _run(["ccx", "-i", "pad"], folder)
         seconds = _children() - before
         shares, approach = read((folder / "pad.dat").read_text(), len(mesh.faces))
-    if abs(shares.sum() * pad.length / force - 1) > UNBALANCED:
-        raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * pad.length:.4g} N of {force:g} N")
+    if abs(shares.sum() * pad.length / borne - 1) > UNBALANCED:
+        raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * pad.length:.4g} N of {borne:g} N")
+    if not whole:
+        shares = on_whole(pad, piece, 2 * shares)
     return Pressed(shares * pad.length, approach, 2 * len(mesh.nodes), seconds)
 
 

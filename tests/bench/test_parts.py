@@ -10,6 +10,7 @@ import pytest
 
 from bench import bench_calculix, bench_check, bench_growth, calculix
 from bench.measure import alone, factorise, free_block, slope, system
+from skincad.mechanics.bodies.mesh import default_sizes
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers.table import TIERS
 from skincad.mechanics.touching import check
@@ -48,7 +49,7 @@ def test_calculix_output_without_forces_is_refused() -> None:
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
 def test_quads_fill_the_section(tmp_path: Path) -> None:
     pad = pad_of(filleted())
-    mesh = calculix.quads(pad, 0.25, tmp_path)
+    mesh = calculix.quads(pad, default_sizes(pad, 0.25), tmp_path)
     x, z = mesh.nodes[mesh.elements].transpose(2, 0, 1)
     ring = [0, 4, 1, 5, 2, 6, 3, 7]  # corners and middles in turn
     x, z = x[:, ring], z[:, ring]
@@ -62,7 +63,7 @@ def test_quads_fill_the_section(tmp_path: Path) -> None:
 
 def test_calculix_is_not_given_strips(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="without slots"):
-        calculix.quads(pad_of(yamada()), 0.25, tmp_path)
+        calculix.quads(pad_of(yamada()), default_sizes(pad_of(yamada()), 0.25), tmp_path)
 
 
 def test_time_at_equal_error() -> None:

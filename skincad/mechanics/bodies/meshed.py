@@ -36,13 +36,16 @@ class Meshed:
     def on_whole(self, shares: Array) -> Array:
         """Return each ridge's force `(ridges,)` from those of the piece's ridges, in N on the whole pad; of a
         mirrored half, the sides share what its ridges carry."""
-        if not self.mirrored:
-            return shares
-        numbers = self.whole.ridges
-        found = np.zeros(len(numbers))
-        for ridge, share in zip(self.piece.ridges, shares, strict=True):
-            found[numbers.index(ridge)] += share / 2
-        return found + found[::-1]
+        return on_whole(self.whole, self.piece, shares) if self.mirrored else shares
+
+
+def on_whole(pad: Pad, half: Pad, shares: Array) -> Array:
+    """Return the force on each ridge of a pad from what those of its half carry on both sides together."""
+    numbers = pad.ridges
+    found = np.zeros(len(numbers))
+    for ridge, share in zip(half.ridges, shares, strict=True):
+        found[numbers.index(ridge)] += share / 2
+    return found + found[::-1]
 
 
 def height_of(pad: Pad) -> float:
