@@ -9,6 +9,8 @@ import pytest
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint, Pnt
 
 from skincad.inputs.design import Design
+from skincad.mechanics.bodies import elements, fe
+from skincad.mechanics.bodies.folding import THROUGH, fault
 from skincad.mechanics.bodies.mesh import unit_of
 from skincad.mechanics.bodies.meshed import Meshed, height_of, plane_piece
 from skincad.mechanics.bodies.symmetry import half_of
@@ -140,3 +142,34 @@ def test_what_is_not_its_own_image_is_meshed_whole() -> None:
     low = linear.solve(pad, Request(FORCE, 0.05, drops=(0.0, 0.0, 0.03)))
     shares = [f.value or 0.0 for f in low.ridge_force]
     assert shares[2] < shares[0]  # crests of one part are not mirrored, nor what they bear
+
+
+def test_what_crosses_the_middle_of_a_half_meets_its_image() -> None:
+    piece = plane_piece(pad_of(CASES["even"]()), 0.25)
+    system = elements.assemble(elements.curved(piece.mesh, ORDER), ORDER, piece.piece.materials)
+    above = 2 * piece.height / piece.unit
+    vertices = np.arange(system.mesh.nv)  # in a hierarchical basis 1 at each vertex is a translation
+    for shift, wrong in ((-2 * THROUGH, "two ridges meet in the middle"), (-THROUGH / 2, None), (0.1, None)):
+        moved = np.zeros(system.lift.size)
+        moved[vertices] = shift
+        loops = elements.outlines(system, moved)
+        assert fault(loops, lambda x: np.full_like(x, above), mirrored=True) == wrong
+        assert fault(loops, lambda x: np.full_like(x, above)) is None
+
+
+def test_the_cut_is_held_in_one_direction_and_only_there_is_a_half() -> None:
+    piece = plane_piece(pad_of(CASES["odd"]()), 0.25)
+    systems = [
+        elements.assemble(elements.curved(each.mesh, ORDER), ORDER, each.piece.materials)
+        for each in (piece, plane_piece(piece.whole, 0.25, whole=True))
+    ]
+    half, whole = systems
+    sideways, up = fe.held_on_cut(half.mesh, half.space.components[0])
+    points = np.array([v.point for v in half.mesh.vertices])
+    on_cut = np.flatnonzero(np.abs(points[:, 0]) < 1e-9)
+    assert set(on_cut) == {i for i in sideways if i < half.mesh.nv}
+    assert set(elements.even(half).interior) == set(half.interior) - set(sideways)
+    interior, contact = elements.odd(half)
+    assert set(interior) == set(half.interior) - set(up)
+    assert len(set(half.contact) - set(contact)) == 1  # the summit of the middle ridge
+    assert elements.even(whole).interior.size == whole.interior.size
