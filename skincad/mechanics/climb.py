@@ -200,7 +200,7 @@ class Climb:
 
     def _with_yield(self, found: ContactCheck) -> ContactCheck:
         """The last verdict with its yield; those before it are asked for none."""
-        known, made, expected_ = self.known[found.tier], None, self._yield()
+        known, made, reserved = self.known[found.tier], None, self._yield()
         failed: tuple[str, ...] = ()
         if not (self.drops or found.beyond or found.tier == "winkler"):
             try:
@@ -217,20 +217,17 @@ class Climb:
             manufacture=None if beyond else made,
             seconds={**found.seconds, "total": self._spent(), **self._sampled(known)},
             warnings=(*found.warnings, *failed),
-            next_tier=following and (following[0], following[1] + self._yield() - expected_),
+            next_tier=following and (following[0], following[1] + self._yield() - reserved),
         )
-
-    def _plane(self) -> Answer:
-        """The linear tier's answer; its coarsest mesh is enough for what is scaled anyway."""
-        return run("linear", self.design, Request(self.force, FINEST, parts=True), self.done, self.progress)
 
     def _manufacture(self, found: Answer) -> Manufacture | None:
         """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
         threshold, parts = found.all_touch_force.value, found.parts
         if threshold is None or self.design.ridge.count == 1:
             return None
-        if parts is None:
-            parts = self._plane().parts
+        if parts is None:  # the coarsest linear mesh is enough for what is scaled anyway
+            rough = Request(self.force, FINEST, parts=True)
+            parts = run("linear", self.design, rough, self.done, self.progress).parts
         if parts is None:
             return None
         from skincad.mechanics.manufacture import manufacture
@@ -241,19 +238,10 @@ class Climb:
         self.sampling = perf_counter() - started
         return made
 
-    def _verdict(
-        self,
-        name: str,
-        found: Answer,
-        bounds: tuple[LeftOut, ...],
-    ) -> ContactCheck:
+    def _verdict(self, name: str, found: Answer, bounds: tuple[LeftOut, ...]) -> ContactCheck:
         design, force, small = self.design, self.force, is_small_strain(name)
-        beyond, warnings = "", (*found.warnings, *self.notes)
-        if small:
-            beyond = beyond_small_strain(design, force, found)
-        beyond = beyond or self._fault(name, found)
-        if small:
-            warnings += strain_warnings(design, found)
+        beyond = (small and beyond_small_strain(design, force, found)) or self._fault(name, found)
+        warnings = (*found.warnings, *self.notes, *(strain_warnings(design, found) if small else ()))
         upper, ridges = found.all_touch_force.upper, design.ridge.count
         passed = found.touching == ridges and upper is not None and upper <= force and not beyond
         return ContactCheck(
@@ -311,7 +299,7 @@ class Climb:
         return expected(name, self.design, set(self.done)) * self._speed() + self._yield()
 
     def _speed(self) -> float:
-        """Seconds here for a second of the laws' machine, by the linear tier; 1 where that is not solved."""
+        """Seconds on this design for a second of the laws, by the linear tier; 1 where that is not solved."""
         plane = self.done.get("linear")
         if plane is None:
             return 1.0
