@@ -48,7 +48,10 @@ class Accuracy(Result):
                 getattr(failure, "strerror", None) or failure
             )  # without the path, which may tell a user's name
             return replace(self, kept=f"the cost law is not kept: {why}")
-        return replace(self, kept=f"cost law kept in {shown(path)}; delete it to forget it")
+        load, cores = self.machine["load"], self.machine["cores"]
+        busy = f"; with a load of {load} on {cores} cores it is too slow, run it again at rest"
+        told = f"cost law kept in {shown(path)}; delete it to forget it"
+        return replace(self, kept=told + (busy if load and load > 1.5 * cores else ""))
 
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""

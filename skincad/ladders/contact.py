@@ -39,6 +39,7 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 }
 
 
+SMALL = 1 / 3  # of the size that a law was fitted at; what is smaller takes longer than it, by its overhead
 FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that climbed to its second rung, else up to 1.4
 ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are tried
 SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
@@ -62,11 +63,12 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
 def taken_of(design: Design, done: Mapping[str, Answer]) -> dict[str, Taken]:
     """Return what the tiers' own parts took, as their laws count it: not what takes as long for every design,
-    nor where finer meshes had to be climbed than the law is of."""
+    nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
     found = {}
     for name, answer in done.items():
         tier, size = TIERS[name], TIERS[name].size(design)
-        if tier.law.exponent and (tier.on or answer.unknowns < FINER * size):
+        counts = tier.law.exponent > 0 and size > SMALL * tier.law.size
+        if counts and (tier.on or answer.unknowns < FINER * size):
             found[name] = Taken(size=size, seconds=answer.took)
     return found
 

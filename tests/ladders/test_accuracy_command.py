@@ -86,7 +86,7 @@ def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.Mo
     """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
     measure = ErrorMeasure("all", "error", "1", "the truth", "")
     ladder = Ladder("contact", "contact", (), (measure,), taken={"linear": Taken(size=20_000.0, seconds=4.0)})
-    found = Accuracy("a", (ladder,), machine(), 1, 1.0)
+    found = Accuracy("a", (ladder,), {**machine(), "load": 1.4, "cores": 1}, 1, 1.0)
     monkeypatch.setenv(FOLDER, str(tmp_path))
     monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
     assert found.as_json()["cost_law"] == {
@@ -97,6 +97,8 @@ def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.Mo
     assert told.kept == f"cost law kept in {Path('~', tmp_path.name, NAME)}; delete it to forget it"
     assert lines(told)[-1] == told.kept == told.as_json()["cost_law"]["kept"]
     assert kept().taken["linear"]["a"] == ladder.taken["linear"]
+    busy = replace(found, machine={**found.machine, "load": 1.6}).keep().kept
+    assert busy == f"{told.kept}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
     empty = replace(found, ladders=())
     assert empty.keep() is empty
     (tmp_path / "file").write_text("")

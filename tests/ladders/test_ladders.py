@@ -161,8 +161,13 @@ def pressed(plain: Design) -> Ladder:
 
 
 def test_what_a_tier_took_is_kept_where_its_law_counts_it(plain: Design) -> None:
-    """Not that of a solid on its second rung; a correction's unknowns are those of what it corrects."""
+    """Not that of a solid on its second rung; a correction's unknowns are those of what it corrects. Nor what
+    is mostly overhead."""
     found = run("winkler", plain, Request(1.0), {}, None)
+    short = replace(found, unknowns=1000, took=3.0)
+    assert "linear" in contact.taken_of(plain, {"linear": short})
+    assert contact.taken_of(plain.with_(ridge={"count": 1}), {"linear": short}) == {}
+    plain = load("plain-ridges")
     size, small = TIERS["solid"].size(plain), TIERS["corrected"].size(plain)
     for unknowns, tiers in ((1.9 * size, {"solid", "corrected"}), (2.1 * size, {"corrected"})):
         solved = replace(found, unknowns=round(unknowns), took=3.0)
@@ -178,8 +183,8 @@ def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert {trial.model for trial in pressed.trials} == {
         "winkler", "linear", "finite-strain", "solid", "corrected", *contact.BEST[:2],
     }  # fmt: skip
-    # what tiers took alone; the solid may have climbed further than its law counts, two take next to nothing
-    assert set(pressed.taken) | {"solid"} == set(TIERS) - {"winkler", "corrected-finite-strain"}
+    # of so small a skin the solids' own parts are too small for their laws
+    assert set(pressed.taken) >= {"linear", "finite-strain"}
     assert all(one.seconds > 0 for one in pressed.taken.values())
 
 
