@@ -1,6 +1,7 @@
 """How the linear tier's time and peak memory grow with ridges and with unknowns.
 
-`python -m bench.bench_growth [most ridges]` prints both tables and the slopes of the logarithms.
+`python -m bench.bench_growth [most ridges]` prints both tables and the slopes of the logarithms; more than
+101 ridges, 998 at most, are a row of their own.
 Every row is a process of its own. The designs are plain-ridges (and yamada-2002, with strips) made wider:
 the outermost crest stays as low and the force per ridge as large as with nine ridges.
 """
@@ -81,8 +82,8 @@ def table(label: str, rows: dict[str, dict[str, Any]], sizes: list[float]) -> No
 def main() -> None:
     """Print the tables."""
     most = int(sys.argv[1]) if len(sys.argv) > 1 else RIDGES[-1]
-    counts = [n for n in RIDGES if n <= most]
-    for template, largest in (("plain-ridges", most), ("yamada-2002", MOST_STRIPED)):
+    counts = sorted({n for n in (*RIDGES, max(most, RIDGES[-1])) if n <= most})
+    for template, largest in (("plain-ridges", most), ("yamada-2002", min(most, MOST_STRIPED))):
         some = [n for n in counts if n <= largest]
         rows = {f"{n} ridges": alone(checked, template, n) for n in some}
         table(f"{template}, the linear tier to its usual tolerance", rows, [float(n) for n in some])

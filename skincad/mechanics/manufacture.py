@@ -13,6 +13,7 @@ import numpy as np
 from scipy import special
 
 from skincad.base.arrays import Array, Mask
+from skincad.base.blas import one_blas_thread
 from skincad.base.estimate import Estimate
 from skincad.mechanics.contact.ridge_model import BATCH, ridge_forces
 from skincad.mechanics.problem import FLOOR, Manufacture, RidgeModel, Spread
@@ -41,6 +42,13 @@ def manufacture(
     It may be a better tier's than the model's own: what that tier adds is taken as a change of stiffness
     alone, so the asked force is scaled (measured in test_manufacture.py for free ends).
     """
+    with one_blas_thread():
+        return _manufacture(model, force, threshold, spread, unsure)
+
+
+def _manufacture(
+    model: RidgeModel, force: float, threshold: float, spread: Spread, unsure: float
+) -> Manufacture:
     unit, scale, count = model.unit, model.scale, model.gap.size
     own = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
     # two all-touch forces that are as good as nothing are rounding, and so is their ratio

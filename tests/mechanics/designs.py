@@ -50,3 +50,9 @@ def void_slots(thickness: float) -> Design:
         slot={"thickness": thickness},
         ridge={"tip_fillet": 0.0, "root_fillet": 0.0},
     )
+
+
+def wide(ridges: int) -> Design:
+    """Ridges at the pitch of plain-ridges on a nearly flat pad."""
+    sizes = [f"ridge.count={ridges}", f"skin.width={ridges + 5}", "skin.curvature_radius=1e5"]
+    return load("plain-ridges", [*sizes, f"contact.force={0.45 * ridges}"])

@@ -17,11 +17,11 @@ from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.film import rungs, sliding
 from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.manufacture import manufacture
-from skincad.mechanics.problem import ContactError, RidgeModel, SizeError, Spread, one_ridge, pad_of
-from skincad.mechanics.tiers import linear, plane_level, solid, solid_level
+from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, Spread, one_ridge, pad_of
+from skincad.mechanics.tiers import finite_strain, linear, plane_level, solid, solid_level
 from skincad.mechanics.touching import check
 from skincad.scenes.simulation import simulate
-from tests.mechanics.designs import linear_check, plane
+from tests.mechanics.designs import linear_check, plane, wide
 from tests.small_scene import THIRD, small_scene
 
 # two columns with a base of their own height: both touch at once, the all-touch force is rounding
@@ -45,12 +45,6 @@ def contact(design: Design, fineness: float, order: int) -> int:
 
 def unsolved(*arguments: Any, **options: Any) -> Any:
     raise AssertionError("solved, and then refused")
-
-
-def wide(ridges: int) -> Design:
-    """Ridges at the pitch of plain-ridges on a nearly flat pad."""
-    sizes = [f"ridge.count={ridges}", f"skin.width={ridges + 5}", "skin.curvature_radius=1e5"]
-    return load("plain-ridges", [*sizes, f"contact.force={0.45 * ridges}"])
 
 
 def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
@@ -100,9 +94,18 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
         meshed.append(len(pad.ridges))
         return triangles(pad, sizes)
 
+    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", 6000)
     monkeypatch.setattr(linear, "triangles", counted)
     found = check(wide(250))
     assert (found.tier, found.ridges, meshed) == ("winkler", 250, [1])
+
+
+def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
+    most = linear.MOST_CONTACT_UNKNOWNS
+    design = load("plain-ridges", ["ridge.count=999", "skin.width=1000", "skin.curvature_radius=1e6"])
+    linear._check_coarsest(pad_of(design), most, "linear")
+    with pytest.raises(SizeError, match=r"ridge\.count: the finite-strain tier takes at most 6000"):
+        finite_strain.solve(pad_of(design), Request(450.0))
 
 
 @pytest.mark.parametrize("name", ["plain-ridges", "fingertip-soft", "milled-pad", "nozzle-04"])
@@ -221,7 +224,7 @@ def test_a_yield_that_does_not_settle_is_no_veto(
     assert found.as_json()["yield"] is None
 
 
-@pytest.mark.parametrize(("ridges", "parts"), [(9, 10_000), (33, 9_403), (48, 4_444)])
+@pytest.mark.parametrize(("ridges", "parts"), [(9, 4096), (33, 3848), (48, 1816)])
 def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int, parts: int) -> None:
     """Springs that do not feel each other, as high as each other: all touch in every part."""
     force = np.linspace(0.0, 1.0, 5)
@@ -230,4 +233,4 @@ def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int
     )
     made = manufacture(springs, 0.5 * ridges, 1e-9, Spread("sla", 1e-3, (0.8, 0.8, 0.8)))
     assert made.passing.value == 1.0
-    assert made.passing.error == pytest.approx(2 / parts, rel=1e-9)  # as one that fails would count
+    assert made.passing.error == pytest.approx(3 / parts, rel=1e-9)  # what none that fails leaves open, 95 %

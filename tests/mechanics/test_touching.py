@@ -22,7 +22,7 @@ from skincad.mechanics import manufacture as manufacturing
 from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
-from skincad.mechanics.tiers import prices
+from skincad.mechanics.tiers import linear, prices
 from skincad.mechanics.tiers import table as tiers
 from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.tiers.table import TIERS, expected, own
@@ -205,7 +205,8 @@ def test_101_ridges() -> None:
     assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(500.0, rel=1e-9)
 
 
-def test_too_many_ridges_are_refused() -> None:
+def test_too_many_ridges_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", 6000)
     skin = {"curvature_radius": 1e6, "width": 999.0}
     with pytest.raises(InputError, match=r"ridge\.count: the linear tier takes at most"):
         linear_check(reference().with_(skin=skin, ridge={"count": 900}))

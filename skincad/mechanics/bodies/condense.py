@@ -12,6 +12,8 @@ from scipy.sparse.linalg import spilu, splu
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.problem import ContactError
 
+MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
+
 
 @dataclass(frozen=True)
 class Condensed:
@@ -80,18 +82,25 @@ def factors(block: sparse.csc_matrix) -> Any:
         raise ContactError("the stiffness is singular") from None
 
 
-def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
-    """Return `condense` for a given order, whose last `k` are the contact unknowns, definite or not.
+def trailing(matrix: sparse.csr_matrix, order: Index, k: int) -> tuple[Any, Array, Array]:
+    """Return SuperLU's factors in this order, the pivots `(n,)`, and the last rows of L `(k, k)`.
 
-    Over a Newton run the pattern stays, and with it the order from `fill_order`.
+    Symmetric without pivoting: what is left of the last k is L D L^T with D the diagonal of U.
     """
     factor = factors(sparse.csc_matrix(matrix[order][:, order]))
     natural = np.arange(order.size)
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
-    # symmetric without pivots: the trailing block is L D L^T with D the diagonal of U
-    pivots = factor.U.diagonal()
-    last, lower = pivots[-k:], factor.L[-k:, -k:].toarray(order="F")
+    return factor, factor.U.diagonal(), factor.L[-k:, -k:].toarray(order="F")
+
+
+def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
+    """Return `condense` for a given order, whose last `k` are the contact unknowns, definite or not.
+
+    Over a Newton run the pattern stays, and with it the order from `fill_order`.
+    """
+    factor, pivots, lower = trailing(matrix, order, k)
+    last = pivots[-k:]
     if (last > 0).all():
         lower, failed = linalg.lapack.dpotri(lower * np.sqrt(last), lower=True, overwrite_c=True)
         flexibility = np.tril(lower) + np.tril(lower, -1).T

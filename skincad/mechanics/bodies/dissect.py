@@ -147,12 +147,12 @@ class Factored:
     falling: int
 
     def solve(self, load: Array) -> Array:
-        """Return the unknowns `(n,)` under a load `(n,)`, 0 where they are not free."""
+        """Return the unknowns `(n,)` under a load `(n,)`, or under several `(n, l)`; 0 where not free."""
         found, load = np.zeros_like(load), load.copy()
         parts = [_forward(step, load) for step in self.steps]
         found[self.border] = self.flexibility @ load[self.border]
         for step, part in zip(reversed(self.steps), reversed(parts), strict=True):
-            side = part - found[step.border] @ step.side
+            side = part - step.side.T @ found[step.border]
             found[step.own] = linalg.solve_triangular(
                 step.root, side, trans=1, lower=True, check_finite=False
             )
@@ -212,7 +212,7 @@ def _eliminate(block: Array, own: Index, border: Index) -> Eliminated:
 def _forward(step: Eliminated, load: Array) -> Array:
     """Return the load of a front's own unknowns behind its factor; its border's is updated in place."""
     if step.own.size == 0:
-        return np.empty(0)
+        return load[step.own]
     part = linalg.solve_triangular(step.root, load[step.own], lower=True, check_finite=False)
     load[step.border] -= step.side @ part
     return np.asarray(part)

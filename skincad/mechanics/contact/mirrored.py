@@ -6,53 +6,83 @@ turns round, and the half bears each on its own: even ones with x held on its cu
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import sparse
 
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.condense import condense
+from skincad.mechanics.bodies.chain import chained
 from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.contact.frictionless import Flexibility
 from skincad.mechanics.contact.threshold import Ridges
 
+ROUNDING = 1e-12  # of a function's value; what does not vanish on the cut is held there
 
-def on_both_sides(even: Ridges, half: Assembled, ridges: tuple[int, ...]) -> Ridges:
+
+@dataclass(frozen=True)
+class BothSides:
+    """The flexibility of a whole pad's contact points: `m` at x >= 0 first, then the images of those `off`
+    `(k,)` the cut. As a matrix, `sides @ force` and the blocks of a ridge's points.
+
+    `even` and `odd` are that of the half's points under loads of either parity; of `odd` those on the cut,
+    which do not move, have none.
+    """
+
+    even: Flexibility
+    odd: Flexibility
+    off: Index
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """As a matrix's."""
+        size = self.even.shape[0] + self.off.size
+        return size, size
+
+    def __matmul__(self, force: Array) -> Array:
+        """Return the movement under forces, both `(m + k,)` or `(m + k, l)`."""
+        m = self.even.shape[0]
+        here, image = force[:m], np.zeros_like(force[:m])
+        image[self.off] = force[m:]
+        even, odd = self.even @ ((here + image) / 2), self.odd @ ((here - image) / 2)
+        return np.concatenate([even + odd, (even - odd)[self.off]])
+
+    def __getitem__(self, where: tuple[Index, ...]) -> Array:
+        """Return the block at `np.ix_(points, points)`, points of one ridge."""
+        points, m = where[0].ravel(), self.even.shape[0]
+        number = np.concatenate([np.arange(m), self.off])[points]
+        side = np.where(points < m, 1.0, -1.0)
+        here, local = np.unique(number, return_inverse=True)
+        at, there = np.ix_(local, local), np.flatnonzero(np.isin(here, self.off))
+        even, odd = self.even[np.ix_(here, here)], np.zeros((here.size, here.size))
+        odd[np.ix_(there, there)] = self.odd[np.ix_(here[there], here[there])]
+        return np.asarray((even[at] + np.outer(side, side) * odd[at]) / 2)
+
+
+@dataclass(frozen=True)
+class MirroredRidges:
+    """A whole pad's contact points `(m + k,)` seen from its half: their flexibility, gaps and ridges."""
+
+    flexibility: BothSides
+    gap: Array
+    of_point: Index
+
+
+def on_both_sides(even: Ridges, half: Assembled, ridges: tuple[int, ...]) -> MirroredRidges:
     """Return the contact of a whole pad with these `ridges`, those of its half under even loads at hand.
 
-    `half` is the half's stiffness for loads of either parity, in whose units the whole is too. Points at
-    x >= 0 come first, then the images of those off the cut. Costs one condensation of the half.
+    `half` is the half's stiffness for loads of either parity, in whose units the whole is too. Costs one
+    condensation of the half.
     """
-    turned = odd_flexibility(half)
-    rows = half.nodes.rows
-    odd = np.asarray(rows @ np.asarray(rows @ turned).T)
-    odd_moved = np.asarray((rows @ turned).T)
-    off = np.flatnonzero(np.diag(odd) != 0)  # a point on the cut is its own image
-    same, other = (even.flexibility + odd) / 2, (even.flexibility - odd) / 2
-    here, there = (even.moved + odd_moved) / 2, (even.moved - odd_moved) / 2
-    image = dict(zip(ridges, reversed(ridges), strict=True))
-
-    def imaged(numbers: Index) -> Index:
-        return np.array([image[r] for r in numbers.tolist()])
-
-    return replace(
-        even,
-        flexibility=np.block([[same, other[:, off]], [other[off], same[np.ix_(off, off)]]]),
-        gap=np.concatenate([even.gap, even.gap[off]]),
-        of_point=np.concatenate([even.of_point, imaged(even.of_point[off])]),
-        moved=np.block([[here, there[:, off]], [there, here[:, off]]]),
-        fine_rows=sparse.csr_matrix(sparse.block_diag([even.fine_rows, even.fine_rows])),
-        fine_gap=np.tile(even.fine_gap, 2),
-        fine_edge=np.concatenate([even.fine_edge, even.fine_edge + even.fine_edge.max() + 1]),
-        fine_of_point=np.concatenate([even.fine_of_point, imaged(even.fine_of_point)]),
-    )
-
-
-def odd_flexibility(half: Assembled) -> Array:
-    """Return the flexibility `(k, k)` of a half's contact unknowns under odd loads, 0 on the cut."""
     interior, contact = elements.odd(half)
-    free = np.flatnonzero(np.isin(half.contact, contact))
-    found = np.zeros((half.contact.size, half.contact.size))
-    found[np.ix_(free, free)] = condense(half.matrix, interior, contact).flexibility
-    return found
+    odd = chained(replace(half, interior=interior, contact=contact)).flexibility
+    moving = half.nodes.rows[:, np.flatnonzero(np.isin(half.contact, contact))]
+    moving.data[np.abs(moving.data) < ROUNDING] = 0.0
+    moving.eliminate_zeros()
+    off = np.flatnonzero(moving.getnnz(axis=1))  # a point on the cut is its own image
+    image = dict(zip(ridges, reversed(ridges), strict=True))
+    return MirroredRidges(
+        BothSides(even.flexibility, odd.seen(moving), off),
+        np.concatenate([even.gap, even.gap[off]]),
+        np.concatenate([even.of_point, [image[r] for r in even.of_point[off].tolist()]]),
+    )

@@ -15,6 +15,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.mirrored import MirroredRidges
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.problem import ContactError, RidgeModel
 
@@ -22,15 +23,18 @@ TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where 
 SWEEPS = 4000  # under a force far below what closes the gaps each sweep leaves 98 % of the error
 BATCH = 500  # parts swept together: their forces stay in a processor's cache
 SETTLED = 1e-9  # relative, of the force; Gauss-Seidel ends there
+MOST = 320  # ridges; of more the yield would be that of fewer than 40 parts (manufacture.BATCH_PARTS)
 ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it has lost its digits
 
 
-def ridge_model(ridges: Ridges, largest: float, unit: float, scale: float) -> RidgeModel:
+def ridge_model(ridges: Ridges | MirroredRidges, largest: float, unit: float, scale: float) -> RidgeModel:
     """Return the reduced model of a condensed pad, its tables up to the force `largest` N on one ridge.
 
-    `unit` mm and `scale` N are the pad's units.
+    `unit` mm and `scale` N are the pad's units. Raises ContactError for a pad of more than MOST ridges.
     """
-    numbers = ridges.numbers
+    numbers = np.unique(ridges.of_point)
+    if numbers.size > MOST:
+        raise ContactError(f"it is found of at most {MOST} ridges, not of {numbers.size}")
     inside = [np.flatnonzero(ridges.of_point == number) for number in numbers]
     gap = np.array([ridges.gap[points].min() for points in inside])
     force = np.concatenate([[0.0], TABLE * largest / scale])
@@ -45,7 +49,7 @@ def ridge_model(ridges: Ridges, largest: float, unit: float, scale: float) -> Ri
             table[i, column] = state.approach - gap[i]
             if column == force.size // 2:
                 spread[points, i] = state.force / force[column]
-    coupling = spread.T @ ridges.flexibility @ spread
+    coupling = spread.T @ (ridges.flexibility @ spread)
     np.fill_diagonal(coupling, 0.0)
     return RidgeModel(gap, coupling, force, table, unit, scale)
 
@@ -57,25 +61,26 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
     when a part does not settle.
     """
     stiffness = model.force[-1] / model.indentation[:, -1]
-    whole: Array = np.asarray(np.linalg.inv(np.diag(1 / stiffness) + model.coupling), dtype=np.float64)
+    flexibility = np.diag(1 / stiffness) + model.coupling
+    by_one = np.asarray(np.linalg.solve(flexibility, np.ones(model.gap.size)), dtype=np.float64)
     low = model.gap + drop
     low -= low.min(axis=1, keepdims=True)  # the first touch is 0: a light force loses no digits to the datum
-    rounding = ROUNDING * float(whole.sum()) * float(np.ptp(low))
+    rounding = ROUNDING * float(by_one.sum()) * float(np.ptp(low))
     found = np.empty_like(low)
     for first in range(0, len(low), BATCH):
         some = slice(first, first + BATCH)
-        found[some] = _settled(model, whole, low[some].T, force[some], rounding).T
+        found[some] = _settled(model, by_one, low[some].T, force[some], rounding).T
     return found
 
 
-def _settled(model: RidgeModel, whole: Array, low: Array, force: Array, rounding: float) -> Array:
-    """Forces `(n, s)` of parts with crests at `low` `(n, s)`; `whole` `(n, n)` is all ridges' stiffness.
+def _settled(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding: float) -> Array:
+    """Forces `(n, s)` of parts with crests at `low` `(n, s)`; `by_one` `(n,)` moves all ridges by one.
 
     A ridge's parts lie together in memory; parts that have settled are swept no further.
     """
-    together = float(whole.sum())
+    together = float(by_one.sum())
     low, found, waiting = low.copy(), np.empty_like(low), np.arange(force.size)
-    carried = np.outer(np.maximum(whole.sum(axis=1), 0) / together, force)
+    carried = np.outer(np.maximum(by_one, 0) / together, force)
     approach = low.mean(axis=0) + force / together
     for _ in range(SWEEPS):
         before = carried.copy()

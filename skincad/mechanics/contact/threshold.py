@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import optimize, sparse
+from scipy.sparse.linalg import splu
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies.elements import Assembled
-from skincad.mechanics.contact.frictionless import NodalContact, Solved, press
+from skincad.mechanics.contact.frictionless import Flexibility, NodalContact, Solved, press, seen_by
 
 LARGEST_FORCE = 1e4  # in units of E times the unit length; far beyond any small strain
 ROOT = 1e-12  # relative, of the force
@@ -25,15 +26,15 @@ class Ridges:
     """The condensed pad seen by the plate, in the pad's units.
 
     `flexibility` `(m, m)` and `gap` `(m,)` belong to the contact points, `of_point` `(m,)` gives their
-    ridge; `fine_gap` `(p,)`, `fine_edge` `(p,)`, `fine_of_point` `(p,)` belong to the fine sampling, whose
-    movement is `fine_rows @ moved` for the contact unknowns' movement `moved @ force`. `definite` says
-    whether the pad is stable without its plate.
+    ridge; `fine_gap` `(p,)`, `fine_edge` `(p,)`, `fine_of_point` `(p,)` belong to the fine sampling. The
+    contact unknowns `(m,)` move the points by `rows` `(m, m)`, the fine sampling by `fine_rows` `(p, m)`.
+    `definite` says whether the pad is stable without its plate.
     """
 
-    flexibility: Array
+    flexibility: Flexibility
     gap: Array
     of_point: Index
-    moved: Array
+    rows: sparse.csr_matrix
     fine_rows: sparse.csr_matrix
     fine_gap: Array
     fine_edge: Index
@@ -42,22 +43,25 @@ class Ridges:
 
     @classmethod
     def of(
-        cls, system: Assembled, flexibility: Array, top: float, rise: Callable[[Array], Array] = np.zeros_like
+        cls,
+        system: Assembled,
+        flexibility: Flexibility,
+        top: float,
+        rise: Callable[[Array], Array] = np.zeros_like,
     ) -> Ridges:
         """Return the contact points' view of a condensed system whose highest point is at z = `top`.
 
-        `rise` is the plate's height over its lowest line at x; the gaps count from the first touch.
+        `flexibility` is the contact unknowns'. `rise` is the plate's height over its lowest line at x; the
+        gaps count from the first touch.
         """
         nodes, fine = system.nodes, system.fine
         fine_gap = top - fine.position[:, 1] + rise(fine.position[:, 0])
         first = 0.0 if rise is np.zeros_like else float(fine_gap.min())
-        moved = np.asarray((nodes.rows @ flexibility).T)
-        full = np.asarray(nodes.rows @ moved)
         return cls(
-            (full + full.T) / 2,
+            seen_by(nodes.rows, flexibility),
             top - nodes.position[:, 1] + rise(nodes.position[:, 0]) - first,
             nodes.ridge,
-            moved,
+            nodes.rows,
             fine.rows,
             fine_gap - first,
             fine.edge,
@@ -104,7 +108,7 @@ def all_touch_force(ridges: Ridges, guess: float, active: Mask | None = None) ->
             return None
         found = max(found, force)
         late = waiting.intersection(outsider.not_touching(found))
-        touching[outsider.inside] = outsider.start
+        touching[outsider.others] = outsider.start[outsider.others]
         if not late:
             return found
         candidate = max(late, key=lambda r: first_gap[r])
@@ -115,19 +119,17 @@ class _Outsider:
 
     def __init__(self, ridges: Ridges, ridge: int, touching: Mask) -> None:
         self.ridges, self.ridge = ridges, ridge
-        self.inside = ridges.of_point != ridge
+        self.others = ridges.of_point != ridge
         self.points = np.flatnonzero(ridges.fine_of_point == ridge)
-        self.flexibility = ridges.flexibility[np.ix_(self.inside, self.inside)]
-        self.gap = ridges.gap[self.inside]
-        self.rows = ridges.fine_rows[self.points] @ ridges.moved[:, self.inside]
-        self.start = touching[self.inside]
+        self.rows = ridges.fine_rows[self.points]
+        self.unknowns = splu(ridges.rows.tocsc())
+        self.start = touching
         self.solved: Solved = {}
         self.at_rest = self._least(ridges.fine_gap[self.points])
 
     def press(self, force: float) -> NodalContact:
-        state = press(
-            self.flexibility, self.gap, force, self.start, self.solved, definite=self.ridges.definite
-        )
+        flexibility, gap, definite = self.ridges.flexibility, self.ridges.gap, self.ridges.definite
+        state = press(flexibility, gap, force, self.start, self.solved, definite=definite, may=self.others)
         self.start = state.active
         return state
 
@@ -135,9 +137,8 @@ class _Outsider:
         """Smallest gap of the ridge while the others carry `force`."""
         if force <= 0:
             return self.at_rest
-        state = self.press(force)
-        moved = self.rows @ state.force
-        return self._least(self.ridges.fine_gap[self.points] - state.approach + moved)
+        closed = self.unknowns.solve(self.press(force).gap - self.ridges.gap)
+        return self._least(self.ridges.fine_gap[self.points] + self.rows @ closed)
 
     def _least(self, gaps: Array) -> float:
         """Minimum of the sampled gaps, refined by a parabola through three samples of its edge.
@@ -169,5 +170,6 @@ class _Outsider:
         numbers = [int(r) for r in self.ridges.numbers if r != self.ridge]
         if force <= 0:
             return []
-        nodal, of_point = self.press(force).force, self.ridges.of_point[self.inside]
-        return [r for r in numbers if not nodal[of_point == r].sum() > 0]
+        nodal = self.press(force).force
+        carried = np.bincount(self.ridges.of_point, nodal, minlength=max(numbers) + 1)
+        return [r for r in numbers if not carried[r] > 0]

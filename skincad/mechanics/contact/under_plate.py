@@ -8,12 +8,13 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.contact.frictionless import Flexibility
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Pad
 
 
-def seen_by_plate(pad: Pad, system: Assembled, flexibility: Array, unit: float) -> Ridges:
+def seen_by_plate(pad: Pad, system: Assembled, flexibility: Flexibility, unit: float) -> Ridges:
     """Return the contact points as the pad's plate sees them; `unit` is the pad's, mm."""
     if pad.plate.shape == "flat":
         return Ridges.of(system, flexibility, pad.top / unit)

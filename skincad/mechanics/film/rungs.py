@@ -14,6 +14,7 @@ from skincad.base.climbing import Ascent, climb, unmet
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.contact_edges import with_fine_edges
@@ -21,7 +22,6 @@ from skincad.mechanics.film.ridge_field import ridge_field
 from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_of
 from skincad.mechanics.film.whole_state import collision, on_sides
 from skincad.mechanics.problem import Pad, SizeError, check_pad
-from skincad.mechanics.tiers.plane_level import MOST_CONTACT_UNKNOWNS
 
 FIRST = (0.5, 3)  # fineness and order of the run that finds where contact ends
 TAIL = 2.0  # differences of orders; the true error is up to 1.4 of them (measured, film/test_stress.py)

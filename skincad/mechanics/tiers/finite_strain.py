@@ -24,6 +24,7 @@ from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, neo_hooke
+from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
 from skincad.mechanics.bodies.meshed import Meshed
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, transferred
 from skincad.mechanics.contact.elastic import Elastic
@@ -56,7 +57,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     """
     check_flat(pad.plate, "finite-strain", "linear")
     levels = Levels()
-    found, _ = climb(pad, request, levels, "finite-strain", progress)
+    found, _ = climb(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
     found, ridges = replace(found, warnings=(*found.warnings, *levels.warnings())), len(found.ridge_force)
     share = (
         EDGE_STATE * request.force / ridges if ridges > 1 else 0.0

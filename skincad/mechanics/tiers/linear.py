@@ -109,13 +109,23 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 
 def climb(
-    pad: Pad, request: Request, at: LevelSolver, tier: str, progress: Progress | None = None
+    pad: Pad,
+    request: Request,
+    at: LevelSolver,
+    tier: str,
+    progress: Progress | None = None,
+    most: int | None = None,
 ) -> tuple[Answer, PlaneSolution]:
-    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says."""
+    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says.
+
+    A level takes `most` contact unknowns, by default as many as this tier's own.
+    """
+    most = MOST_CONTACT_UNKNOWNS if most is None else most
     check_pad(pad)
     whole = bool(request.drops)  # crests of one part are not mirrored
-    _check_coarsest(pad)
-    budget, levels = request.budget, _Levels(pad, request, at, tier, progress, whole, perf_counter())
+    _check_coarsest(pad, most, tier)
+    budget = request.budget
+    levels = _Levels(pad, request, at, tier, progress, whole, most, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     reached = climbing.climb(
         levels.solved,
@@ -128,7 +138,7 @@ def climb(
         price=climbing.by_price,
         first=0 if budget is not None else _first_rung(wanted),
     )
-    full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns" if reached.ended else ""
+    full = f": a finer mesh takes more than {most} contact unknowns" if reached.ended else ""
     warnings = shortfalls(reached.error, wanted, full, reached.spent, budget, "mesh")
     return replace(reached.told, warnings=warnings, seconds=levels.seconds), reached.found
 
@@ -143,6 +153,7 @@ class _Levels:
     tier: str
     progress: Progress | None
     whole: bool
+    most: int
     began: float
     seconds: dict[str, float] = field(default_factory=dict)
     meshes: dict[float, Meshed] = field(default_factory=dict)
@@ -157,8 +168,8 @@ class _Levels:
             self._check_fits(self.levels, AFTER_MESH * (perf_counter() - started))
         mesh = self.meshes[rung.fineness]
         contact = contact_unknowns(mesh, rung.order)
-        if contact > MOST_CONTACT_UNKNOWNS:
-            raise too_large(contact)
+        if contact > self.most:
+            raise too_large(contact, self.most, self.tier)
         for order in (rung.order - 1, rung.order):
             if (rung.fineness, order) in self.levels:
                 continue
@@ -189,11 +200,10 @@ class _Levels:
 def _parts(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
     """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
-    ridges, scale = best.ridges, best.scale
     with one_blas_thread():
-        if best.half is not None:
-            ridges, scale = on_both_sides(ridges, best.half, pad.ridges), scale / 2
-        model = ridge_model(ridges, max(force, best.all_touch_force or 0.0), best.unit, scale)
+        half, sides = best.half, 1 if best.half is None else 2
+        ridges = best.ridges if half is None else on_both_sides(best.ridges, half, pad.ridges)
+        model = ridge_model(ridges, max(force, best.all_touch_force or 0.0), best.unit, best.scale / sides)
     _add(seconds, {"yield": perf_counter() - started})
     return model
 
@@ -208,15 +218,15 @@ def _first_rung(wanted: float) -> int:
     return usual if usual < 2 else usual - 1
 
 
-def _check_coarsest(pad: Pad) -> None:
+def _check_coarsest(pad: Pad, most: int, tier: str) -> None:
     """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
-    if MOST_A_RIDGE * len(pad.ridges) <= MOST_CONTACT_UNKNOWNS:
+    if MOST_A_RIDGE * len(pad.ridges) <= most:
         return
     coarsest = RUNGS[0]
     mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
     expected = ALONE * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
-    if expected > MOST_CONTACT_UNKNOWNS:
-        raise too_large(round(expected))
+    if expected > most:
+        raise too_large(round(expected), most, tier)
 
 
 def _estimated(

@@ -11,7 +11,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.bodies.chain import Chained, chained
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.bodies.meshed import Meshed
 from skincad.mechanics.contact.frictionless import NodalContact, press
@@ -19,7 +19,8 @@ from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
 from skincad.mechanics.problem import ContactError, SizeError
 
-MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
+# At order 3 about 90 kB each, all in all (101 ridges of plain-ridges, slabs of five): 5 GB
+MOST_CONTACT_UNKNOWNS = 60_000
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
 
 
@@ -74,11 +75,11 @@ def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -
     curved = elements.curved(meshed.mesh, order)
     contact = contact_unknowns(meshed, order)
     if contact > MOST_CONTACT_UNKNOWNS:
-        raise too_large(contact)
+        raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
     assembled = elements.assemble(curved, order, pad.materials)
     system = elements.even(assembled)
     clock.append(perf_counter())
-    small = condense(system.matrix, system.interior, system.contact)
+    small = chained(system)
     clock.append(perf_counter())
     ridges = seen_by_plate(pad, system, small.flexibility, unit)
     if drops:
@@ -109,17 +110,17 @@ def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -
     )
 
 
-def too_large(contact: int) -> SizeError:
-    """Return the refusal of a pad with so many contact unknowns."""
+def too_large(contact: int, most: int, tier: str) -> SizeError:
+    """Return a tier's refusal of a pad with so many contact unknowns, more than `most`."""
     return SizeError(
         "ridge.count",
-        f"the linear tier takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns",
+        f"the {tier} tier takes at most {most} contact unknowns",
         contact,
         "take fewer ridges or the winkler tier",
     )
 
 
-def _moved(system: elements.Assembled, small: Condensed, state: NodalContact) -> Array:
+def _moved(system: elements.Assembled, small: Chained, state: NodalContact) -> Array:
     """Displacements `(n,)` under the contact forces."""
     load = np.zeros(system.lift.size)
     load[system.contact] = -(system.nodes.rows.T @ state.force)

@@ -43,10 +43,7 @@ def test_an_indefinite_matrix_is_condensed_and_its_signs_counted(seed: int) -> N
 def test_fronts_of_an_indefinite_matrix_solve_it_and_count_its_signs(seed: int) -> None:
     whole, one = indefinite(seed), dissect.Front(np.arange(8), np.arange(8, 12), (), np.arange(1))
 
-    def fill(block: np.ndarray, *_: object) -> None:
-        block += np.tril(whole)
-
-    found = dissect.factored([one], lambda functions: functions, fill, 12)
+    found = dissect.factored(lambda _: [(np.arange(12), whole)], [one], lambda functions: functions, 12)
     assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
     assert found.solve(np.arange(12.0)) == pytest.approx(np.linalg.solve(whole, np.arange(12.0)), rel=1e-9)
     assert found.falling == 2

@@ -30,7 +30,7 @@ def springs(gaps: tuple[float, ...], seed: int = 3) -> Gripped:
     gap = np.repeat(gaps, 2) + np.tile([0.0, 0.02], len(gaps))
     ridge, rows = np.repeat(np.arange(len(gaps)) + 1, 2), sparse.identity(m, format="csr")
     lift = compliance[m:, m:]
-    ridges = Ridges(lift, gap, ridge, lift, rows, gap, np.arange(m), ridge)
+    ridges = Ridges(lift, gap, ridge, rows, rows, gap, np.arange(m), ridge)
     return Gripped(ridges, compliance, compliance[m:])
 
 

@@ -229,11 +229,10 @@ def test_a_ridge_too_many_is_told_before_anything_is_meshed(monkeypatch: pytest.
     made = Levels(monkeypatch)
     made.contact = 1e9
     pad = pad_of(load("plain-ridges"))
-    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", linear.MOST_A_RIDGE * len(pad.ridges))
-    linear._check_coarsest(pad)
-    monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", linear.MOST_A_RIDGE * len(pad.ridges) - 1)
+    most = linear.MOST_A_RIDGE * len(pad.ridges)
+    linear._check_coarsest(pad, most, "linear")
     with pytest.raises(SizeError) as large:
-        linear._check_coarsest(pad)
+        linear._check_coarsest(pad, most - 1, "linear")
     alone = 1e9 * RUNGS[0].fineness
     assert f"got {round(linear.ALONE * len(pad.ridges) * alone)}" in str(large.value)
 

@@ -1,0 +1,248 @@
+"""A long pad condensed slab by slab: its flexibility as a chain, at a price that grows with its length.
+
+The triangles are cut by x between ridges. With the unknowns that two slabs share (a joint) held, the contact
+unknowns of a slab move by its own forces alone; what passes from slab to slab passes through the joints:
+
+    C = F + G T^-1 G^T,
+
+F and G slab by slab, T the joints' stiffness while the contact unknowns are free, block tridiagonal. So
+every answer of the flexibility costs one small problem a slab and one elimination from joint to joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import blas, lapack
+from scipy.sparse.linalg import spsolve_triangular
+
+from skincad.base.arrays import Array, Index
+from skincad.mechanics.bodies.condense import fill_order, trailing
+from skincad.mechanics.bodies.dissect import NOT_DEFINITE, Factored, Front, factored
+from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.slabs import cut
+from skincad.mechanics.problem import ContactError
+
+Held = tuple[bytes, Array, Array, Array]  # the points, and with them held: root, side, and what it adds to T
+
+
+@dataclass(frozen=True)
+class Slab:
+    """`points` `(c,)` are its contact unknowns, or points, among all, `joints` its joints' unknowns `(s,)`.
+
+    `own` `(c, c)` is its flexibility with the joints held, `follow` `(c, s)` how the points follow the
+    joints, `stiffness` `(s, s)` what it adds to T.
+    """
+
+    points: Index
+    joints: slice
+    own: Array
+    follow: Array
+    stiffness: Array
+
+
+@dataclass(frozen=True)
+class SlabChain:
+    """The flexibility `(m, m)` of contact unknowns, or of points that they move: as a matrix, `chain @ force`
+    and blocks of one slab's points; and what some points carry while the others are free."""
+
+    slabs: tuple[Slab, ...]
+    fronts: list[Front]
+    free: Factored
+    size: int
+    known: dict[int, Held] = field(default_factory=dict, repr=False)
+
+    def seen(self, rows: sparse.csr_matrix) -> SlabChain:
+        """Return the flexibility of points that the contact unknowns move by `rows` `(m, m)`; each point is
+        moved by one slab's."""
+        slabs, by_unknown = [], rows.tocsc()
+        for slab in self.slabs:
+            some = by_unknown[:, slab.points]
+            points = np.unique(some.indices)
+            block = some[points].toarray()
+            own = block @ slab.own @ block.T
+            slabs.append(replace(slab, points=points, own=(own + own.T) / 2, follow=block @ slab.follow))
+        return SlabChain(tuple(slabs), self.fronts, self.free, rows.shape[0])
+
+    def __matmul__(self, force: Array) -> Array:
+        """Return the movement `(m,)` under forces `(m,)`, or `(m, l)` under `(m, l)`."""
+        joints, moved = self.joints_moved(force), np.zeros_like(force)  # a point that none moves stays
+        for slab in self.slabs:
+            moved[slab.points] = slab.own @ force[slab.points] + slab.follow @ joints[slab.joints]
+        return moved
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """As a matrix's."""
+        return self.size, self.size
+
+    def joints_moved(self, force: Array) -> Array:
+        """Return the movement of all joints' unknowns under forces as for `@`."""
+        load = np.zeros((self.slabs[-1].joints.stop, *force.shape[1:]))
+        for slab in self.slabs:
+            load[slab.joints] += slab.follow.T @ force[slab.points]
+        return self.free.solve(load)
+
+    def __getitem__(self, where: tuple[Index, ...]) -> Array:
+        """Return the block at `np.ix_(points, points)`, points of one slab."""
+        points, others = (w.ravel() for w in where)
+        number, local = self._places[:, points]
+        if (number != number[0]).any() or not np.array_equal(points, others):
+            raise IndexError("a chain has only blocks of one slab's points")
+        slab, joints = self.slabs[number[0]], self._joints_flexibility[number[0]]
+        follow = slab.follow[local]
+        return np.asarray(slab.own[np.ix_(local, local)] + follow @ joints @ follow.T)
+
+    @cached_property
+    def _places(self) -> Index:
+        """Each point's slab and its place there `(2, m)`."""
+        found = np.empty((2, self.size), dtype=np.int64)
+        for number, slab in enumerate(self.slabs):
+            found[:, slab.points] = np.full(slab.points.size, number), np.arange(slab.points.size)
+        return found
+
+    @cached_property
+    def _joints_flexibility(self) -> list[Array]:
+        """The block of T^-1 over each slab's joints, from the last joint to the first.
+
+        Takahashi, Fagan and Chin, Proc. 8th PICA Conf. (1973) 63.
+        """
+        after = self.free.flexibility
+        found = [after]
+        for step in reversed(self.free.steps):
+            if step.own.size:
+                side = blas.dtrsm(1.0, step.root, step.side.T, lower=1, trans_a=1)
+                root = blas.dtrsm(1.0, step.root, np.eye(step.own.size), lower=1)
+                own, across = root.T @ root + side @ after @ side.T, -side @ after
+                found.append(np.block([[own, across], [across.T, after]]))
+                after = own
+        return [after, *reversed(found)] if len(self.slabs) > 1 else found
+
+    def carried(self, inside: Index, sides: Array) -> Array:
+        """Return the forces `(k, l)` that move the points `inside` `(k,)` by `sides` `(k, l)`, others free.
+
+        Raises ContactError when the flexibility is not positive definite.
+        """
+        found = np.zeros((self.size, sides.shape[1]))
+        found[inside] = sides
+        touching = np.zeros(self.size, dtype=bool)
+        touching[inside] = True
+        held = [self._held(number, touching[slab.points]) for number, slab in enumerate(self.slabs)]
+        points = [slab.points[touching[slab.points]] for slab in self.slabs]
+        load = np.zeros((self.slabs[-1].joints.stop, sides.shape[1]))
+        for slab, at, (_, root, side, _) in zip(self.slabs, points, held, strict=True):
+            if at.size:
+                found[at] = blas.dtrsm(1.0, root, found[at], lower=1)
+                load[slab.joints] += side.T @ found[at]
+        joints = _joined(self.slabs, self.fronts, [h[-1] for h in held]).solve(load)
+        for slab, at, (_, root, side, _) in zip(self.slabs, points, held, strict=True):
+            if at.size:
+                rest = found[at] - side @ joints[slab.joints]
+                found[at] = blas.dtrsm(1.0, root, rest, lower=1, trans_a=1)
+        return found[inside]
+
+    def _held(self, number: int, touching: Array) -> Held:
+        """A slab with its points `touching` held; remembered until others are asked for."""
+        key, slab = touching.tobytes(), self.slabs[number]
+        if number not in self.known or self.known[number][0] != key:
+            root, failed = lapack.dpotrf(slab.own[np.ix_(touching, touching)], lower=1, clean=0)
+            if failed:
+                raise ContactError("the contact flexibility is singular; take a coarser contact mesh")
+            side = blas.dtrsm(1.0, root, slab.follow[touching], lower=1)
+            self.known[number] = key, root, side, slab.stiffness + side.T @ side
+        return self.known[number]
+
+
+@dataclass(frozen=True)
+class Chained:
+    """A pad condensed to a chain: `flexibility` over the contact unknowns `contact`, and for each slab its
+    unknowns' order, contact ones and joints' last, and the factor L of L D L^T.
+
+    L is all that is kept of a slab's factorisation: two fifths of what SuperLU's object would hold.
+    """
+
+    flexibility: SlabChain
+    contact: Index
+    orders: tuple[Index, ...]
+    lowers: tuple[sparse.csc_matrix, ...]
+
+    def solve(self, load: Array) -> Array:
+        """Return the displacements `(n,)` under a load `(n,)` on contact unknowns, 0 where held."""
+        chain, moved, force = self.flexibility, np.zeros_like(load), load[self.contact]
+        moved[self.contact], joints = chain @ force, chain.joints_moved(force)
+        for slab, order, lower in zip(chain.slabs, self.orders, self.lowers, strict=True):
+            # no load inside: what is left to do is L^T u = 0 there, u as known on the last unknowns
+            last = np.concatenate([moved[self.contact[slab.points]], joints[slab.joints]])
+            side, k = np.zeros(order.size), last.size
+            side[-k:] = lower[-k:, -k:].T @ last
+            moved[order] = spsolve_triangular(lower.T, side, lower=False, unit_diagonal=True)
+        return moved
+
+
+def chained(system: Assembled) -> Chained:
+    """Return a pad condensed slab by slab; ContactError when its stiffness is not positive definite."""
+    parts, none = cut(system), np.empty(0, dtype=np.int64)
+    ends = np.cumsum([0, *(joint.size for joint in parts.joints)]).tolist()
+    befores, afters = [none, *parts.joints], [*parts.joints, none]
+    # slab after slab, so that each with its joints is a slice: to pick them from all costs all, slab by slab
+    along = np.concatenate(
+        [u for each in zip(parts.interior, parts.contact, afters, strict=True) for u in each]
+    )
+    matrix, start = sparse.csr_matrix(system.matrix[along][:, along]), 0
+    slabs, orders, lowers = [], [], []
+    for i, (interior, contact) in enumerate(zip(parts.interior, parts.contact, strict=True)):
+        b, n, c, a = befores[i].size, interior.size, contact.size, afters[i].size
+        where = slice(start - b, start + n + c + a)
+        own, local = matrix[where, where], np.arange(b + n + c + a)
+        order = np.concatenate(
+            [fill_order(own, local[b : b + n]), local[b + n : b + n + c], local[:b], local[b + n + c :]]
+        )
+        factor, pivots, lower = trailing(own, order, c + b + a)
+        if not (pivots > 0).all():
+            raise ContactError(NOT_DEFINITE)
+        orders.append(along[where][order])
+        lowers.append(factor.L)
+        lower = lower * np.sqrt(pivots[-c - b - a :])
+        root = blas.dtrsm(1.0, lower[:c, :c], np.eye(c), lower=1)
+        stiffness = lower[c:, c:] @ lower[c:, c:].T
+        stiffness[:b, :b] -= own[:b, :b].toarray()  # counted once, by the slab before
+        at, follow = np.searchsorted(system.contact, contact), -root.T @ lower[c:, :c].T
+        joints = slice(ends[max(i - 1, 0)], ends[min(i + 1, len(parts.joints))])
+        slabs.append(Slab(at, joints, root.T @ root, follow, stiffness))
+        start += n + c + a
+    fronts = _fronts([slab.joints for slab in slabs])
+    free = _joined(slabs, fronts, [slab.stiffness for slab in slabs])
+    chain = SlabChain(tuple(slabs), fronts, free, system.contact.size)
+    return Chained(chain, system.contact, tuple(orders), tuple(lowers))
+
+
+def _fronts(joints: list[slice]) -> list[Front]:
+    """Fronts that eliminate joint after joint but the last, which is the root's border; a front assembles
+    slabs in place of triangles."""
+    ends = [0, *(j.stop for j in joints[:-1])]
+    numbers = [np.arange(a, b) for a, b in pairwise(ends)]
+    numbers = [np.arange(0)] * (2 - len(numbers)) + numbers
+    fronts = []
+    for i, (own, border) in enumerate(pairwise(numbers)):
+        stop = i + 2 if i + 2 < len(numbers) else len(joints)
+        fronts.append(Front(own, border, (i - 1,) if i else (), np.arange(i + 1 if i else 0, stop)))
+    return fronts
+
+
+def _joined(slabs: Sequence[Slab], fronts: list[Front], blocks: list[Array]) -> Factored:
+    """Return the sum of a block `(s, s)` over each slab's joints, factored; ContactError when it is not
+    positive definite."""
+
+    def inside(number: int) -> Iterator[tuple[Index, Array]]:
+        joints = slabs[number].joints
+        yield np.arange(joints.start, joints.stop), blocks[number]
+
+    found = factored(inside, fronts, lambda joints: joints, slabs[-1].joints.stop)
+    if found.falling:
+        raise ContactError(NOT_DEFINITE)
+    return found
