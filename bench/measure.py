@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.problem import pad_of
 
 REPEATS = 3
@@ -86,8 +86,8 @@ def slope(x: Sequence[float], y: Sequence[float]) -> float:
 def system(design: Design, fineness: float, order: int = ORDER) -> elements.Assembled:
     """Return a design's condensed stiffness."""
     pad = pad_of(design)
-    mesh = elements.curved(triangles(pad, default_sizes(pad, fineness)), order)
-    return elements.assemble(mesh, order, pad.materials)
+    mesh = elements.curved(plane_piece(pad, fineness).mesh, order)
+    return elements.even(elements.assemble(mesh, order, pad.materials))
 
 
 def free_block(found: elements.Assembled) -> sparse.csc_matrix:

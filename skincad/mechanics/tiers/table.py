@@ -49,7 +49,7 @@ TIERS = {
     "winkler": Tier(f"{_ROOM}winkler:answer", TimeLaw(1.0, 4e-4, 0.0), any_size, shaped=True, doubly=True),
     "linear": Tier(
         f"{_ROOM}linear:answer",
-        TimeLaw(19_400, 0.66, 1.1),
+        TimeLaw(9_800, 0.45, 1.05),
         plane_unknowns,
         (FREE_ENDS, FINITE_STRAIN),
         shaped=True,
@@ -57,7 +57,7 @@ TIERS = {
     ),
     "corrected": Tier(
         f"{_ROOM}corrected:answer",
-        TimeLaw(8_700, 0.29, 1.3),
+        TimeLaw(8_700, 0.27, 1.25),
         coarse_solid_unknowns,
         (FINITE_STRAIN,),
         ("linear",),
