@@ -159,12 +159,14 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
 
 
 def free_unknowns(
-    forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False
+    forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False, odd: bool = False
 ) -> Mask:
-    """Return which unknowns `(component, section function, function along y)` are free, see `condensed`."""
+    """Return which unknowns `(component, section function, function along y)` are free, see `condensed`; of a
+    half those of movements that are their own image, or of `odd` ones, which the mirror turns round."""
     count, layers = forms.held.size, line.at.size
     free = ~np.tile(forms.held, 3).repeat(layers).reshape(3, count, layers)
-    free[0, forms.cut] = False
+    for component in (1, 2) if odd else (0,):
+        free[component, forms.cut] = False
     free[2, :, 0] = False
     free[2, :, -1] &= not clamped_end
     free[2] &= not plane

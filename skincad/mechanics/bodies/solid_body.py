@@ -30,16 +30,17 @@ class SolidBody:
 
     A state `(n,)` lists displacements (component x, z, y; section function; function along y), then pressures
     (element; function); `free` `(n,)` marks those not held. `of_element` `(e, 3 b)` numbers an element's
-    displacements, `of_triangle` `(t, layers)` the elements above a triangle, `fronts` and `unknowns` are
-    for dissect.py; `along` `(points,)` is y of the contact points. Of `rest` the contact unknowns and rows
-    are the solid's, all else the section's.
+    displacements, `of_triangle` `(t, layers)` the elements above a triangle. For dissect.py are `even` and,
+    of a half, `odd`: for movements that are their own image, and that the mirror turns round. `along`
+    `(points,)` is y of the contact points. Of `rest` the contact unknowns and rows are the solid's, all else
+    the section's.
     """
 
     forms: SectionForms
     rest: Assembled
     free: Mask
-    fronts: list[Front]
-    unknowns: Unknowns
+    even: tuple[list[Front], Unknowns]
+    odd: tuple[list[Front], Unknowns] | None
     elements: Elements
     of_element: Index
     of_triangle: Index
@@ -72,6 +73,15 @@ class SolidBody:
 
     def linearised(self, state: Array, residual: Array) -> SolidLinearised:
         """Return the tangent factorised; ContactError where the contact, held, leaves it indefinite."""
+        return self._linearised(state, residual, self.even)
+
+    def turned(self, state: Array, residual: Array) -> SolidLinearised | None:
+        """Return the tangent of a half for movements that the mirror turns round; None of a whole pad."""
+        return None if self.odd is None else self._linearised(state, residual, self.odd)
+
+    def _linearised(
+        self, state: Array, residual: Array, kind: tuple[list[Front], Unknowns]
+    ) -> SolidLinearised:
         at = solid_law.points(self.elements, *self.split(state))
         coupling = solid_law.coupling(at)
         stiffness = solid_law.stiffness(at, coupling)
@@ -81,8 +91,11 @@ class SolidBody:
             for element in self.of_triangle[triangle]:
                 yield of_element[element], stiffness[element]
 
-        small = factored(inside, self.fronts, self.unknowns, self.displacements)
-        return SolidLinearised(self, coupling, small, residual, small.flexibility)
+        small = factored(inside, *kind, self.displacements)
+        free = np.isin(self.rest.contact, small.border)  # on the cut no point moves up that the mirror turns
+        flexibility = np.zeros((free.size, free.size))
+        flexibility[np.ix_(free, free)] = small.flexibility
+        return SolidLinearised(self, coupling, small, state, residual, flexibility)
 
     def widest(self, step: Array) -> float:
         """Return x at rest of the place on the boundary, at the middle or the end, that a step `(n,)` moves
@@ -109,11 +122,12 @@ class SolidBody:
 @dataclass(frozen=True)
 class SolidLinearised:
     """The tangent of `body` with its pressures condensed: `coupling` `(e, q, 3 b)` is that of pressures and
-    displacements, `small` the factors; `residual` `(n,)` is that at the state."""
+    displacements, `small` the factors; `residual` `(n,)` is that at the `state` `(n,)`."""
 
     body: SolidBody
     coupling: Array
     small: Factored
+    state: Array
     residual: Array
     flexibility: Array
 
@@ -122,8 +136,9 @@ class SolidLinearised:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
         return 0, self.small.falling
 
-    def odd(self) -> None:
-        """A half is judged by what is its own mirror image alone."""
+    def odd(self) -> SolidLinearised | None:
+        """Return the same tangent for what the mirror turns round: on a half's cut z and y are held."""
+        return self.body.turned(self.state, self.residual)
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
@@ -157,14 +172,14 @@ def solid_body(
     total = len(forms.functions) * height
     of_element = functions.reshape(total, 1, -1) + np.arange(3)[:, None] * count * along
     free = free_unknowns(forms, line, clamped_end=clamped_end)
-    fronts, unknowns = fronts_of(forms, free)
+    turned = free_unknowns(forms, line, clamped_end=clamped_end, odd=True)
     contact = (forms.plane.contact[:, None] * along + np.arange(along)).ravel()
     return SolidBody(
         forms,
         replace(seen_by_plate(forms.plane, line), contact=contact),
         np.concatenate([free.ravel(), np.ones(elements.test[:, 0].size, dtype=bool)]),
-        fronts,
-        unknowns,
+        fronts_of(forms, free),
+        fronts_of(forms, turned) if forms.cut.any() else None,
         elements,
         of_element.reshape(total, -1),
         np.arange(total).reshape(-1, height),

@@ -11,11 +11,14 @@ from scipy import linalg
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
+from skincad.mechanics.bodies.solid_body import SolidLinearised
 from skincad.mechanics.contact import newton
 from skincad.mechanics.contact.newton import DivergedError, Pressed, PressedState, pressed
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stability import stable, tipping_ridge
 from skincad.mechanics.problem import pad_of
+from skincad.mechanics.tiers.solid_finite_strain import body_of
+from skincad.mechanics.tiers.solid_level import Layers
 from skincad.mechanics.validity import buckling_force
 from tests.mechanics.contact.test_mirrored import both
 from tests.mechanics.designs import reference
@@ -117,6 +120,23 @@ def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.Mo
     monkeypatch.setattr(neo_hooke.PlaneLinearised, "odd", lambda _: None)
     what = sides(count)[0]
     assert press_to(what, force_of(what, 1.5 * half)).force == force_of(what, 1.5 * half)
+
+
+@pytest.mark.slow
+def test_what_turns_round_is_seen_on_a_solids_half(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One ridge between clamped ends, on the same triangles: the same bisection."""
+    found = []
+    for each in both(pad_of(design_of(1))):
+        body = body_of(each, Layers(2.0, 2.0, 2), clamped_end=True)
+        share = each.whole.length / 2 / each.unit / each.sides
+        with pytest.raises(DivergedError, match="ridge 1 tips over") as caught:
+            press_to(Pressed(body, each.whole.top / each.unit), 1.2 * share)
+        found.append((caught.value.reached / share, body, share, each))
+    (half, body, share, each), (whole, *_) = found
+    assert half == pytest.approx(whole, rel=1e-6)
+    monkeypatch.setattr(SolidLinearised, "odd", lambda _: None)
+    what = Pressed(body, each.whole.top / each.unit)
+    assert press_to(what, 1.5 * half * share).force == 1.5 * half * share
 
 
 @pytest.mark.parametrize("count", [1, 3])
