@@ -9,15 +9,13 @@ the step's contact problem has the true gaps and *total* nodal forces, and only 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from skincad.base.arrays import Array, Mask
-from skincad.mechanics.bodies import neo_hooke
-from skincad.mechanics.bodies.neo_hooke import NeoHookeBody
 from skincad.mechanics.contact.elastic import Elastic, LinearisedBody
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.stability import stable
@@ -75,17 +73,6 @@ class PressedState:
     ridges: Ridges
     residual: float
     history: tuple[float, ...]
-
-
-def pressed(
-    mesh: Any,
-    order: int,
-    materials: Mapping[str, tuple[float, float]],
-    top: float,
-    drops: Array | None = None,
-) -> Pressed[NeoHookeBody]:
-    """Return the pad of a curved mesh at one order of displacements."""
-    return Pressed(neo_hooke.body(mesh, order, materials), top, drops)
 
 
 def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None = None) -> PressedState:

@@ -14,7 +14,7 @@ from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_
 from skincad.mechanics.contact.dragged import Dragged, DraggedState, dragged, linearised, newton, unloaded
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, GrossSlip
-from skincad.mechanics.contact.newton import RESIDUAL, pressed
+from skincad.mechanics.contact.newton import RESIDUAL, Pressed
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stride import to
 from skincad.mechanics.film.sliding import sliding
@@ -84,7 +84,9 @@ def test_without_friction_it_is_the_finite_strain_tier() -> None:
     pad, what = three()
     unit = unit_of(pad)
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.35)), 2)
-    wanted = press_to(pressed(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}, pad.top / unit), 1.2 / what.scale)
+    wanted = press_to(
+        Pressed(neo_hooke.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit), 1.2 / what.scale
+    )
     found = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
     assert found.values == pytest.approx(wanted.values, abs=10 * RESIDUAL * np.abs(wanted.values).max())
     assert found.grip.normal.sum() == pytest.approx(1.2, rel=1e-10)

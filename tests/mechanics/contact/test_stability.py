@@ -13,7 +13,7 @@ from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.solid_body import SolidLinearised
 from skincad.mechanics.contact import newton
-from skincad.mechanics.contact.newton import DivergedError, Pressed, PressedState, pressed
+from skincad.mechanics.contact.newton import DivergedError, Pressed, PressedState
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stability import stable, tipping_ridge
 from skincad.mechanics.problem import pad_of
@@ -35,7 +35,7 @@ def pad(count: int = 1) -> Pressed:
     whole = pad_of(design_of(count))
     assert unit_of(whole) * whole.young_modulus * whole.length == pytest.approx(SCALE * unit_of(whole))
     mesh = elements.curved(triangles(whole, default_sizes(whole, 0.25)), 2)
-    return pressed(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}, whole.top / unit_of(whole))
+    return Pressed(neo_hooke.body(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}), whole.top / unit_of(whole))
 
 
 def spectra(what: Pressed, state: PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -93,7 +93,9 @@ def sides(count: int) -> tuple[Pressed, Pressed]:
     """The half of a pad and, on its triangles and their images, the whole; in the half's unit."""
     design = design_of(count)
     return tuple(
-        pressed(elements.curved(each.mesh, 2), 2, each.whole.materials, each.whole.top / each.unit)
+        Pressed(
+            neo_hooke.body(elements.curved(each.mesh, 2), 2, each.whole.materials), each.whole.top / each.unit
+        )
         for each in both(pad_of(design))
     )
 

@@ -18,7 +18,6 @@ from skincad.mechanics.contact.newton import (
     RESIDUAL,
     Pressed,
     newton,
-    pressed,
 )
 from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
 from skincad.mechanics.problem import Answer, Request, pad_of
@@ -62,7 +61,7 @@ def coarse(design: Any, order: int = 2) -> Pressed:
     pad = pad_of(design)
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.5)), order)
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
-    return pressed(mesh, order, materials, pad.top / unit_of(pad))
+    return Pressed(neo_hooke.body(mesh, order, materials), pad.top / unit_of(pad))
 
 
 def stress(gradient: np.ndarray, q: float, shear: float, bulk: float) -> np.ndarray:
