@@ -10,8 +10,10 @@ import pytest
 from skincad import load
 from skincad.base.errors import InputError
 from skincad.inputs.skin_tables import Plate
+from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers import linear
 from skincad.mechanics.tiers.table import run
 from tests.mechanics.designs import linear_check, plane
 
@@ -24,7 +26,10 @@ def on(**plate: object) -> Answer:
 
 @cache
 def flat() -> Answer:
-    return plane(PLAIN, tol=0.01)
+    """On the mesh of a shaped plate's pad, which is not halved."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(linear, "plane_piece", lambda *a, **_: plane_piece(*a, whole=True))
+        return plane(PLAIN, tol=0.01)
 
 
 def shares(found) -> np.ndarray:

@@ -25,6 +25,7 @@ from skincad.mechanics.problem import ContactError
 STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above
 ROUNDING = 1e-14  # of E times the unit length: what a residual is worth under the lightest loads
+FALLING = 0.1  # of the last residual, in a step; rounding does not fall
 SHORTEST = 1 / 64  # of a Newton step; one that is still inside out then has lost its way
 UNSTABLE = "no stable equilibrium, a ridge tips over or its tip folds"
 
@@ -98,7 +99,7 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None 
         unbalanced = body.residual(values)
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
-        if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale):
+        if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale) and not _falls(history):
             if not stable(body, linear, ridges, contact):
                 raise UnstableError(UNSTABLE)
             return PressedState(
@@ -108,6 +109,11 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None 
         "no equilibrium is found, as where a tip or a fillet folds "
         f"(residual {history[-1]:.1e} of the contact force after {STEPS} steps)"
     )
+
+
+def _falls(history: list[float]) -> bool:
+    """Whether a residual that only rounding would excuse still falls: then it is not rounding."""
+    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < STEPS
 
 
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:

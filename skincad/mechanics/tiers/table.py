@@ -66,7 +66,7 @@ TIERS = {
     ),
     "finite-strain": Tier(
         f"{_ROOM}finite_strain:answer",
-        TimeLaw(19_400, 3.4, 1.38),
+        TimeLaw(9_800, 1.8, 1.3),
         plane_unknowns,
         (FREE_ENDS,),
         drops=True,
