@@ -44,9 +44,8 @@ class Accuracy(Result):
         try:
             path = keep(self.name, self.taken)
         except (OSError, RuntimeError) as failure:
-            why = (
-                getattr(failure, "strerror", None) or failure
-            )  # without the path, which may tell a user's name
+            # without the path, which may tell a user's name
+            why = getattr(failure, "strerror", None) or failure
             return replace(self, kept=f"the cost law is not kept: {why}")
         load, cores = self.machine["load"], self.machine["cores"]
         busy = f"; with a load of {load} on {cores} cores it is too slow, run it again at rest"

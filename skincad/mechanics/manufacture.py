@@ -61,9 +61,8 @@ def _manufacture(
     crests = float(_passing(model, drops, np.full(parts, asked)).mean())
     material = float((scaled >= own).mean())
     batches = passing.reshape(BATCHES, -1).mean(axis=1)
-    error = max(
-        STUDENT * float(batches.std(ddof=1)) / math.sqrt(BATCHES), 3 / parts
-    )  # at least what none of so many leaves open
+    spread_of_batches = STUDENT * float(batches.std(ddof=1)) / math.sqrt(BATCHES)
+    error = max(spread_of_batches, 3 / parts)  # at least what none that fails of so many leaves open, 95 %
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED else SCALED_MISCLASSIFIES
     error += wrong * 4 * both * (1 - both)
     error += _by_threshold(model, drops, scaled, unsure and unsure / threshold, both)
