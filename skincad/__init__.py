@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from skincad.circuit.bode import gain as gain
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
+    from skincad.fabrication.making import make as make
     from skincad.inputs.catalog import load as load
     from skincad.inputs.catalog import load_design as load_design
     from skincad.inputs.catalog import template_names as template_names
@@ -29,13 +30,13 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stress import film_stress as film_stress
     from skincad.mechanics.touching import check as check
     from skincad.outputs.delivery import write as write
-    from skincad.outputs.making import make as make
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
     from skincad.scenes.simulation import simulate as simulate
     from skincad.shape.cross_section import section as section
     from skincad.solids.mold import mold_solids as mold_solids
     from skincad.solids.skin import skin_solid as skin_solid
+    from skincad.studies.solving import solve as solve
 
 _HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
     "Circuit": "circuit.model:Circuit",
@@ -54,11 +55,12 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "load_circuit": "circuit.model:load_circuit",
     "load_design": "inputs.catalog:load_design",
     "load_scene": "scenes.scene:load_scene",
-    "make": "outputs.making:make",
+    "make": "fabrication.making:make",
     "mold_solids": "solids.mold:mold_solids",
     "section": "shape.cross_section:section",
     "simulate": "scenes.simulation:simulate",
     "skin_solid": "solids.skin:skin_solid",
+    "solve": "studies.solving:solve",
     "template_names": "inputs.catalog:template_names",
     "write": "outputs.delivery:write",
 }

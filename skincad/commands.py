@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 import skincad
 from skincad.base.bars import stage_bar, step_bar
-from skincad.base.errors import InputError, shown
-from skincad.base.strictjson import strict_json
-
-if TYPE_CHECKING:
-    from skincad.base.result import Result
-    from skincad.outputs.delivery import Written
+from skincad.base.errors import InputError
+from skincad.options import (
+    BudgetOption,
+    DesignArgument,
+    JsonOption,
+    OutOption,
+    PrinterOption,
+    SetOption,
+    SiliconesOption,
+    deliver,
+    show,
+    source_argument,
+)
+from skincad.study_commands import solve
 
 app = typer.Typer(
     name="skincad",
@@ -25,17 +31,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-
-
-def _names(kind: str) -> Any:
-    """What completes a template's name."""
-
-    def complete(incomplete: str) -> list[str]:
-        from skincad.inputs.catalog import template_names
-
-        return [name for name in template_names(kind) if name.startswith(incomplete)]  # type: ignore[arg-type]
-
-    return complete
 
 
 def _starts(incomplete: str) -> list[str]:
@@ -50,38 +45,6 @@ def _kinds(incomplete: str) -> list[str]:
     from skincad.outputs.lists import LISTS
 
     return [kind for kind in LISTS if kind.startswith(incomplete)]
-
-
-def _source(metavar: str, kind: str) -> Any:
-    text = "A template's name or a TOML file."
-    return typer.Argument(metavar=metavar, help=text, autocompletion=_names(kind))
-
-
-DesignArgument = Annotated[str, _source("DESIGN", "designs")]
-SetOption = Annotated[
-    list[str],
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Override a key: ridge.height=0.6; slot=none drops it.",
-    ),
-]
-PrinterOption = Annotated[
-    Path | None,
-    typer.Option("--printer", metavar="FILE", help="A TOML file of your own processes, a printer.toml."),
-]
-SiliconesOption = Annotated[
-    Path | None,
-    typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones, a lab.toml."),
-]
-OutOption = Annotated[
-    Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default: out/<name>.")
-]
-BudgetOption = Annotated[
-    float | None,
-    typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they allow."),
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 
 def _version(asked: bool) -> None:
@@ -119,7 +82,7 @@ def templates(
     from skincad.outputs.lists import listed
 
     data, lines = listed(kind)
-    _print(data, as_json, "\n".join(lines))
+    show(data, as_json, "\n".join(lines))
 
 
 @app.command()
@@ -142,7 +105,7 @@ def new(
     """
     from skincad.outputs.newfile import write_new
 
-    _print({}, False, "\n".join(map(str, write_new(file, template))))
+    show({}, False, "\n".join(map(str, write_new(file, template))))
 
 
 @app.command()
@@ -167,9 +130,9 @@ def make(
 
     STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the output folder, all of them or none.
     """
+    from skincad.fabrication.making import STAGES
     from skincad.outputs.delivery import of_formats, ready
     from skincad.outputs.makes import COMMAND, names
-    from skincad.outputs.making import STAGES
 
     design = skincad.load(source, settings, printer=printer, silicones=silicones)
     target = folder or Path("out") / design.name
@@ -177,7 +140,7 @@ def make(
     with stage_bar(len(STAGES)) as progress:
         found = skincad.make(design, strict=strict, progress=progress)
         written = skincad.write(found, target, formats=formats, progress=progress)
-    _deliver(found, as_json, written)
+    deliver(found, as_json, written)
     raise typer.Exit(0 if found.passed else 1)
 
 
@@ -253,15 +216,15 @@ def check(
             with fresh(stress, "stress") as staging:
                 draw(staging)
     if films is None:
-        _deliver(found, as_json)
+        deliver(found, as_json)
     else:
-        _print(found.as_json() | films.as_json(), as_json, f"{found}\n{films}\n  picture        {stress}")
+        show(found.as_json() | films.as_json(), as_json, f"{found}\n{films}\n  picture        {stress}")
     raise typer.Exit(0 if found.passed else 1)
 
 
 @app.command()
 def circuit(
-    source: Annotated[str, _source("CIRCUIT", "circuits")],
+    source: Annotated[str, source_argument("CIRCUIT", "circuits")],
     settings: Annotated[
         list[str],
         typer.Option("--set", metavar="KEY=VALUE", help="Override a key: amplifier.gain=1e6."),
@@ -290,12 +253,12 @@ def circuit(
     ready(target, COMMAND, names(measured is not None))
     with stage_bar(2) as progress:
         found = skincad.gain(loaded, measured, progress)
-    _deliver(found, as_json, skincad.write(found, target))
+    deliver(found, as_json, skincad.write(found, target))
 
 
 @app.command()
 def simulate(
-    source: Annotated[str, _source("SCENE", "scenes")],
+    source: Annotated[str, source_argument("SCENE", "scenes")],
     settings: SetOption = [],  # noqa: B006
     silicones: SiliconesOption = None,
     tol: Annotated[
@@ -332,7 +295,7 @@ def simulate(
     ready(target, COMMAND, names(scene))
     with step_bar(scene.history.steps) as tick:
         found = skincad.simulate(scene, tol=tol, budget=budget, tick=tick, partial=True)
-    _deliver(found, as_json, skincad.write(found, target))
+    deliver(found, as_json, skincad.write(found, target))
     if found.march.interrupted:
         raise KeyboardInterrupt
     raise typer.Exit(1 if found.march.failed else 0)
@@ -370,7 +333,7 @@ def accuracy(
     ready(target, COMMAND, names(ladders))
     with stage_bar(1) as progress:
         found = skincad.accuracy(design, ladders, repeats=repeats, progress=progress).keep()
-    _deliver(found, as_json, skincad.write(found, target))
+    deliver(found, as_json, skincad.write(found, target))
 
 
 @app.command("fit-material")
@@ -433,25 +396,7 @@ def fit_material(
         said = f"measured: {found.kind} test {file.name}"
         write_with_modulus(copy, design, settings, found.ranged, found.law, said, silicones)
         written = f"\nwritten to {copy}"
-    _print({**found.as_json(), "file": str(copy) if copy else None}, as_json, f"{found}{written}")
+    show({**found.as_json(), "file": str(copy) if copy else None}, as_json, f"{found}{written}")
 
 
-def _deliver(found: Result, as_json: bool, written: Written | None = None) -> None:
-    """Print a result, and what was written of it."""
-    data = found.as_json()
-    if written is None:
-        _print(data, as_json, str(found))
-        return
-    spent, more = data.get("seconds", {}), written.seconds
-    total = spent.get("total", 0.0) + more["total"]
-    data |= {"files": written.as_json(), "seconds": {**spent, **more, "total": total}}
-    _print(data, as_json, f"{found}\n{written}, {total:.1f} s")
-
-
-def _print(data: dict[str, Any], as_json: bool, text: str) -> None:
-    """Print a command's result. A reader who has had enough, as `head`, does not change its status."""
-    lines = [shown(line) for line in text.split("\n")]
-    try:
-        print(strict_json(data) if as_json else "\n".join(lines), flush=True)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+app.command()(solve)

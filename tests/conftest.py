@@ -21,9 +21,9 @@ from pathlib import Path
 import pytest
 
 import skincad
+from skincad.fabrication.making import MakeResult, PartReport
 from skincad.inputs.design import Design
 from skincad.outputs.delivery import Written
-from skincad.outputs.making import MakeResult, PartReport
 
 
 @pytest.fixture(scope="session", autouse=True)

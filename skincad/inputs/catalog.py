@@ -143,6 +143,18 @@ def read_table(source: str | Path, kind: Kind) -> dict[str, Any]:
     return data
 
 
+def kind_of(source: str | Path) -> Kind:
+    """Return which kind a template's name or a TOML file is, by its tables; a design where nothing tells."""
+    if known := kinds_of(str(source)):
+        return known[0]
+    path = Path(source)
+    try:
+        found = _marked(_read_file(path, str(source))) if path.is_file() else []
+    except (OSError, ValueError):
+        found = []  # loading it says why
+    return next((kind for kind in KINDS if kind in found), "designs")
+
+
 def _marked(data: dict[str, Any]) -> list[str]:
     """What the tables may be by their keys; nothing where those are no kind's."""
     if isinstance(data.get("name"), str):

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.result import Writer
+from skincad.fabrication.making import Job, MakeResult, passes
 from skincad.inputs.design import Design
 from skincad.outputs import checks
-from skincad.outputs.making import Job, MakeResult
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
+    from skincad.mechanics.verdict import ContactCheck
     from skincad.pictures.canvas import Picture
 
 COMMAND = "make"
@@ -66,6 +68,8 @@ OfJob = Callable[[Job, Path], None]
 
 def writers(design: Design, closed: ClosedMold) -> dict[str, OfJob]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
+    import skincad.pictures.design_picture  # noqa: F401  # the clock starts after this
+
     printed = [part.name for part in closed.parts if part.made == "made"]
     return {
         **{f"{name}.step": _step(name) for name in ("skin", *printed)},
@@ -75,14 +79,14 @@ def writers(design: Design, closed: ClosedMold) -> dict[str, OfJob]:
         "skin.3mf": _skin_3mf,
         "section.dxf": _exported("write_section_dxf"),
         "section.svg": _exported("write_section_svg"),
-        "drawing.svg": lambda job, path: _text(job.drawn, path),
+        "drawing.svg": lambda job, path: _text(_drawing(job), path),
         **(
             {f"strips.{kind}": _exported(f"write_strips_{kind}") for kind in ("dxf", "svg")}
             if design.film
             else {}
         ),
         "design.toml": lambda job, path: _text(job.design.to_toml(), path),
-        "casting-sheet.md": lambda job, path: _text(job.sheet, path),
+        "casting-sheet.md": lambda job, path: _text(_sheet(job), path),
         "casting-sheet.html": _page,
         "picture.png": _picture,
     }
@@ -138,7 +142,7 @@ def _exported(function: str) -> OfJob:
 def _page(job: Job, path: Path) -> None:
     from skincad.pictures.page import page
 
-    _text(page(job.sheet, job.drawn, f"Casting sheet: {job.design.name}"), path)
+    _text(page(_sheet(job), _drawing(job), f"Casting sheet: {job.design.name}"), path)
 
 
 def _picture(job: Job, path: Path) -> None:
@@ -151,6 +155,32 @@ def _drawn(job: Job) -> Picture:
     from skincad.pictures.design_picture import design_figure
 
     return design_figure(job.design, job.closed, job.meshes)
+
+
+def _drawing(job: Job) -> str:
+    """The drawing, SVG."""
+    from skincad.pictures.drawing import drawing
+
+    return drawing(job.design, job.closed)
+
+
+def _sheet(job: Job) -> str:
+    """The casting sheet, Markdown."""
+    from skincad.fabrication.inspection import inspection
+    from skincad.fabrication.sheet import casting_sheet
+
+    measures = inspection(job.design, job.closed.first(PartRole.SKIN), _allowed_drops(job.check))
+    found, said = list(job.findings), checks.verdict(job.check)
+    passed = passes(job.check, job.findings, strict=False)
+    return casting_sheet(job.design, job.closed, found, said, passed, measures)
+
+
+def _allowed_drops(check: ContactCheck) -> tuple[float, ...]:
+    """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    made, margin = check.manufacture, check.margin
+    if made is None or margin is None or not check.passed:
+        return ()
+    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
 
 
 def _text(text: str, path: Path) -> None:

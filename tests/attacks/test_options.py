@@ -10,7 +10,8 @@ import typer
 
 from skincad.base.errors import InputError
 from skincad.cli import run
-from skincad.commands import PrinterOption, app
+from skincad.commands import app
+from skincad.options import PrinterOption
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
 ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0")}
@@ -21,6 +22,7 @@ WITH = {  # what a command needs beside the option to come as far as to look at 
     "simulate": ["yamada-2002-slip"],
     "accuracy": ["yamada-2002"],
     "fit-material": ["bar.csv"],
+    "solve": ["yamada-2002", "--target", "approach=1", "--vary", "skin.length=8:12"],
 }
 BESIDE = {
     "--pull": ["--stress", "s.png"],
@@ -48,6 +50,7 @@ def test_the_search_finds_them_all() -> None:
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
         ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
         ("fit-material", "--up-to"), ("simulate", "--at"), ("simulate", "--budget"), ("simulate", "--tol"),
+        ("solve", "--evaluations"), ("solve", "--force"), ("solve", "--tol"),
     ]  # fmt: skip
 
 

@@ -20,13 +20,13 @@ from skincad.base.estimate import Estimate
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
 from skincad.fabrication.finding import Finding
+from skincad.fabrication.making import MakeResult, PartReport
 from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
 from skincad.material.fit import fit_material
 from skincad.mechanics.contact.grip import GrossSlip
 from skincad.mechanics.film.stress import film_stress
 from skincad.mechanics.problem import LateError
-from skincad.outputs.making import MakeResult, PartReport
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.march import March
 from skincad.scenes.scene import load_scene

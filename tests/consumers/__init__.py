@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from skincad.fabrication.making import PartReport
 from skincad.inputs.design import Design
-from skincad.outputs.making import PartReport
 from skincad.solids.mold import mold
 from tests.conftest import Made
 

@@ -18,7 +18,7 @@ import trimesh
 from manifold3d import Manifold, Mesh
 from PIL import Image
 
-from skincad.outputs.making import PartReport
+from skincad.fabrication.making import PartReport
 from tests.consumers import Job, volume_slack
 
 PROGRAM = "prusa-slicer"

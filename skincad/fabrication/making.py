@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -92,26 +91,6 @@ class Job:
         printed = {part.name: part for part in self.closed.parts if part.made == "made"}
         return {n: laid(self.meshes[n], laid_on_end(self.design, p), p) for n, p in printed.items()}
 
-    @cached_property
-    def sheet(self) -> str:
-        """The casting sheet, Markdown."""
-        from skincad.fabrication.inspection import inspection
-        from skincad.fabrication.sheet import casting_sheet
-        from skincad.outputs.checks import verdict
-
-        measures = inspection(self.design, self.closed.first(PartRole.SKIN), _allowed_drops(self.check))
-        found, said = list(self.findings), verdict(self.check)
-        return casting_sheet(
-            self.design, self.closed, found, said, _passed(self.check, self.findings, strict=False), measures
-        )
-
-    @cached_property
-    def drawn(self) -> str:
-        """The drawing, SVG."""
-        from skincad.pictures.drawing import drawing
-
-        return drawing(self.design, self.closed)
-
 
 @dataclass(frozen=True, repr=False)
 class MakeResult(Result):
@@ -133,7 +112,7 @@ class MakeResult(Result):
     @property
     def passed(self) -> bool:
         """Whether all ridges touch, and no finding is an error, nor with `strict` a warning."""
-        return _passed(self.check, self.findings, self.strict)
+        return passes(self.check, self.findings, self.strict)
 
     def built(self) -> Job:
         """Return the solids and meshes; raises RefusedError for a copy."""
@@ -172,7 +151,8 @@ def make(design: Design, *, strict: bool = False, progress: Progress | None = No
     return MakeResult(design.name, strict, *found)
 
 
-def _passed(check: ContactCheck, findings: tuple[Finding, ...], strict: bool) -> bool:
+def passes(check: ContactCheck, findings: tuple[Finding, ...], strict: bool) -> bool:
+    """Return whether all ridges touch, and no finding is an error, nor with `strict` a warning."""
     bad = {"error", "warning"} if strict else {"error"}
     return check.passed and not any(finding.severity in bad for finding in findings)
 
@@ -181,8 +161,7 @@ def _import_everything() -> None:
     """Import before the clock starts: `seconds` is the work, not the libraries' loading."""
     import skincad.solids.occ  # isort: skip  # names the system libraries that miss, so it comes first
     import skincad.fabrication.measures
-    import skincad.mechanics.tiers.linear
-    import skincad.pictures.design_picture  # noqa: F401
+    import skincad.mechanics.tiers.linear  # noqa: F401
 
 
 def _build(design: Design, closed: ClosedMold, watch: Stopwatch) -> tuple[Job, list[PartReport]]:
@@ -236,11 +215,3 @@ def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> Pa
         deviation=seen.deviation,
         asked_deviation=asked,
     )
-
-
-def _allowed_drops(check: ContactCheck) -> tuple[float, ...]:
-    """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
-    made, margin = check.manufacture, check.margin
-    if made is None or margin is None or not check.passed:
-        return ()
-    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)

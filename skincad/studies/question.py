@@ -1,0 +1,146 @@
+"""What a study asks of each of its designs, and one answer."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from time import perf_counter
+from typing import Any, Literal
+
+from skincad.base.errors import ExhaustedError, InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.version import __version__
+from skincad.inputs.design import Design
+from skincad.mechanics.tiers.table import tier_of
+from skincad.mechanics.touching import check, require_force
+from skincad.scenes.scene import Scene
+from skincad.studies.measures import measures
+from skincad.studies.subject import Subject, Value, changed, fingerprint
+
+Kind = Literal["check", "make", "simulate", "circuit"]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: a check at `force` N (the design's own if None) by a tier, its mesh to `tol`; a make,
+    with that check; a scene's simulation to `tol`; or a circuit's gain."""
+
+    kind: Kind
+    tier: str | None = None
+    tol: float | None = None
+    force: float | None = None
+
+    def key(self, subject: Subject) -> str:
+        """Return what tells this question of this subject from any other."""
+        text = json.dumps([fingerprint(subject), asdict(self)], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a question's result said, or why it was refused; `seconds` of wall time, `when` it began (UTC).
+
+    `results` holds every number of the result's JSON by its key (`measures.py`). What lies beyond the range
+    of its model is refused too, with its numbers.
+    """
+
+    key: str
+    values: Mapping[str, Value]
+    results: Mapping[str, Estimate] = field(default_factory=dict)
+    passed: bool | None = None
+    refused: str = ""
+    tier: str = ""
+    seconds: float = 0.0
+    when: str = ""
+    version: str = __version__
+
+
+def question_of(
+    subject: Subject, *, tier: str | None = None, tol: float | None = None, force: float | None = None
+) -> Question:
+    """Return what is asked of a subject: a design's check, a scene's simulation, a circuit's gain.
+
+    Raises InputError for a tier or force that there is none of, or where there is none.
+    """
+    if isinstance(subject, Design):
+        if force is not None:
+            require_force(force)
+        if tier not in (None, "auto"):
+            tier_of(tier)
+        return Question("check", tier, tol, force)
+    for name, given in (("tier", tier), ("force", force)):
+        if given is not None:
+            what = "a scene" if isinstance(subject, Scene) else "a circuit"
+            raise InputError(name, f"is for a design, and {subject.name} is {what}", given, "leave it out")
+    return Question("simulate", tol=tol) if isinstance(subject, Scene) else Question("circuit")
+
+
+def answer(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:
+    """Return the answer for a subject with these values, which its own rules may refuse, or the model."""
+    began, when = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
+    key, told, refused = "", dict[str, Any](), ""
+    try:
+        one = changed(subject, values)
+        key = question.key(one)
+        told = _ASKED[question.kind](one, question).as_json()
+    except ExhaustedError:
+        raise  # says nothing of the design
+    except (InputError, RefusedError) as failure:
+        refused = str(failure)
+    return Evaluation(
+        key or _unmade(subject, values, question),
+        dict(values),
+        measures(told),
+        told.get("passed"),
+        refused or told.get("beyond_range") or "",
+        told.get("tier", ""),
+        perf_counter() - began,
+        when,
+    )
+
+
+def key_of(subject: Subject, values: Mapping[str, Value], question: Question) -> str:
+    """Return the key of what `answer` would answer, without asking."""
+    try:
+        return question.key(changed(subject, values))
+    except InputError:
+        return _unmade(subject, values, question)
+
+
+def _unmade(subject: Subject, values: Mapping[str, Value], question: Question) -> str:
+    """The key of a design that its own rules refuse: the start's, and what was changed."""
+    text = json.dumps([question.key(subject), sorted(values.items())])
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _check(subject: Any, question: Question) -> Any:
+    return check(subject, force=question.force, tier=question.tier or "auto", tol=question.tol)
+
+
+def _make(subject: Any, _: Question) -> Any:
+    from skincad.fabrication.making import make
+
+    return make(subject)
+
+
+def _simulate(subject: Any, question: Question) -> Any:
+    from skincad.scenes.simulation import simulate
+
+    return simulate(subject, tol=question.tol)
+
+
+def _gain(subject: Any, _: Question) -> Any:
+    from skincad.circuit.bode import gain
+
+    return gain(subject)
+
+
+_ASKED: dict[str, Callable[[Any, Question], Any]] = {
+    "check": _check,
+    "make": _make,
+    "simulate": _simulate,
+    "circuit": _gain,
+}

@@ -1,0 +1,253 @@
+"""All values of one number at which a costly function has a wanted value, in few evaluations.
+
+A guide, a cheap function of about the same shape, is scanned finely; the costly one is asked only for what it
+is times the guide, which varies slowly. Without a guide the function itself is interpolated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from skincad.base.arrays import Array
+
+Function = Callable[[float], float | None]  # None where there is no value
+FIRST = 5  # evaluations spread over the range before any is chosen, without a guide
+UNSURE = 1.5  # by which factor a guide may be off where nothing was evaluated
+SCAN = 400  # intervals of the range in which crossings are looked for
+CLOSE = 1e-5  # of the range: two ends of a crossing nearer than this are a jump
+SMALL = 1e-4  # of the largest value; a smaller one is as good as 0
+NEAR = 0.15  # of the function's spread: an extremum this near the wanted value is looked at
+EDGE = 1e-3  # of a bracket: nearer to its end nothing new is learnt
+EDGES = 4  # halvings towards the end of where there are values, at each such end
+
+
+@dataclass
+class Search:
+    """What is known of a function on [0, 1]: where it was evaluated, and what the crossings are.
+
+    `roots` are arguments at which it is within tolerance, `jumps` where it passes the wanted value without
+    taking it, `exact` whether nothing is left to look at (else the evaluations were used up); `model` is the
+    function at even steps of [0, 1] by what is known, NaN where nothing is.
+    """
+
+    seen: dict[float, float | None] = field(default_factory=dict)
+    roots: list[float] = field(default_factory=list)
+    jumps: list[float] = field(default_factory=list)
+    exact: bool = False
+    model: Array = field(default_factory=lambda: np.zeros(0))
+
+    def within(self, root: float, error: float) -> tuple[float, float]:
+        """Return the ends of the stretch around a root in which the model is within `error` of it there."""
+        grid: Array = np.linspace(0.0, 1.0, len(self.model))
+        off = np.abs(self.model - np.interp(root, grid, self.model)) - error
+        ends = _crossings(grid, np.nan_to_num(off, nan=1e300))
+        below, above = [x for x in ends if x < root], [x for x in ends if x > root]
+        return max(below, default=0.0), min(above, default=1.0)
+
+    @property
+    def points(self) -> tuple[Array, Array]:
+        """Arguments with a value, rising, and their values."""
+        known = sorted((x, y) for x, y in self.seen.items() if y is not None)
+        return np.array([x for x, _ in known]), np.array([y for _, y in known])
+
+
+def search(
+    function: Function,
+    wanted: float,
+    tol: float,
+    most: int,
+    guide: Function | None = None,
+    first: float = 0.5,
+) -> Search:
+    """Return where a function on [0, 1] is within `tol` of `wanted`, in at most `most` evaluations.
+
+    All crossings are found that its values at FIRST points tell of, and pairs of them at an extremum that
+    lies near the wanted value. With a guide those that the guide's shape tells of, from one value at `first`.
+    """
+    found = Search()
+    grid: Array = np.linspace(0.0, 1.0, SCAN + 1)
+    scanned = _scanned(guide, grid)
+
+    def ask(x: float) -> None:
+        if x not in found.seen and len(found.seen) < most:
+            found.seen[x] = function(x)
+
+    ask(first)
+    if scanned is None:
+        for x in np.linspace(0.0, 1.0, FIRST):
+            ask(float(x))
+    if not any(y is not None for y in found.seen.values()):
+        for x in np.linspace(0.0, 1.0, 2 * FIRST - 1):
+            ask(float(x))
+    while len(found.seen) < most:
+        following = _next(found, wanted, tol, grid, scanned)
+        if following is None or following in found.seen:
+            found.exact = True
+            break
+        ask(following)
+    _settle(found, wanted, tol, lambda at: _ratio(found, grid, scanned, np.array([at]))[0])
+    found.model = _ratio(found, grid, scanned, grid)
+    return found
+
+
+def _scanned(guide: Function | None, grid: Array) -> Array | None:
+    """A guide's values on the grid; None where it has too few, or they are not all above 0."""
+    if guide is None:
+        return None
+    values = np.array([np.nan if (y := guide(float(x))) is None else y for x in grid], dtype=float)
+    known = np.isfinite(values)
+    if known.sum() < len(grid) / 2 or np.any(values[known] <= 0):
+        return None
+    filled: Array = np.interp(grid, grid[known], values[known])
+    return filled
+
+
+def _ratio(found: Search, grid: Array, scanned: Array | None, at: Array) -> Array:
+    """The function by what is known of it: interpolated, or as the guide times what is interpolated, which
+    beyond the known places stays as it is at the last of them. NaN where nothing is known."""
+    x, y = found.points
+    if len(x) < (2 if scanned is None else 1):
+        return np.full(len(at), np.nan)
+    if scanned is None:
+        return _interpolated(x, y, at)
+    known = y / np.interp(x, grid, scanned)
+    ratio = _interpolated(x, known, np.clip(at, x[0], x[-1])) if len(x) > 1 else known[0]
+    return np.asarray(ratio * np.interp(at, grid, scanned))
+
+
+def _interpolated(x: Array, y: Array, at: Array) -> Array:
+    """Monotone cubics through points, of the logarithm where all are clearly above 0: powers are lines then,
+    or nearly."""
+    if y.min() > SMALL * y.max():
+        return np.asarray(np.exp(PchipInterpolator(x, np.log(y), extrapolate=False)(at)))
+    return np.asarray(PchipInterpolator(x, y, extrapolate=False)(at))
+
+
+def _next(found: Search, wanted: float, tol: float, grid: Array, scanned: Array | None) -> float | None:
+    """Where to look next: at a crossing, at an end of where there are values, at an extremum near it."""
+    x, y = found.points
+    for left, right in _brackets(x, y, wanted, tol):
+        return _inside(found, x[left], x[right], wanted, grid, scanned)
+    off = _ratio(found, grid, scanned, grid) - wanted
+    roots = x[np.abs(y - wanted) <= tol]
+    for crossing in _unexplained(_crossings(grid, off), roots):
+        if _far(found, crossing, CLOSE):
+            return crossing
+    if scanned is not None and (end := _end(found, off + wanted, wanted)) is not None:
+        return end
+    if not len(roots) and not np.isnan(off).all():
+        nearest = float(grid[np.nanargmin(np.abs(off))])
+        if _far(found, nearest, 1.0 / SCAN):
+            return nearest
+    edge = _edge(found)
+    return edge if edge is not None else _extremum(found, wanted, tol)
+
+
+def _crossings(grid: Array, off: Array) -> list[float]:
+    """Where a function passes 0, its values on the grid as lines."""
+    turned = np.flatnonzero(off[:-1] * off[1:] < 0)  # NaN passes nothing
+    return [
+        float(grid[i] + off[i] / (off[i] - off[i + 1]) * (grid[i + 1] - grid[i])) for i in turned.tolist()
+    ]
+
+
+def _end(found: Search, model: Array, wanted: float) -> float | None:
+    """An end of the range that was not looked at, where a guide that is off by UNSURE there would have other
+    crossings."""
+    grid: Array = np.linspace(0.0, 1.0, len(model))
+    here = len(_crossings(grid, model - wanted))
+    if all(len(_crossings(grid, factor * model - wanted)) == here for factor in (UNSURE, 1 / UNSURE)):
+        return None
+    ends = [end for end in (0.0, 1.0) if end not in found.seen]
+    return min(ends, key=lambda end: abs(model[0 if end == 0 else -1] - wanted), default=None)
+
+
+def _brackets(x: Array, y: Array, wanted: float, tol: float) -> list[tuple[int, int]]:
+    """Neighbours on both sides of the wanted value, neither of which is within tolerance, nor too close."""
+    off = y - wanted
+    return [
+        (i, i + 1)
+        for i in range(len(x) - 1)
+        if off[i] * off[i + 1] < 0 and min(abs(off[i]), abs(off[i + 1])) > tol and x[i + 1] - x[i] > CLOSE
+    ]
+
+
+def _inside(
+    found: Search, low: float, high: float, wanted: float, grid: Array, scanned: Array | None
+) -> float:
+    """A point of a bracket: at the model's crossing there, or half-way where that has gained little."""
+    fine: Array = np.linspace(low, high, 257)
+    crossings = _crossings(fine, _ratio(found, grid, scanned, fine) - wanted)
+    wide, middle = high - low, (low + high) / 2
+    point = crossings[0] if crossings else middle
+    if min(point - low, high - point) >= EDGE * wide:
+        return point
+    near = [each for each in found.seen if low - EDGE * wide * 100 <= each <= high + EDGE * wide * 100]
+    if len(near) > 2:  # one end was there already: the model does not see what turns between
+        return middle
+    return min(max(point, low + EDGE * wide), high - EDGE * wide)
+
+
+def _edge(found: Search) -> float | None:
+    """The middle between a point with a value and one without, if not halved often enough."""
+    seen = sorted(found.seen.items())
+    for (a, at_a), (b, at_b) in pairwise(seen):
+        if (at_a is None) != (at_b is None) and b - a > 2.0**-EDGES / (FIRST - 1):
+            return (a + b) / 2
+    return None
+
+
+def _extremum(found: Search, wanted: float, tol: float) -> float | None:
+    """Where a parabola through three neighbours turns towards the wanted value, and comes near it."""
+    x, y = found.points
+    spread = float(np.ptp(y)) if len(y) else 0.0
+    for i in range(1, len(x) - 1):
+        off = y[i - 1 : i + 2] - wanted
+        if off[0] * off[2] <= 0 or off[1] * off[0] < -tol * abs(off[0]):
+            continue  # a crossing, which is looked for as one
+        if abs(off[1]) > min(abs(off[0]), abs(off[2])):
+            continue
+        a, b, _ = np.polyfit(x[i - 1 : i + 2] - x[i], off, 2)
+        turn = float(x[i] - b / (2 * a)) if a else float(x[i])
+        lowest = abs(off[1] - b * b / (4 * a)) if a else abs(off[1])
+        crosses = a and (off[1] - b * b / (4 * a)) * off[1] < 0
+        if (crosses or lowest < NEAR * spread) and x[i - 1] < turn < x[i + 1] and _far(found, turn, 0.01):
+            return turn
+    return None
+
+
+def _far(found: Search, point: float, least: float) -> bool:
+    return all(abs(point - each) > least for each in found.seen)
+
+
+def _unexplained(crossings: list[float], roots: Array) -> list[float]:
+    """The crossings of a model without, for each known root, the one that is nearest to it."""
+    left = list(crossings)
+    for root in roots:
+        if left:
+            left.remove(min(left, key=lambda each: abs(each - root)))
+    return left
+
+
+def _settle(found: Search, wanted: float, tol: float, model: Callable[[float], float]) -> None:
+    """Tell roots, one of neighbours between which the model is within tolerance too, and jumps."""
+    x, y = found.points
+    off = y - wanted
+    groups: list[list[int]] = []
+    for i in np.flatnonzero(np.abs(off) <= tol).tolist():
+        beside = groups and i == groups[-1][-1] + 1
+        if beside and abs(model((x[i - 1] + x[i]) / 2) - wanted) <= tol:
+            groups[-1].append(i)
+        else:
+            groups.append([i])
+    found.roots = [float(x[min(group, key=lambda i: abs(off[i]))]) for group in groups]
+    found.jumps = [
+        float((x[i] + x[i + 1]) / 2)
+        for i in range(len(x) - 1)
+        if off[i] * off[i + 1] < 0 and min(abs(off[i]), abs(off[i + 1])) > tol and x[i + 1] - x[i] <= CLOSE
+    ]

@@ -1,0 +1,211 @@
+"""Solve: which values of some keys give a result that is wanted."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from skincad.base.arguments import require_number
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.base.stopwatch import Progress
+from skincad.mechanics.tiers.table import able
+from skincad.studies.asking import Asking, scaled, short
+from skincad.studies.knobs import Knob, Told, knobs, nearest_silicone
+from skincad.studies.least_change import least_change
+from skincad.studies.measures import slack
+from skincad.studies.question import Evaluation, question_of
+from skincad.studies.roots import Search, search
+from skincad.studies.solution import Solution, Solved
+from skincad.studies.subject import Subject, Value
+
+TOL = 5e-3  # of the wanted value; what a mesh's error is by default
+ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
+MOST_CHOICES = 256  # combinations of choices, each solved by itself
+TIERS = ("corrected", "linear", "winkler")  # the first that takes the design: one for all its evaluations
+Values = dict[str, Value]
+
+
+def solve(
+    subject: Subject,
+    target: Mapping[str, float],
+    vary: Mapping[str, Told],
+    *,
+    tier: str | None = None,
+    tol: float = TOL,
+    force: float | None = None,
+    evaluations: int | None = None,
+    progress: Progress | None = None,
+) -> Solution:
+    """Return the values of the `vary` keys for which a result's numbers are the `target`, by its JSON keys.
+
+    `subject` is a design (its check is asked), a scene (its simulation) or a circuit (its gain); keys of
+    `vary` have dots, as `skin.curvature_radius`, and a range (low, high), a list of choices or "all". One
+    number: all values in its range. Several: those with the least change from the start, as parts of their
+    ranges. Choices are tried one by one. Every check is by one `tier`, the best for small strains if None:
+    the numbers of two models differ by more than `tol`, which is relative to what is wanted. Raises
+    InputError for keys, ranges and tolerances that can't be used.
+    """
+    began = perf_counter()
+    require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
+    if evaluations is not None:
+        require_number("evaluations", evaluations, lambda value: value >= 1, "must be at least 1")
+    if not target:
+        raise InputError("target", "names no number", remedy="as in all_touch_force=3")
+    for key, wanted in target.items():
+        require_number(f"target {key}", wanted, lambda _: True, "must be finite")
+    varied = knobs(subject, vary)
+    stepped = [knob for knob in varied if knob.choices or knob.whole]
+    smooth = tuple(knob for knob in varied if knob not in stepped)
+    if smooth and len(target) > len(smooth):
+        raise InputError("target", "has more numbers than are varied", len(target), "vary more, or wish less")
+    lists = [knob.values() for knob in stepped]
+    if math.prod(map(len, lists)) > MOST_CHOICES:
+        raise InputError(
+            "vary", f"must have at most {MOST_CHOICES} combinations of choices", remedy="vary less"
+        )
+    asked = question_of(subject, tier=tier, force=force)
+    if asked.kind == "check" and tier is None:
+        asked = replace(asked, tier=next(name for name in TIERS if not able(name, subject, False)))  # type: ignore[arg-type]
+    asking = Asking(subject, asked, target, progress)
+    if asking.guided:
+        asking.guide({})  # names the wishes, or refuses them, before anything costs time
+    notes: list[str] = []
+    most = evaluations or (ONE if len(smooth) == 1 else SEVERAL)
+    solved: list[Solved] = []
+    for combination in itertools.product(*lists):
+        fixed = {knob.key: value for knob, value in zip(stepped, combination, strict=True)}
+        if not smooth:
+            solved += _chosen(asking, fixed, tol)
+        elif len(smooth) == 1:
+            solved += _crossings(asking, fixed, smooth[0], tol, most, notes)
+        else:
+            solved += _least_changed(asking, fixed, smooth, tol, most, notes)
+    return _told(asking, varied, solved, notes, perf_counter() - began)
+
+
+def _told(
+    asking: Asking, varied: tuple[Knob, ...], solved: list[Solved], notes: list[str], seconds: float
+) -> Solution:
+    evaluations = tuple(asking.evaluations.values())
+    refused = [each.refused for each in evaluations if each.refused]
+    if refused and len(refused) == len(evaluations):
+        notes = [*notes, f"every value is refused, the first since {refused[0]}"]
+    closest = min(evaluations, key=asking.off, default=None)
+    near = None
+    if closest is not None and not solved and asking.off(closest) < math.inf:
+        near = _solved(asking, closest, {})
+    return Solution(
+        asking.subject,
+        asking.question,
+        asking.target or dict(asking.wished),
+        varied,
+        tuple(sorted(solved, key=lambda each: _change(varied, each.values))),
+        near,
+        evaluations,
+        tuple(dict.fromkeys(notes)),
+        seconds,
+    )
+
+
+def _change(varied: tuple[Knob, ...], values: Mapping[str, Value]) -> float:
+    """How far values are from the start's, in parts of their ranges; another choice is one whole range."""
+    total = 0.0
+    for knob in varied:
+        value = values[knob.key]
+        if knob.choices or isinstance(value, str) or not isinstance(knob.start, int | float):
+            total += value != knob.start
+        else:
+            total += (knob.share(value) - knob.share(min(max(knob.start, knob.low), knob.high))) ** 2
+    return math.sqrt(total)
+
+
+def _solved(asking: Asking, found: Evaluation, interval: Mapping[str, tuple[float, float]]) -> Solved:
+    values = found.values
+    near = {key: nearest_silicone(asking.subject, key, value) for key, value in values.items()}
+    named = {key.replace("young_modulus", "name"): name for key, name in near.items() if name}
+    named |= {key: value for key, value in values.items() if isinstance(value, str)}
+    reached = {key: found.results[key] for key in asking.target}
+    return Solved(dict(values), reached, interval, named, found.passed)
+
+
+def _chosen(asking: Asking, fixed: Values, tol: float) -> Iterator[Solved]:
+    """What choices alone give: a solution where the wish lies within the result's error."""
+    found = asking.ask(fixed)
+    told = asking.told(found)
+    if told is not None and all(
+        abs(x - y) <= max(tol * abs(y), slack(found.results[key]))
+        for x, (key, y) in zip(told, asking.target.items(), strict=True)
+    ):
+        yield _solved(asking, found, {})
+
+
+def _crossings(
+    asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str]
+) -> Iterator[Solved]:
+    """All values of one number."""
+
+    def values(share: float) -> Values:
+        return {**fixed, knob.key: knob.at(share)}
+
+    def first(told: Callable[[Values], list[float] | None]) -> Callable[[float], float | None]:
+        def function(share: float) -> float | None:
+            found = told(values(share))
+            return None if found is None else found[0]
+
+        return function
+
+    function, guide = first(lambda each: asking.told(asking.ask(each))), first(asking.guide)
+    (wanted,) = asking.wished.values()
+    allowed = tol * (abs(wanted) or 1.0)
+    found = search(function, wanted, allowed, most, guide if asking.guided else None, _start(knob))
+    if not found.exact:
+        notes.append(f"the search ended after {most} evaluations and may have missed some: --evaluations")
+    notes += [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in found.jumps]
+    for share in found.roots:
+        answer = asking.ask(values(share))
+        yield _solved(asking, answer, _interval(asking, knob, share, found, answer))
+
+
+def _interval(
+    asking: Asking, knob: Knob, share: float, found: Search, answer: Evaluation
+) -> dict[str, tuple[float, float]]:
+    """Which values the result's error leaves open, cut at the range's ends."""
+    error = answer.results[next(iter(asking.target))].error
+    if error is None:
+        return {}
+    low, high = found.within(share, error)
+    return {knob.key: (float(knob.at(low)), float(knob.at(high)))}
+
+
+def _least_changed(
+    asking: Asking, fixed: Values, smooth: tuple[Knob, ...], tol: float, most: int, notes: list[str]
+) -> Iterator[Solved]:
+    """The least change of several numbers."""
+    wanted = np.array(list(asking.wished.values()), dtype=float)
+
+    def values(place: Array) -> Values:
+        return {**fixed, **{knob.key: knob.at(float(x)) for knob, x in zip(smooth, place, strict=True)}}
+
+    def function(place: Array) -> Array | None:
+        told = asking.told(asking.ask(values(place)))
+        return None if told is None else scaled(np.array(told), wanted)
+
+    tols = np.where(wanted > 0, tol, tol * np.where(wanted == 0, 1.0, np.abs(wanted)))
+    path = least_change(function, np.array([_start(k) for k in smooth]), scaled(wanted, wanted), tols, most)
+    if path.best is not None:
+        yield _solved(asking, asking.ask(values(path.best)), {})
+    elif len(path.seen) >= most:
+        notes.append(f"the search ended after {most} evaluations: --evaluations allows more")
+
+
+def _start(knob: Knob) -> float:
+    """The share of the range at which the design's own value lies, or the nearest end; else the middle."""
+    known: Any = knob.start
+    return knob.share(min(max(known, knob.low), knob.high)) if isinstance(known, int | float) else 0.5

@@ -1,0 +1,185 @@
+"""What a study varies: a design, a scene or a circuit, seen as one set of keys with dots."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from skincad.base.errors import InputError, did_you_mean
+from skincad.base.reading import text_of
+from skincad.base.tables import Ranged, table_of
+from skincad.base.version import __version__
+from skincad.circuit.model import Circuit, load_circuit
+from skincad.effects import effect
+from skincad.inputs.catalog import LARGEST_FILE, Own, kind_of, load_design, overridden
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.scenes.scene import Scene, load_scene
+
+Subject = Design | Scene | Circuit
+Value = float | int | str
+SKIN = "skin."  # before a design's keys in a scene
+
+
+def load_subject(
+    source: str | Path,
+    settings: list[str] | tuple[str, ...] = (),
+    *,
+    printer: Own | None = None,
+    silicones: Own | None = None,
+) -> Subject:
+    """Return the design, scene or circuit of a template's name or of a TOML file.
+
+    A name that several kinds have is the design's, then the scene's. Raises InputError as their own loaders
+    do.
+    """
+    kind = kind_of(source)
+    if kind == "designs":
+        return load_design(source, settings, printer=printer, silicones=silicones)
+    if printer is not None:
+        raise InputError("printer", "is for a design", str(printer), "leave it out")
+    if kind == "scenes":
+        return load_scene(source, settings, silicones=silicones)
+    if silicones is not None:
+        raise InputError("silicones", "are for a design or a scene", str(silicones), "leave them out")
+    return load_circuit(source, settings)
+
+
+def changed(subject: Subject, values: Mapping[str, Value]) -> Subject:
+    """Return a copy with these keys' values, checked anew; raises InputError for the rules that they break.
+
+    A key is its tables' names and its own, joined by dots; a number at its end counts a list's entries from
+    1, as ridges count. In a scene, `skin.` stands before a design's own.
+    """
+    if isinstance(subject, Scene):
+        inner = {key.removeprefix(SKIN): value for key, value in values.items() if key.startswith(SKIN)}
+        outer = {key: value for key, value in values.items() if not key.startswith(SKIN)}
+        try:
+            skin = changed(subject.design, inner) if inner else subject.skin
+        except InputError as failure:
+            raise failure.under("skin") from None
+        tables = {**_tables(subject), "skin": skin}
+        return Scene(**{**overridden(tables, _settings(tables, outer)), "skin": skin})
+    tables = _tables(subject)
+    if isinstance(subject, Design):
+        values = {key: _spread(subject, key, value) for key, value in values.items()}
+    return type(subject)(**overridden(tables, _settings(tables, values)))
+
+
+def _tables(subject: Subject) -> dict[str, Any]:
+    return subject.model_dump(exclude_none=True, exclude={"skin"} if isinstance(subject, Scene) else None)
+
+
+def _settings(tables: Mapping[str, Any], values: Mapping[str, Any]) -> list[str]:
+    """The values as `key=value` with a TOML value; entries of a list as the list with them."""
+    lists: dict[str, list[Any]] = {}
+    texts = []
+    for key, value in values.items():
+        table, _, last = key.rpartition(".")
+        inside = lists.get(table) or (_at(tables, table) if last.isdigit() else None)
+        if isinstance(inside, list | tuple) and 1 <= int(last) <= len(inside):
+            lists[table] = [value if n == int(last) else each for n, each in enumerate(inside, 1)]
+        else:
+            texts.append(f"{key}={_toml(value)}")
+    return texts + [f"{key}={_toml(value)}" for key, value in lists.items()]
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+    return json.dumps(value)
+
+
+def _at(tables: Any, key: str) -> Any:
+    for part in key.split("."):
+        tables = tables.get(part) if isinstance(tables, Mapping) else None
+    return tables
+
+
+def _spread(design: Design, key: str, value: Value) -> Any:
+    """A modulus with the range that the design's silicone has, as a part of it: what is cast varies still."""
+    if key != "material.young_modulus" or isinstance(value, str):
+        return value
+    known = silicone(design).young_modulus
+    ends = {"low": known.low, "high": known.high}
+    return {"value": value, **{end: each * value / known.value for end, each in ends.items()}}
+
+
+def value_of(subject: Subject, key: str) -> Value | None:
+    """Return what a key is now; None where it is not given and has no default."""
+    if isinstance(subject, Scene) and key.startswith(SKIN):
+        return value_of(subject.design, key.removeprefix(SKIN))
+    if key == "material.young_modulus" and isinstance(subject, Design):
+        return silicone(subject).young_modulus.value
+    table, _, last = key.rpartition(".")
+    tables = _tables(subject)
+    inside = _at(tables, table) if last.isdigit() else None
+    found = inside[int(last) - 1] if isinstance(inside, list | tuple) and inside else _at(tables, key)
+    return found if isinstance(found, int | float | str) else None
+
+
+def field_of(subject: Subject, key: str) -> FieldInfo:
+    """Return the field of a key; raises InputError, with the nearest name, for one that there is not."""
+    if isinstance(subject, Scene) and key.startswith(SKIN):
+        try:
+            return field_of(subject.design, key.removeprefix(SKIN))
+        except InputError as failure:
+            raise failure.under("skin") from None
+    parts = [part for part in key.split(".") if part] or [key]
+    model: type[BaseModel] = type(subject)
+    field: FieldInfo | None = None
+    inner: type[BaseModel] | None = None
+    named = False  # whether the next part is a name of one's own, as of a process
+    for number, part in enumerate(parts):
+        if isinstance(subject, Scene) and number == 1 and parts[0] == "effects":
+            model = effect(part)
+            continue
+        if named:
+            named = False
+            continue
+        if field is not None and part.isdigit() and number == len(parts) - 1:
+            return field
+        if part not in model.model_fields:
+            raise InputError(key, "unknown key", remedy=did_you_mean(part, model.model_fields))
+        field, inner = model.model_fields[part], table_of(model, part)
+        if inner is not None and inner is not Ranged:
+            named = "dict[" in str(field.annotation)
+            model = inner
+    if inner is not None and inner is not Ranged:
+        raise InputError(key, "is a table, not a number", remedy=did_you_mean("", inner.model_fields))
+    assert field is not None  # a key has one part at least
+    return field
+
+
+def kinds(field: FieldInfo) -> Iterator[Any]:
+    """Yield every type, and every choice, in a field's annotation."""
+    left = [field.annotation]
+    while left:
+        each = left.pop()
+        left += get_args(each)
+        yield each
+
+
+def fingerprint(subject: Subject) -> str:
+    """Return what tells a subject from all that would answer otherwise: a hash of its keys and its files',
+    and of skincad's version. Its name is no part of it."""
+    data = subject.model_dump(mode="json", exclude_none=True, exclude={"name"})
+    if isinstance(subject, Scene):
+        data["skin"] = subject.design.model_dump(mode="json", exclude_none=True, exclude={"name"})
+    text = json.dumps([__version__, type(subject).__name__, data, sorted(_files(data))], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _files(data: Any) -> Iterator[str]:
+    """What stands in the files that a subject names."""
+    if isinstance(data, dict | list):
+        for each in data.values() if isinstance(data, dict) else data:
+            yield from _files(each)
+    elif isinstance(data, str) and data.endswith(".toml"):
+        yield text_of(Path(data), data, LARGEST_FILE, "TOML")

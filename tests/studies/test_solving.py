@@ -1,0 +1,152 @@
+"""What solving finds, by models whose evaluations take no time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import skincad
+from skincad.base.errors import InputError, RefusedError
+from skincad.studies.solution import Solution
+from skincad.studies.solving import TOL, solve
+
+DESIGN = skincad.load_design("yamada-2002")
+CIRCUIT = skincad.load_circuit("transimpedance")
+
+
+def quick(target: dict[str, float], vary: dict[str, Any], **options: Any) -> Solution:
+    return solve(DESIGN, target, vary, tier="winkler", **options)
+
+
+def test_a_value_gives_what_was_wanted_when_it_is_asked_anew() -> None:
+    found = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
+    (one,) = found.solutions
+    again = skincad.check(
+        DESIGN.with_(skin={"curvature_radius": one.values["skin.curvature_radius"]}), tier="winkler"
+    )
+    assert again.all_touch_force == one.reached["all_touch_force_N"]
+    assert again.all_touch_force.value == pytest.approx(1.5, rel=TOL)
+    assert found.solved == DESIGN.with_(
+        skin=dict(DESIGN.skin) | {"curvature_radius": one.values["skin.curvature_radius"]}
+    )
+    assert found.feasible
+
+
+def test_the_interval_is_where_the_error_leaves_it_open() -> None:
+    found = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
+    (one,) = found.solutions
+    low, high = one.interval["skin.curvature_radius"]
+    assert 20 <= low < float(one.values["skin.curvature_radius"]) < high <= 200
+    error = one.reached["all_touch_force_N"].error or 0.0
+    ends = [
+        skincad.check(DESIGN.with_(skin={"curvature_radius": end}), tier="winkler").all_touch_force.value
+        or 0.0
+        for end in (low, high)
+        if end not in (20, 200)
+    ]
+    assert ends
+    for end in ends:  # by the cubics through a few evaluations
+        assert abs(end - 1.5) == pytest.approx(error, rel=0.05)
+
+
+def test_several_numbers_change_least() -> None:
+    vary = {
+        "skin.curvature_radius": (20, 200),
+        "material.young_modulus": (0.1, 2.0),
+        "skin.thickness": (2, 8),
+    }
+    found = quick({"all_touch_force": 1.5}, vary)
+    (one,) = found.solutions
+    assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
+    assert all(
+        one.values[key] != start for key, start in (("skin.curvature_radius", 60), ("skin.thickness", 4))
+    )
+    assert one.nearest["material.name"]
+    two = quick({"all_touch_force": 1.5, "approach": 0.15}, vary)
+    (both,) = two.solutions
+    assert both.reached["approach_mm"].value == pytest.approx(0.15, rel=TOL)
+    assert both.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
+
+
+def test_choices_and_whole_numbers_are_tried_one_by_one() -> None:
+    found = quick({"all_touch_force": 2.2}, {"material.name": "all"})
+    assert len(found.evaluations) == 10
+    assert found.solutions[0].values == {"material.name": "dragon-skin-30"}  # the design's own, 2.2 N
+    counted = quick({"ridges": 7}, {"ridge.count": (5, 9)})
+    assert [one.values for one in counted.solutions] == [{"ridge.count": 7}]
+
+
+def test_a_number_is_solved_for_each_choice() -> None:
+    vary = {"material.name": "dragon-skin-20,dragon-skin-30", "skin.curvature_radius": (20, 200)}
+    found = quick({"all_touch_force": 1.5}, vary)
+    names = [one.values["material.name"] for one in found.solutions]
+    assert names == ["dragon-skin-30", "dragon-skin-20"]  # the design's own first: the least change
+    for one in found.solutions:
+        assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
+
+
+def test_out_of_reach_says_how_near_any_value_comes() -> None:
+    found = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)})
+    assert not found.feasible
+    assert found.closest is not None
+    assert found.closest.values == {"skin.curvature_radius": 200.0}
+    assert "at least" in str(found)
+    assert "200 mm" in str(found)
+    with pytest.raises(RefusedError):
+        _ = found.solved
+    above = quick({"all_touch_force": 100.0}, {"skin.curvature_radius": (20, 200)})
+    assert "at most" in str(above)
+
+
+def test_values_that_are_refused_everywhere_are_told_with_the_reason() -> None:
+    found = quick({"all_touch_force": 2.0}, {"skin.width": (1.0, 2.0)})
+    assert not found.feasible
+    assert found.closest is None
+    assert "every value is refused" in str(found)
+    assert "skin.width" in str(found)
+
+
+def test_circuits_and_scenes_are_solved_too() -> None:
+    found = solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.feedback_resistance": (1e7, 1e9)})
+    told = f"{found}"
+    assert found.question.kind == "circuit"
+    assert found.feasible or "no amplifier.feedback_resistance" in told
+
+
+def test_json_has_the_contracts_keys() -> None:
+    data = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)}).as_json()
+    assert {"name", "target", "vary", "solutions", "evaluations", "feasible", "seconds"} <= data.keys()
+    assert data["target"] == {"all_touch_force_N": 1.5}
+    assert data["vary"] == {"skin.curvature_radius": [20, 200]}
+    assert {"values", "reached", "nearest"} <= data["solutions"][0].keys()
+
+
+@pytest.mark.parametrize(
+    ("target", "vary", "options", "says"),
+    [
+        ({}, {"skin.length": (8, 12)}, {}, "names no number"),
+        ({"all_touch_force": 1.0}, {}, {}, "names no key"),
+        ({"all_touch_forc": 1.0}, {"skin.length": (8, 12)}, {}, "did you mean 'all_touch_force'"),
+        ({"all_touch_force": float("nan")}, {"skin.length": (8, 12)}, {}, "must be finite"),
+        (
+            {"all_touch_force": 1.0, "approach": 1.0},
+            {"skin.length": (8, 12)},
+            {},
+            "more numbers than are varied",
+        ),
+        ({"all_touch_force": 1.0}, {"skin.length": (8, 12)}, {"tol": 0.0}, "between 0 and 1"),
+        ({"all_touch_force": 1.0}, {"skin.length": (8, 12)}, {"evaluations": 0}, "at least 1"),
+        ({"all_touch_force": 1.0}, {"ridge.count": (1, 999)}, {}, "combinations of choices"),
+    ],
+)
+def test_what_can_not_be_asked_is_said(
+    target: dict[str, float], vary: dict[str, Any], options: dict[str, Any], says: str
+) -> None:
+    with pytest.raises(InputError, match=says):
+        quick(target, vary, **options)
+
+
+def test_a_tier_is_a_designs() -> None:
+    with pytest.raises(InputError, match="is for a design"):
+        solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.gain": (1e3, 1e5)}, tier="linear")
