@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from skincad.shape.cross_section import section as section
     from skincad.solids.mold import mold_solids as mold_solids
     from skincad.solids.skin import skin_solid as skin_solid
+    from skincad.studies.advice import advise as advise
     from skincad.studies.solving import solve as solve
 
 _HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
@@ -46,6 +47,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "RefusedError": "base.errors:RefusedError",
     "UnclearError": "base.errors:UnclearError",
     "Scene": "scenes.scene:Scene",
+    "advise": "studies.advice:advise",
     "accuracy": "ladders.climbing:accuracy",
     "check": "mechanics.touching:check",
     "film_stress": "mechanics.film.stress:film_stress",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -139,6 +140,7 @@ def make(
     ready(target, COMMAND, of_formats(names(design), formats))
     with stage_bar(len(STAGES)) as progress:
         found = skincad.make(design, strict=strict, progress=progress)
+        found = replace(found, check=skincad.advise(design, found.check, progress=progress))
         written = skincad.write(found, target, formats=formats, progress=progress)
     deliver(found, as_json, written)
     raise typer.Exit(0 if found.passed else 1)
@@ -206,9 +208,10 @@ def check(
             budget=budget,
             tier=tier,
             measured=measured,
-            advise=budget is None and measured is None,
             progress=progress,
         )
+        if budget is None and measured is None:
+            found = skincad.advise(design, found, progress=progress)
         films = None
         if stress is not None:
             films = skincad.film_stress(design, found.force, tangential, progress=progress)

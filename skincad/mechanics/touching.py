@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from skincad.base.arguments import require_goals, require_number
 from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.climb import Climb, mesh_tolerance, outgrown
+from skincad.mechanics.climb import Climb
 from skincad.mechanics.problem import (
     Request,
 )
-from skincad.mechanics.remedies import cause, changes
 from skincad.mechanics.tiers.measured import kept
 from skincad.mechanics.tiers.table import able, tier_of
 from skincad.mechanics.validity import (
@@ -44,7 +41,6 @@ def check(
     budget: float | None = None,
     tier: str = "auto",
     measured: Path | str | None = None,
-    advise: bool = False,
     progress: Progress | None = None,
 ) -> ContactCheck:
     """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
@@ -53,13 +49,9 @@ def check(
     all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget` in seconds, no
     further than it may last. A tier that refuses ends the climb at the one before. With a tier named, `tol`
     and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights (columns ridge,
-    crest_mm), to judge that part. With `advise` a design that fails is told why, and which single changes
-    would pass, which takes as long as several checks. Passed means: all touch, and the all-touch force with
-    its error still lies at or below the force. Raises InputError for a force, tolerance, budget or tier out
-    of range.
+    crest_mm), to judge that part. Passed means: all touch, and the all-touch force with its error still lies
+    at or below the force. Raises InputError for a force, tolerance, budget or tier out of range.
     """
-    if advise and (budget is not None or measured is not None):
-        raise InputError("advise", "is for a design, without budget or measured part", advise, "leave it out")
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
     asked = design.contact.force if force is None else force
@@ -72,26 +64,9 @@ def check(
     notes += (trouble,) if (trouble := kept().trouble) else ()
     climb = Climb(design, asked, drops, notes, progress)
     if tier == "auto":
-        found = climb.auto(tol, budget)
-        return _advised(design, found, mesh_tolerance(found.tier, tol), progress) if advise else found
+        return climb.auto(tol, budget)
     tier_of(tier)
     if reason := able(tier, design, bool(drops)):
         raise InputError("tier", reason, tier, "leave it out")
     found = climb.judged(tier, Request(asked, tol, budget, drops, parts=not drops))
-    found = with_shortfall(found, tol, found.model_error)
-    return _advised(design, found, tol, progress) if advise else found
-
-
-def _advised(
-    design: Design, found: ContactCheck, tol: float | None, progress: Progress | None
-) -> ContactCheck:
-    """The verdict with why a design fails, and what would pass by the same tier, its mesh to `tol`."""
-    if found.passed or found.beyond:
-        return found
-
-    def judge(other: Design) -> tuple[bool, Estimate]:
-        then = check(other, force=found.force, tier=found.tier, tol=tol, progress=progress)
-        return then.passed and not outgrown(other, then), then.all_touch_force
-
-    why = cause(design, found.approach.value or 0.0, found.force)
-    return replace(found, cause=why, changes=changes(design, found.all_touch_force, found.force, judge))
+    return with_shortfall(found, tol, found.model_error)

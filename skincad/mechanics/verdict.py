@@ -11,7 +11,26 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, Manufacture
-from skincad.mechanics.remedies import Change
+
+
+@dataclass(frozen=True)
+class Change:
+    """One key's value `before` and `after`, with which the design passes: all ridges touch from
+    `all_touch_force` on."""
+
+    key: str
+    before: float
+    after: float
+    all_touch_force: Estimate
+
+    def __str__(self) -> str:
+        """As `skin.curvature_radius 60 -> 76`."""
+        return f"{self.key} {self.before:g} -> {self.after:g}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the change as in `--json`."""
+        force = self.all_touch_force.as_json()
+        return {"key": self.key, "before": self.before, "after": self.after, "all_touch_force_N": force}
 
 
 @dataclass(frozen=True, repr=False)

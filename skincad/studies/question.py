@@ -90,16 +90,22 @@ def answer(subject: Subject, values: Mapping[str, Value], question: Question) ->
         raise  # says nothing of the design
     except (InputError, RefusedError) as failure:
         refused = str(failure)
-    return Evaluation(
-        key or _unmade(subject, values, question),
-        dict(values),
-        measures(told),
-        told.get("passed"),
-        refused or told.get("beyond_range") or "",
-        told.get("tier", ""),
-        perf_counter() - began,
-        when,
-    )
+    seconds = perf_counter() - began
+    return told_by(told, key or _unmade(subject, values, question), values, refused, seconds, when)
+
+
+def told_by(
+    told: Mapping[str, Any],
+    key: str,
+    values: Mapping[str, Value],
+    refused: str = "",
+    seconds: float = 0.0,
+    when: str = "",
+) -> Evaluation:
+    """Return the evaluation that a result's JSON tells."""
+    refused = refused or told.get("beyond_range") or ""
+    tier = told.get("tier", "")
+    return Evaluation(key, dict(values), measures(told), told.get("passed"), refused, tier, seconds, when)
 
 
 def key_of(subject: Subject, values: Mapping[str, Value], question: Question) -> str:

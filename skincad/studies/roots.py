@@ -45,7 +45,7 @@ class Search:
         """Return the ends of the stretch around a root in which the model is within `error` of it there."""
         grid: Array = np.linspace(0.0, 1.0, len(self.model))
         off = np.abs(self.model - np.interp(root, grid, self.model)) - error
-        ends = _crossings(grid, np.nan_to_num(off, nan=1e300))
+        ends = _crossings(grid, np.nan_to_num(off, nan=1e100))
         below, above = [x for x in ends if x < root], [x for x in ends if x > root]
         return max(below, default=0.0), min(above, default=1.0)
 

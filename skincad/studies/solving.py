@@ -84,7 +84,7 @@ def solve(
         if not smooth:
             solved += _chosen(asking, fixed, tol)
         elif len(smooth) == 1:
-            solved += _crossings(asking, fixed, smooth[0], tol, most, notes)
+            solved += crossings(asking, fixed, smooth[0], tol, most, notes)
         else:
             solved += _least_changed(asking, fixed, smooth, tol, most, notes)
     return _told(asking, varied, solved, notes, perf_counter() - began)
@@ -146,10 +146,10 @@ def _chosen(asking: Asking, fixed: Values, tol: float) -> Iterator[Solved]:
         yield _solved(asking, found, {})
 
 
-def _crossings(
+def crossings(
     asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str]
 ) -> Iterator[Solved]:
-    """All values of one number."""
+    """Yield all solutions for one number; what else is to know of the search goes to `notes`."""
 
     def values(share: float) -> Values:
         return {**fixed, knob.key: knob.at(share)}

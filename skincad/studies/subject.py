@@ -108,7 +108,7 @@ def _spread(design: Design, key: str, value: Value) -> Any:
         return value
     known = silicone(design).young_modulus
     ends = {"low": known.low, "high": known.high}
-    return {"value": value, **{end: each * value / known.value for end, each in ends.items()}}
+    return {"value": value, **{end: each / known.value * value for end, each in ends.items()}}
 
 
 def value_of(subject: Subject, key: str) -> Value | None:

@@ -68,6 +68,13 @@ def test_a_modulus_takes_the_silicones_range_along() -> None:
         assert getattr(after.young_modulus, end) == pytest.approx(scaled)
 
 
+@pytest.mark.parametrize("value", [0.8, 0.1, 0.3, 1.7])
+def test_so_does_one_without_a_range(value: float) -> None:
+    exact = DESIGN.with_(material={"name": None, "young_modulus": 0.8})
+    found = silicone(changed(exact, {"material.young_modulus": value})).young_modulus
+    assert found.low == found.value == found.high == value
+
+
 def test_another_silicone_brings_its_own_values() -> None:
     soft = changed(changed(DESIGN, {"material.young_modulus": 0.4}), {"material.name": "ecoflex-00-30"})
     assert value_of(soft, "material.young_modulus") == pytest.approx(0.07)

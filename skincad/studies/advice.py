@@ -1,0 +1,111 @@
+"""What a design that fails would need: why ridges stay clear, and single changes with which it would pass."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.climb import mesh_tolerance, outgrown
+from skincad.mechanics.touching import check
+from skincad.mechanics.verdict import Change, ContactCheck
+from skincad.shape.crests import summits
+from skincad.studies.asking import Asking
+from skincad.studies.knobs import knob
+from skincad.studies.question import Question, told_by
+from skincad.studies.solving import crossings
+from skincad.studies.subject import changed, value_of
+
+NEEDED = "all_touch_force_N"
+DIGITS = 2  # of a value that is proposed
+AIM = 0.97  # of the asked force: what the change's force with its error is to be
+GUESS = 1.2  # times its value: the upper end of a force that no model has told yet
+NEAR = 0.03  # relative: how near to the aim is enough
+TRIES, AGAIN = 9, 2  # evaluations of a search at most, and searches: the error may grow with the change
+
+
+@dataclass(frozen=True)
+class _Lever:
+    """A key that changes the force needed, looked for from `low` to `high` times its value."""
+
+    key: str
+    low: float
+    high: float
+
+    @property
+    def grows(self) -> bool:
+        """Whether larger values help."""
+        return self.high > 1
+
+
+LEVERS = (
+    _Lever("skin.curvature_radius", 1.0, 8.0),
+    _Lever("material.young_modulus", 1 / 8, 1.0),
+    _Lever("skin.length", 1 / 8, 1.0),
+)
+
+
+def advise(design: Design, found: ContactCheck, *, progress: Progress | None = None) -> ContactCheck:
+    """Return `check`'s verdict with why the design fails, and which single changes would pass.
+
+    Each change is solved for, and told only where the same model, asked anew with that change alone, says
+    that the design passes; that takes as long as three checks a change. A verdict that passes, or is none,
+    stays as it is. Raises InputError for a verdict on another design.
+    """
+    if found.name != design.name or found.ridges != design.ridge.count:
+        raise InputError("found", f"is the verdict on {found.name}, not on {design.name}")
+    if found.passed or found.beyond:
+        return found
+    changes = (_change(design, lever, found, progress) for lever in LEVERS)
+    return replace(found, cause=cause(design, found), changes=tuple(each for each in changes if each))
+
+
+def cause(design: Design, found: ContactCheck) -> str:
+    """Return why ridges stay clear, in mm: the crests against the plate's approach."""
+    heights, approach = summits(design), found.approach.value or 0.0
+    drop, high = max(heights) - min(heights), design.ridge.height
+    return (
+        f"the lowest crest lies {drop:.2g} mm below the highest, of ridges {high:g} mm high; at "
+        f"{found.force:g} N the plate comes {approach:.2g} mm down"
+    )
+
+
+def _change(design: Design, lever: _Lever, found: ContactCheck, progress: Progress | None) -> Change | None:
+    """The least change of one key with which the design passes, None where none in reach does."""
+    before = value_of(design, lever.key)
+    assert isinstance(before, int | float)
+    question = Question("check", found.tier, mesh_tolerance(found.tier, None), found.force)
+    needed = found.all_touch_force
+    margin = needed.upper / needed.value if needed.value and needed.upper else GUESS
+    for _ in range(AGAIN):
+        wanted = AIM * found.force / margin
+        asking = Asking(design, question, {NEEDED: wanted}, progress)
+        told = told_by(found.as_json(), question.key(design), {lever.key: before})
+        asking.name(told)
+        asking.evaluations[told.key] = told
+        turned = knob(design, lever.key, (lever.low * before, lever.high * before))
+        solved = next(iter(crossings(asking, {}, turned, NEAR, TRIES, [])), None)
+        if solved is None:
+            return None
+        # rounded so that the change is rather too large
+        value = _rounded(float(solved.values[lever.key]), up=lever.grows)
+        try:
+            better = changed(design, {lever.key: value})
+            then = check(better, force=found.force, tier=found.tier, tol=question.tol)  # type: ignore[arg-type]
+        except (InputError, RefusedError):
+            return None
+        if then.passed and not outgrown(better, then):  # type: ignore[arg-type]
+            return Change(lever.key, before, value, then.all_touch_force)
+        if then.all_touch_force.upper is None or then.all_touch_force.value is None:
+            return None
+        margin = GUESS * then.all_touch_force.upper / then.all_touch_force.value
+    return None
+
+
+def _rounded(value: float, *, up: bool) -> float:
+    """A value of DIGITS digits, the next above or below."""
+    unit = 10.0 ** (math.floor(math.log10(value)) + 1 - DIGITS)
+    steps = value / unit
+    return float(f"{(math.ceil(steps) if up else math.floor(steps)) * unit:.12g}")

@@ -1,0 +1,97 @@
+"""What would pass: changes that the model that judged lets pass, and no larger than they have to be."""
+
+from __future__ import annotations
+
+import pytest
+
+import skincad
+from skincad import check
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.verdict import Change, ContactCheck
+from skincad.studies.advice import advise, cause
+from skincad.studies.subject import changed
+from tests.mechanics.designs import SHORT, reference
+
+
+def plain(force: float = 3.5) -> Design:
+    """Needs 4.1 N at most by the closed form."""
+    own = {"name": None, "young_modulus": 0.8, "poisson_ratio": 0.499}
+    return skincad.load("plain-ridges").with_(material=own, contact={"force": force})
+
+
+def advised(design: Design) -> ContactCheck:
+    return advise(design, check(design, tier="winkler"))
+
+
+def changes(design: Design) -> tuple[Change, ...]:
+    return advised(design).changes or ()
+
+
+def test_each_change_passes_alone_and_is_hardly_larger_than_it_has_to_be() -> None:
+    found = changes(plain())
+    assert [c.key for c in found] == ["skin.curvature_radius", "material.young_modulus", "skin.length"]
+    for change in found:
+        again = check(changed(plain(), {change.key: change.after}), tier="winkler")  # type: ignore[arg-type]
+        assert again.passed
+        assert again.all_touch_force == change.all_touch_force
+        # the aim is 0.97 of the force, found within 0.03, and two digits are told
+        assert 0.85 * 3.5 <= (change.all_touch_force.upper or 0.0) <= 3.5
+    assert [change.before for change in found] == [60.0, 0.8, 12.0]
+    assert found[0].after > 60.0
+    assert found[1].after < 0.8
+    assert str(found[2]) == f"skin.length 12 -> {found[2].after:g}"
+    assert found[2].as_json()["before"] == 12.0
+
+
+def test_what_is_refused_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    def judge(design: Design, **options: object) -> ContactCheck:
+        if design.skin.length < 12.0:
+            raise InputError("skin.length", "must be larger")
+        return check(design, **options)  # type: ignore[arg-type]
+
+    for place in ("question", "advice"):
+        monkeypatch.setattr(f"skincad.studies.{place}.check", judge)
+    assert [c.key for c in changes(plain())] == ["skin.curvature_radius", "material.young_modulus"]
+
+
+def test_what_never_passes_is_no_change() -> None:
+    assert changes(plain(0.01)) == ()  # by more than a factor of 8
+
+
+def test_the_modulus_keeps_its_range() -> None:
+    """A part's modulus scatters by as much of it as before."""
+    wide = plain().with_(material={"young_modulus": {"value": 0.8, "low": 0.6, "high": 1.2}})
+    (softer,) = (c for c in changes(wide) if c.key == "material.young_modulus")
+    after = silicone(changed(wide, {softer.key: softer.after})).young_modulus  # type: ignore[arg-type]
+    assert (after.low / after.value, after.high / after.value) == pytest.approx((0.75, 1.5))
+
+
+def test_the_cause_is_in_millimetres() -> None:
+    """The outer of nine ridges stand 4 mm of arc from the middle: 60.5 (1 - cos(4 / 60)) lower."""
+    found = check(plain(), tier="winkler")
+    said = cause(plain(), found)
+    assert said.startswith("the lowest crest lies 0.13 mm below the highest, of ridges 0.5 mm high")
+    assert said.endswith(f"at 3.5 N the plate comes {found.approach.value:.2g} mm down")
+
+
+@pytest.mark.slow
+def test_finite_elements_advise_what_they_let_pass_themselves() -> None:
+    design = reference().with_(**SHORT, contact={"force": 0.1, "friction": 0.0})
+    found = check(design, tier="linear", tol=0.05)
+    assert found.changes is None  # not asked
+    told = advise(design, found)
+    assert not told.passed
+    assert told.changes
+    assert "mm below the highest" in told.cause
+    for change in told.changes:
+        assert check(changed(design, {change.key: change.after}), tier="linear").passed  # type: ignore[arg-type]
+
+
+def test_advice_is_for_designs_that_fail() -> None:
+    design = plain(8.0)
+    found = advised(design)
+    assert (found.passed, found.changes, found.cause) == (True, None, "")
+    with pytest.raises(InputError, match="not on plain-ridges"):
+        advise(design, check(skincad.load("yamada-2002"), tier="winkler"))
