@@ -14,7 +14,18 @@ from skincad.base.strictjson import strict_json
 from skincad.base.version import __version__
 
 # each owns the files that its manifest lists
-COMMANDS = ("make", "simulate", "circuit", "accuracy", "check", "film-stress", "fit-material", "solve")
+COMMANDS = (
+    "make",
+    "simulate",
+    "circuit",
+    "accuracy",
+    "check",
+    "film-stress",
+    "fit-material",
+    "solve",
+    "sweep",
+    "optimise",
+)
 
 
 def manifest_name(command: str) -> str:

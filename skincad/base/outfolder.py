@@ -29,7 +29,8 @@ except ImportError:  # no POSIX: runs into one folder at once are not kept apart
 
 OURS = ".skincad-"  # so begins the name of whatever lies in the folder only while runs write there
 RUN = re.compile(rf"{re.escape(OURS)}({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
-NOBODYS = "lost+found"  # what a new volume holds
+# what stands in nobody's way: what a new volume holds, and a study's log
+BESIDE = {"lost+found", "evaluations.jsonl"}
 PATIENCE, POLL = 1.0, 0.05  # s: until a wait is told; between two tries
 
 
@@ -126,7 +127,7 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     if told is None and os.path.lexists(folder / manifest):
         raise _in_the_way(folder / manifest)
     others = [
-        item.name for item in folder.iterdir() if not item.name.startswith(OURS) and item.name != NOBODYS
+        item.name for item in folder.iterdir() if not item.name.startswith(OURS) and item.name not in BESIDE
     ]
     if others and all(listed(folder, each) is None for each in COMMANDS):
         raise InputError(

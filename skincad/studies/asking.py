@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from skincad.base.arrays import Array
 from skincad.base.stopwatch import Progress
 from skincad.studies.measures import resolved
-from skincad.studies.question import Evaluation, Question, answer, key_of
+from skincad.studies.question import Evaluation, Question, evaluate, key_of
 from skincad.studies.subject import Subject, Value
 
 GUIDE = "winkler"  # the closed form: a thousandth of the time, and the right slope
@@ -37,7 +37,7 @@ class Asking:
                 self.progress(
                     ", ".join(f"{name.rpartition('.')[2]} {short(v)}" for name, v in values.items())
                 )
-            self.evaluations[key] = found = answer(self.subject, values, self.question)
+            self.evaluations[key] = found = evaluate(self.subject, values, self.question)
             self.name(found)
         return self.evaluations[key]
 
@@ -55,7 +55,7 @@ class Asking:
 
     def guide(self, values: Mapping[str, Value]) -> list[float] | None:
         """Return what the closed form says, without counting it as an evaluation; None where it does not."""
-        found = answer(self.subject, values, replace(self.question, tier=GUIDE))
+        found = evaluate(self.subject, values, replace(self.question, tier=GUIDE))
         self.name(found)
         return self.told(found)
 

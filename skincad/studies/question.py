@@ -78,7 +78,7 @@ def question_of(
     return Question("simulate", tol=tol) if isinstance(subject, Scene) else Question("circuit")
 
 
-def answer(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:
+def evaluate(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:
     """Return the answer for a subject with these values, which its own rules may refuse, or the model."""
     began, when = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     key, told, refused = "", dict[str, Any](), ""
@@ -109,7 +109,7 @@ def told_by(
 
 
 def key_of(subject: Subject, values: Mapping[str, Value], question: Question) -> str:
-    """Return the key of what `answer` would answer, without asking."""
+    """Return the key of what `evaluate` would answer, without asking."""
     try:
         return question.key(changed(subject, values))
     except InputError:

@@ -1,0 +1,211 @@
+"""Sweep: one question of many designs, side by side, and which of them is the best."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from scipy.stats import qmc
+
+from skincad.base.arguments import require_number
+from skincad.base.errors import InputError
+from skincad.base.result import Result
+from skincad.base.stopwatch import Tick
+from skincad.inputs.design import Design
+from skincad.mechanics.tiers.table import TIERS, able, expected
+from skincad.studies.knobs import Knob, Told, knobs
+from skincad.studies.log import Log
+from skincad.studies.question import Evaluation, Question, question_of
+from skincad.studies.ranking import Goal, Ranking, ranking
+from skincad.studies.running import Run, Values
+from skincad.studies.running import workers as working
+from skincad.studies.subject import Subject
+
+MOST_ROWS = 100_000
+DEFAULT = {"check": ("all_touch_force", "min")}  # what rows are ranked by if nothing is said
+RANKED_BY = ("linear", "winkler")  # the first that takes the design: ranks mean something by one model
+UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a design
+
+
+@dataclass(frozen=True, repr=False)
+class Sweep(Result):
+    """All `rows`, in the order of the values, refused ones with their reason; `rankings` the asked orders.
+
+    `evaluations` is how many were computed now, `reused` how many a log or another row had; `next_tier` the
+    model that may tell the first tie apart, and its seconds; `seconds` the wall time of this run.
+    """
+
+    shown_by = "skincad.outputs.sweeps"
+    subject: Subject
+    question: Question
+    knobs: tuple[Knob, ...]
+    rows: tuple[Evaluation, ...]
+    rankings: tuple[Ranking, ...]
+    next_tier: tuple[str, float] | None
+    evaluations: int
+    reused: int
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """The subject's name."""
+        return self.subject.name
+
+    @property
+    def refused(self) -> int:
+        """How many rows are refused."""
+        return sum(bool(row.refused) for row in self.rows)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The results that rows have, without those of the run."""
+        found = {key: None for row in self.rows for key in row.results}
+        return tuple(key for key in found if not key.startswith(UNTOLD))
+
+    def best(self, number: int = 1) -> Evaluation:
+        """Return the row at this place of the first ranking; InputError where there is none."""
+        ranks = self.rankings[0].ranks if self.rankings else ()
+        if not 1 <= number <= len(ranks):
+            raise InputError("number", f"must be from 1 to {len(ranks)}", number)
+        return self.rows[ranks[number - 1].row - 1]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result under the contract's keys; rows count from 1."""
+        first = self.rankings[0] if self.rankings else None
+        return {
+            "name": self.name,
+            "vary": {knob.key: list(knob.choices) or [knob.low, knob.high] for knob in self.knobs},
+            "rows": [self._row(row) for row in self.rows],
+            "ranked_by": [{"key": each.key, "goal": each.goal} for each in self.rankings],
+            "ranking": [{"row": rank.row, "wins": rank.wins} for rank in first.ranks] if first else [],
+            "ties": [list(tie) for tie in first.ties] if first else [],
+            "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
+            "tier": self.question.tier,
+            "evaluations": self.evaluations,
+            "reused": self.reused,
+            "seconds": {"total": self.seconds},
+        }
+
+    def _row(self, row: Evaluation) -> dict[str, Any]:
+        told = {key: row.results[key].as_json() for key in self.keys if key in row.results}
+        return {
+            "values": dict(row.values),
+            "results": told,
+            "passed": row.passed,
+            "refused": row.refused or None,
+            "tier": row.tier or None,
+        }
+
+    def arrays(self) -> dict[str, Any]:
+        """Return a numpy array `(rows,)` by key: values, results, and errors as `KEY.error`; NaN where a row
+        has none."""
+        import numpy as np
+
+        told: dict[str, Any] = {
+            knob.key: np.array([row.values[knob.key] for row in self.rows]) for knob in self.knobs
+        }
+        for key in self.keys:
+            found = [row.results.get(key) for row in self.rows]
+            for name, part in ((key, "value"), (f"{key}.error", "error")):
+                numbers = [None if each is None else getattr(each, part) for each in found]
+                if part == "value" or any(number is not None for number in numbers):
+                    told[name] = np.array([math.nan if n is None else n for n in numbers])
+        return told
+
+    def frame(self) -> Any:
+        """Return the rows as a pandas DataFrame; InputError where pandas is not installed."""
+        try:
+            import pandas
+        except ImportError:
+            raise InputError("frame", "needs the package pandas", remedy="pip install pandas") from None
+        extra = {"passed": [row.passed for row in self.rows], "refused": [row.refused for row in self.rows]}
+        return pandas.DataFrame({**self.arrays(), **extra})
+
+
+def sweep(
+    subject: Subject,
+    vary: Mapping[str, Told],
+    *,
+    sample: int | None = None,
+    rank: Mapping[str, Goal] | None = None,
+    tier: str | None = None,
+    tol: float | None = None,
+    force: float | None = None,
+    folder: Path | str | None = None,
+    workers: int = 1,
+    dask: Any = None,
+    tick: Tick | None = None,
+) -> Sweep:
+    """Return the answers of a design's check, a scene's simulation or a circuit's gain at many values.
+
+    `vary` is by key: (low, high, count), a list of choices or "all"; their grid is taken, or with `sample`
+    that many Sobol points of the ranges. Checks are by one `tier`, `linear` if None, and ranked by `rank`,
+    a result's key and "min" or "max", if nothing is said by the smallest all-touch force. With a `folder`
+    each finished evaluation goes into its log at once, and what that has already is not asked again. Rows
+    come from `workers` processes of this machine (a script that asks for more than one needs the usual
+    `if __name__ == "__main__":`), or from the `dask` cluster of an address or a client. Raises InputError for
+    keys, ranges and options that can't be used; rows that are refused say why.
+    """
+    began = perf_counter()
+    varied = knobs(subject, vary)
+    points = _points(varied, sample)
+    question = question_of(subject, tier=tier, tol=tol, force=force)
+    if question.kind == "check" and tier is None:
+        question = replace(question, tier=_tier(subject))
+    run = Run(subject, question, None if folder is None else Log(Path(folder)))
+
+    def told(_: Evaluation, done: int, __: int) -> None:
+        if tick is not None:
+            tick("evaluating", done)
+
+    with working(workers, dask) as who:
+        rows = run.at(points, who, told)
+    if run.log is not None:
+        run.log.close()
+    asked = dict(rank) if rank else dict([DEFAULT[question.kind]] if question.kind in DEFAULT else [])
+    rankings = tuple(ranking(rows, key, goal) for key, goal in asked.items())  # type: ignore[arg-type]
+    following = _next_tier(subject, question, rankings[0]) if rankings else None
+    seconds = perf_counter() - began
+    return Sweep(subject, question, varied, tuple(rows), rankings, following, run.asked, run.reused, seconds)
+
+
+def _tier(subject: Any) -> str:
+    return next(name for name in RANKED_BY if not able(name, subject, False))
+
+
+def _points(varied: Sequence[Knob], sample: int | None) -> list[Values]:
+    """The grid of all values, or Sobol points."""
+    if sample is None:
+        count = math.prod(len(knob.values()) for knob in varied)
+        if count > MOST_ROWS:
+            raise InputError(
+                "vary", f"must make at most {MOST_ROWS} rows", count, "take fewer values, or a sample"
+            )
+        keys = [knob.key for knob in varied]
+        return [
+            dict(zip(keys, each, strict=True)) for each in itertools.product(*(k.values() for k in varied))
+        ]
+    rule = f"must be from 1 to {MOST_ROWS}"
+    require_number("sample", sample, lambda value: 1 <= value <= MOST_ROWS and value == int(value), rule)
+    size = math.ceil(math.log2(max(sample, 2)))
+    places = qmc.Sobol(len(varied), scramble=False).random_base2(size)[:sample]
+    return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
+
+
+def _next_tier(subject: Subject, question: Question, found: Ranking) -> tuple[str, float] | None:
+    """The next model that leaves less out, and its seconds for the rows that tie for the first place."""
+    if question.kind != "check" or not found.ties or not found.ranks or not isinstance(subject, Design):
+        return None
+    first = found.ties[0]
+    if found.ranks[0].row not in first or question.tier not in TIERS:
+        return None
+    names, least = list(TIERS), len(TIERS[question.tier].leaves_out)
+    for name in names[names.index(question.tier) + 1 :]:
+        if not able(name, subject, False) and len(TIERS[name].leaves_out) <= least:
+            return name, len(first) * expected(name, subject, set())
+    return None
