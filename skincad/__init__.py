@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from skincad.solids.skin import skin_solid as skin_solid
     from skincad.studies.advice import advise as advise
     from skincad.studies.solving import solve as solve
+    from skincad.studies.sweeping import sweep as sweep
 
 _HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
     "Circuit": "circuit.model:Circuit",
@@ -63,6 +64,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "simulate": "scenes.simulation:simulate",
     "skin_solid": "solids.skin:skin_solid",
     "solve": "studies.solving:solve",
+    "sweep": "studies.sweeping:sweep",
     "template_names": "inputs.catalog:template_names",
     "write": "outputs.delivery:write",
 }

@@ -23,7 +23,7 @@ from skincad.options import (
     show,
     source_argument,
 )
-from skincad.study_commands import solve
+from skincad.study_commands import solve, sweep
 
 app = typer.Typer(
     name="skincad",
@@ -403,3 +403,4 @@ def fit_material(
 
 
 app.command()(solve)
+app.command()(sweep)

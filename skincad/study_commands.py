@@ -8,9 +8,17 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
+from skincad.base.bars import stage_bar, step_bar
 from skincad.base.errors import InputError
-from skincad.options import JsonOption, PrinterOption, SetOption, SiliconesOption, show
+from skincad.options import (
+    JsonOption,
+    OutOption,
+    PrinterOption,
+    SetOption,
+    SiliconesOption,
+    deliver,
+    show,
+)
 
 SubjectArgument = Annotated[
     str,
@@ -106,6 +114,88 @@ def solve(
     file = str(copy) if copy and found.solutions else None
     show({**found.as_json(), "file": file}, as_json, f"{found}{''.join(written)}")
     raise typer.Exit(0 if found.feasible else 1)
+
+
+def sweep(
+    source: SubjectArgument,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="KEY=LOW:HIGH:N",
+            help="A key and its N values, or its choices as A,B,C or all; repeat for several.",
+        ),
+    ],
+    settings: SetOption = [],  # noqa: B006
+    sample: Annotated[
+        int | None,
+        typer.Option(
+            "--sample", metavar="N", help="N points spread over the ranges (Sobol), not their grid."
+        ),
+    ] = None,
+    rank: Annotated[
+        list[str],
+        typer.Option(
+            "--rank",
+            metavar="KEY=min|max",
+            help="What rows are ranked by; default of a design: all_touch_force=min; twice: their front too.",
+        ),
+    ] = [],  # noqa: B006
+    force: ForceOption = None,
+    tier: Annotated[
+        str | None, typer.Option("--tier", help="The model of all checks; default: linear.")
+    ] = None,
+    tol: Annotated[
+        float | None, typer.Option("--tol", metavar="REL", help="Relative error of each mesh to meet.")
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Processes on this machine.")] = 1,
+    dask: Annotated[
+        str | None,
+        typer.Option("--dask", metavar="ADDRESS", help="A Dask cluster's scheduler, as tcp://host:8786."),
+    ] = None,
+    fresh: Annotated[
+        bool, typer.Option("--fresh/--resume", help="Ask all anew, or what the folder's log has not.")
+    ] = False,
+    printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Evaluate many designs side by side, and rank them.
+
+    A table, pictures and a page appear in the output folder. Each finished evaluation goes into
+    evaluations.jsonl there at once: after Ctrl-C the same command goes on where it was.
+    """
+    from skincad.outputs.delivery import ready
+    from skincad.outputs.sweeps import COMMAND, names
+    from skincad.studies.knobs import texts
+    from skincad.studies.log import NAME
+    from skincad.studies.subject import load_subject
+    from skincad.studies.sweeping import points_of
+
+    varied, ranks = texts(vary, "vary"), texts(rank, "rank")
+    subject = load_subject(source, settings, printer=printer, silicones=silicones)
+    count = len(points_of(subject, varied, sample))
+    target = folder or Path("out") / subject.name
+    ready(target, COMMAND, names())
+    if fresh:
+        (target / NAME).unlink(missing_ok=True)
+    with step_bar(count) as tick:
+        found = skincad.sweep(
+            subject,
+            varied,
+            sample=sample,
+            rank=ranks,  # type: ignore[arg-type]
+            tier=tier,
+            tol=tol,
+            force=force,
+            folder=target,
+            workers=workers,
+            dask=dask,
+            tick=tick,
+        )
+    deliver(found, as_json, skincad.write(found, target))
+    raise typer.Exit(0 if found.refused < len(found.rows) else 1)
 
 
 def _number(key: str, text: str) -> float:

@@ -1,12 +1,25 @@
-"""Pictures of studies: a result against what is varied."""
+"""Pictures of studies: a result against the varied keys, alone and in pairs, and against another result."""
 
 from __future__ import annotations
 
-from skincad.pictures.canvas import Picture, sheet
-from skincad.studies.solution import Solution
+import itertools
+from collections.abc import Sequence
 
-POINT, WISH, FOUND = "#1f5fa8", "#777777", "#c1531f"
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.pictures.canvas import Axes, Normalize, Picture, ScalarMappable, sheet
+from skincad.studies.knobs import Knob
+from skincad.studies.ranking import Ranking
+from skincad.studies.solution import Solution
+from skincad.studies.sweeping import Sweep
+
+POINT, WISH, FOUND, REFUSED = "#1f5fa8", "#777777", "#c1531f", "#bbbbbb"
+COLOURS = "viridis_r"  # told apart in grey too
 SIZE, DPI = (7.0, 4.6), 100
+PANEL = 3.0  # inches, of one of several
+MOST_KEYS = 6  # that are drawn
+LONG = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
 
 
 def solution_figure(found: Solution) -> Picture:
@@ -30,12 +43,143 @@ def solution_figure(found: Solution) -> Picture:
             axes.set_xscale("log")
             axes.xaxis.set_major_formatter("{x:g}")
             axes.xaxis.set_minor_formatter("{x:g}")
-        if tried and all(low > 0 for low in value) and max(value) > 10 * min(value):
+        if tried and min(value) > 0 and max(value) > LONG / 10 * min(value):
             axes.set_yscale("log")
             axes.yaxis.set_major_formatter("{x:g}")
-        axes.set_xlabel(f"{knob.key}, {knob.unit}" if knob.unit else knob.key)
+        axes.set_xlabel(_label(knob))
         axes.set_ylabel(key)
         axes.grid(color="#e4e4e4", linewidth=0.6)
         axes.legend(fontsize=8)
         axes.set_title(f"{found.name}: {key} against {knob.key}", fontsize=11)
     return figure
+
+
+def effects_figure(found: Sweep) -> Picture:
+    """Return a figure of the first ranking's result against each key: all rows, and means."""
+    ranking, keys = found.rankings[0], found.knobs[:MOST_KEYS]
+    rows, results = _ranked(found, ranking)
+    across = min(3, len(keys))
+    down = -(-len(keys) // across)
+    with sheet((max(PANEL * across, 4.0), PANEL * down), DPI, 255) as figure:
+        places = figure.subplots(down, across, squeeze=False, sharey=True).ravel()
+        for axes, knob in itertools.zip_longest(places, keys):
+            if knob is None:
+                axes.set_axis_off()
+                continue
+            at = _places(found, knob, rows)
+            axes.plot(at, results, ".", color=POINT, alpha=0.5, markersize=5)
+            for value in _levels(at):
+                axes.plot(value, np.mean(results[at == value]), "_", color=FOUND, markersize=16, mew=2)
+            _name_ticks(axes, knob)
+            axes.set_xlabel(_label(knob), fontsize=9)
+            axes.grid(color="#e4e4e4", linewidth=0.6)
+            if np.all(results > 0) and results.max() > LONG * results.min():
+                axes.set_yscale("log")
+        for axes in places[::across]:
+            axes.set_ylabel(ranking.key, fontsize=9)
+        bars = "; bars: means" if any(len(_levels(_places(found, k, rows))) for k in keys) else ""
+        figure.suptitle(f"{found.name}: {ranking.key} of {len(rows)} rows{bars}", fontsize=11)
+    return figure
+
+
+def pairs_figure(found: Sweep) -> Picture:
+    """Return a figure of all pairs of keys, each row a point whose colour is the first ranking's result;
+    refused rows are crosses."""
+    ranking, keys = found.rankings[0], found.knobs[:MOST_KEYS]
+    rows, results = _ranked(found, ranking)
+    others = [i for i in range(len(found.rows)) if i not in set(rows)]
+    pairs = list(itertools.combinations(keys, 2))
+    across = min(3, len(pairs))
+    down = -(-len(pairs) // across)
+    colours = Normalize(float(results.min()), float(results.max()))
+    with sheet((max(PANEL * across + 1.0, 5.0), PANEL * down), DPI, 255) as figure:
+        places = figure.subplots(down, across, squeeze=False).ravel()
+        for axes, pair in itertools.zip_longest(places, pairs):
+            if pair is None:
+                axes.set_axis_off()
+                continue
+            x, y = (_places(found, knob, rows) for knob in pair)
+            axes.scatter(
+                *(_places(found, knob, others) for knob in pair),
+                marker="x",
+                s=14,
+                color=REFUSED,
+                linewidths=0.8,
+            )
+            order = np.argsort(results if ranking.goal == "max" else -results)  # the best on top
+            axes.scatter(x[order], y[order], c=results[order], cmap=COLOURS, norm=colours, s=22)
+            for knob, side in zip(pair, "xy", strict=True):
+                _name_ticks(axes, knob, side)
+            axes.set_xlabel(_label(pair[0]), fontsize=9)
+            axes.set_ylabel(_label(pair[1]), fontsize=9)
+        figure.colorbar(ScalarMappable(colours, COLOURS), ax=list(places), label=ranking.key)
+        figure.suptitle(f"{found.name}: {ranking.key}; crosses: refused, or without it", fontsize=11)
+    return figure
+
+
+def front_figure(found: Sweep) -> Picture:
+    """Return a figure of the first two rankings' results; no row beats one of the front in both."""
+    first, second = found.rankings[:2]
+    rows = [row for row in _ranked(found, first)[0] if row in set(_ranked(found, second)[0])]
+    x, y = (np.array([float(found.rows[i].results[each.key]) for i in rows]) for each in (first, second))
+    front = pareto(np.column_stack([_less(x, first), _less(y, second)]))
+    order = np.argsort(x[front])
+    with sheet(SIZE, DPI, 255) as figure:
+        axes = figure.add_subplot()
+        axes.plot(x, y, ".", color=POINT, alpha=0.5, label="rows")
+        axes.plot(x[front][order], y[front][order], "o-", color=FOUND, markersize=5, label="front")
+        for i in np.flatnonzero(front):
+            axes.annotate(
+                str(rows[i] + 1), (x[i], y[i]), fontsize=7, xytext=(4, 4), textcoords="offset points"
+            )
+        axes.set_xlabel(f"{first.key} ({first.goal})")
+        axes.set_ylabel(f"{second.key} ({second.goal})")
+        axes.grid(color="#e4e4e4", linewidth=0.6)
+        axes.legend(fontsize=8)
+        axes.set_title(f"{found.name}: {first.key} and {second.key}", fontsize=11)
+    return figure
+
+
+def pareto(points: Array) -> Array:
+    """Return which of points `(n, m)`, smaller is better, no other one beats: `(n,)` bool."""
+    found = np.ones(len(points), dtype=bool)
+    for i, point in enumerate(points):
+        found[i] = not np.any(np.all(points <= point, axis=1) & np.any(points < point, axis=1))
+    return found
+
+
+def _less(values: Array, ranking: Ranking) -> Array:
+    return values if ranking.goal == "min" else -values
+
+
+def _ranked(found: Sweep, ranking: Ranking) -> tuple[list[int], Array]:
+    """Rows with the ranking's result, by index, and their results."""
+    rows = sorted(rank.row - 1 for rank in ranking.ranks)
+    return rows, np.array([float(found.rows[i].results[ranking.key]) for i in rows])
+
+
+def _places(found: Sweep, knob: Knob, rows: Sequence[int]) -> Array:
+    """A key's values of some rows, choices by their number."""
+    values = [found.rows[i].values[knob.key] for i in rows]
+    if knob.choices:
+        values = [knob.choices.index(value) for value in values]
+    return np.array(values, dtype=float)
+
+
+def _levels(at: Array) -> Array:
+    """The values that several rows share: of a grid, not of a sample."""
+    values, counts = np.unique(at, return_counts=True)
+    return values[counts > 1]
+
+
+def _name_ticks(axes: Axes, knob: Knob, side: str = "x") -> None:
+    axis = axes.xaxis if side == "x" else axes.yaxis
+    if any(isinstance(choice, str) for choice in knob.choices):
+        axis.set_ticks(range(len(knob.choices)), [str(choice) for choice in knob.choices], fontsize=7)
+        if side == "x":
+            for label in axis.get_ticklabels():
+                label.set(rotation=60, horizontalalignment="right")
+
+
+def _label(knob: Knob) -> str:
+    return f"{knob.key}, {knob.unit}" if knob.unit else knob.key

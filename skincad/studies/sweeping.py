@@ -20,6 +20,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.tiers.table import TIERS, able, expected
 from skincad.studies.knobs import Knob, Told, knobs
 from skincad.studies.log import Log
+from skincad.studies.measures import resolved, worded
 from skincad.studies.question import Evaluation, Question, question_of
 from skincad.studies.ranking import Goal, Ranking, ranking
 from skincad.studies.running import Run, Values
@@ -27,7 +28,7 @@ from skincad.studies.running import workers as working
 from skincad.studies.subject import Subject
 
 MOST_ROWS = 100_000
-DEFAULT = {"check": ("all_touch_force", "min")}  # what rows are ranked by if nothing is said
+DEFAULT: dict[str, dict[str, Goal]] = {"check": {"all_touch_force": "min"}}  # if no ranking is asked
 RANKED_BY = ("linear", "winkler")  # the first that takes the design: ranks mean something by one model
 UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a design
 
@@ -63,9 +64,11 @@ class Sweep(Result):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The results that rows have, without those of the run."""
-        found = {key: None for row in self.rows for key in row.results}
-        return tuple(key for key in found if not key.startswith(UNTOLD))
+        """The results that some row has a value of, without those of the run."""
+        found = dict.fromkeys(
+            key for row in self.rows for key, told in row.results.items() if told.value is not None
+        )
+        return tuple(key for key in found if key != "passed" and not key.startswith(UNTOLD))
 
     def best(self, number: int = 1) -> Evaluation:
         """Return the row at this place of the first ranking; InputError where there is none."""
@@ -153,33 +156,52 @@ def sweep(
     """
     began = perf_counter()
     varied = knobs(subject, vary)
-    points = _points(varied, sample)
+    points = points_of(subject, vary, sample)
     question = question_of(subject, tier=tier, tol=tol, force=force)
     if question.kind == "check" and tier is None:
         question = replace(question, tier=_tier(subject))
     run = Run(subject, question, None if folder is None else Log(Path(folder)))
+    wanted: dict[str, Goal] = dict(rank) if rank else dict(DEFAULT.get(question.kind, {}))
+    done: list[Evaluation] = []
 
-    def told(_: Evaluation, done: int, __: int) -> None:
+    def told(found: Evaluation, count: int, _: int) -> None:
+        done.append(found)
         if tick is not None:
-            tick("evaluating", done)
+            tick(_best(done, wanted), count)
 
     with working(workers, dask) as who:
         rows = run.at(points, who, told)
     if run.log is not None:
         run.log.close()
-    asked = dict(rank) if rank else dict([DEFAULT[question.kind]] if question.kind in DEFAULT else [])
-    rankings = tuple(ranking(rows, key, goal) for key, goal in asked.items())  # type: ignore[arg-type]
+    rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
     following = _next_tier(subject, question, rankings[0]) if rankings else None
     seconds = perf_counter() - began
     return Sweep(subject, question, varied, tuple(rows), rankings, following, run.asked, run.reused, seconds)
+
+
+def _best(done: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
+    """What the bar says: the best of the first ranking so far."""
+    for key, goal in wanted.items():
+        found = [row.results for row in done if not row.refused]
+        known = [resolved(key, results) for results in found[:1]]
+        values = [
+            each.value for results in found if (each := results.get(known[0])) and each.value is not None
+        ]
+        if values:
+            return f"best {worded(known[0], min(values) if goal == 'min' else max(values))}"
+    return "evaluating"
 
 
 def _tier(subject: Any) -> str:
     return next(name for name in RANKED_BY if not able(name, subject, False))
 
 
-def _points(varied: Sequence[Knob], sample: int | None) -> list[Values]:
-    """The grid of all values, or Sobol points."""
+def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = None) -> list[Values]:
+    """Return the values of all rows: the grid, or with `sample` that many Sobol points.
+
+    Raises InputError for keys and ranges that can't be used, and for too many.
+    """
+    varied = knobs(subject, vary)
     if sample is None:
         count = math.prod(len(knob.values()) for knob in varied)
         if count > MOST_ROWS:
@@ -204,7 +226,9 @@ def _next_tier(subject: Subject, question: Question, found: Ranking) -> tuple[st
     first = found.ties[0]
     if found.ranks[0].row not in first or question.tier not in TIERS:
         return None
-    names, least = list(TIERS), len(TIERS[question.tier].leaves_out)
+    # the closed form's error is not told by what it leaves out
+    names, rough = list(TIERS), question.tier == "winkler"
+    least = math.inf if rough else len(TIERS[question.tier].leaves_out)
     for name in names[names.index(question.tier) + 1 :]:
         if not able(name, subject, False) and len(TIERS[name].leaves_out) <= least:
             return name, len(first) * expected(name, subject, set())

@@ -1,0 +1,50 @@
+"""A study as one page that needs nothing else: a table that sorts, two results against each other, and each
+row's design to copy."""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+HERE = files("skincad.pictures")
+
+
+def page(title: str, words: str, data: dict[str, Any]) -> str:
+    """Return an HTML document of a table, a plot of two of its columns, and each row's design.
+
+    `data` has `head` (names of columns), `rows`, `refused` (whether each is), `designs` (a text each), and
+    `x` and `y`, the columns that are plotted first.
+    """
+    style, script = ((HERE / name).read_text("utf-8") for name in ("study.css", "study.js"))
+    told = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{escape(title)}</title>
+<style>
+{style}</style>
+</head>
+<body>
+<h1>{escape(title)}</h1>
+<pre>{escape(words)}</pre>
+<div class="row">
+<div class="column">
+<p><label>across <select id="x"></select></label><label>up <select id="y"></select></label></p>
+<svg id="plot" width="560" height="340" viewBox="0 0 560 340"></svg>
+</div>
+<div class="column">
+<p><b id="which">Click a row or a point for its design</b> <button id="copy">copy</button></p>
+<textarea id="design" readonly></textarea>
+</div>
+</div>
+<p>Click a column's head to sort by it.</p>
+<div class="table"><table><thead><tr id="head"></tr></thead><tbody id="rows"></tbody></table></div>
+<script type="application/json" id="data">{told}</script>
+<script>
+{script}</script>
+</body>
+</html>
+"""
