@@ -1,4 +1,4 @@
-"""Is the better of two designs told apart from the other as surely as is said? Pairs of neighbours in a study,
+"""Is the better of two designs told apart as surely as is said? Pairs of neighbours in a study,
 ranked by the linear tier, against `solid-finite-strain`.
 
 `python -m bench.ranks 30 --seed 100` draws 30 pairs, writes a JSON line of each to out/ranks-SEED.jsonl and
