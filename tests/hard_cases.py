@@ -107,4 +107,6 @@ def scaled(tables: dict[str, Any], lengths: float, moduli: float) -> dict[str, A
 def _times(value: Any, factor: float) -> Any:
     if isinstance(value, dict):
         return {key: _times(inner, factor) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_times(inner, factor) for inner in value]
     return value * factor if isinstance(value, float) and factor != 1.0 else value

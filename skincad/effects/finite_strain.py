@@ -24,6 +24,7 @@ from skincad.effects.kinds import Law, Reading, Share, Step, Term
 from skincad.effects.omitted import Omitted, SceneOutline
 from skincad.mechanics.contact.grip import Cone, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
+from skincad.shape.crests import full_height
 
 if TYPE_CHECKING:
     from skincad.mechanics.bodies.large_field import StripStress
@@ -83,7 +84,7 @@ class FiniteStrain(Law):
         The squeeze counts twice as the normal force may add to a ridge's bending by its lean: a reading of
         the runs, not proven.
         """
-        height = outline.design.skin.thickness + outline.design.ridge.height
+        height = full_height(outline.design)
         strain = (outline.travel + 2 * outline.approach) / height
         text = f"nominal strain {strain:.2g}"
         return Omitted("finite_strain", text, min(1.0, PER_STRAIN * strain), calibrated=True)

@@ -23,6 +23,7 @@ from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, Share, Step, Term
 from skincad.effects.omitted import Omitted, SceneOutline
 from skincad.inputs.material import silicone
+from skincad.shape.crests import full_height
 
 PER_RAMP = 0.4  # measured 0.16 to 0.82 on ramps of 0.5 to 5 ms, plates of 0.1 and 0.4 of the skin's mass
 
@@ -58,7 +59,7 @@ class Inertia(Term):
 
         design, stuff = outline.design, silicone(outline.design)
         shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
-        mode = shear_frequency(shear, stuff.density, design.skin.thickness + design.ridge.height)
+        mode = shear_frequency(shear, stuff.density, full_height(design))
         changes = []
         for loads in filter(None, outline.loads):
             largest = max(map(abs, loads))

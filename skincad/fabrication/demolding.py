@@ -14,16 +14,17 @@ _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 
 
 def drafted(design: Design) -> tuple[float | None, float | None]:
-    """Return the root_width, or the tip_width, that frees the outermost ridge; None where it can't be.
+    """Return the root_width, or the tip_width, that frees the ridge that needs most; None where it can't be.
 
     A flank from (root / 2, -s) to (tip / 2, h - c) in the ridge's frame, s the base circle's fall over half a
     root, has the draft of the ridge's lean. A little is added, so that the design's own test finds none.
     """
     ridge, radius = design.ridge, design.skin.curvature_radius
-    slope = 2 * math.tan(abs(design.lean(1)))
+    worst = neediest(design)
+    slope, height = 2 * math.tan(abs(design.lean(worst))), design.heights[worst - 1]
 
     def draft(root: float) -> float:
-        return slope * (ridge.height - ridge.crown + root**2 / (8 * radius)) + 4 * VISIBLE
+        return slope * (height - ridge.crown + root**2 / (8 * radius)) + 4 * VISIBLE
 
     root = ridge.root_width
     for _ in range(_ROUNDS):
@@ -34,6 +35,15 @@ def drafted(design: Design) -> tuple[float | None, float | None]:
         size = math.ceil(value * 1000) / 1000 if key == "root_width" else math.floor(value * 1000) / 1000
         found.append(size if size > 0 and _free(design, key, size) else None)
     return found[0], found[1]
+
+
+def neediest(design: Design) -> int:
+    """Return the ridge whose flanks need most draft: of ridges alike the outermost."""
+    needs = [
+        math.tan(abs(design.lean(ridge))) * (height - design.ridge.crown)
+        for ridge, height in enumerate(design.heights, 1)
+    ]
+    return needs.index(max(needs)) + 1
 
 
 def _free(design: Design, key: str, value: float) -> bool:
@@ -77,4 +87,6 @@ def _cure(design: Design) -> str:
         'a split cavity (mold.split = "auto")' if design.mold.split == "none" else "",
         "a larger curvature_radius, or fewer ridges",
     ]
-    return ", or ".join(way for way in ways if way) + " frees the outermost ridge"
+    worst = neediest(design)
+    freed = "the outermost ridge" if worst in (1, design.ridge.count) else f"ridge {worst}"
+    return ", or ".join(way for way in ways if way) + f" frees {freed}"

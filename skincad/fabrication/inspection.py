@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
-from skincad.shape.cross_section import frame
+from skincad.shape.crests import summits
 from skincad.solids.plan import Part
 
 SHARE_OF_WALL = 3.0  # standard deviations: what the process itself lets a crest differ by
@@ -47,8 +47,9 @@ def inspection(design: Design, skin: Part, allowed_drops: tuple[float, ...] = ()
     ]
     own = SHARE_OF_WALL * body.crest_sigma
     back = "flat back" if design.skin.curvature_radius_y is None else "back, in the middle of its length"
+    crests = summits(design)
     for ridge in range(1, design.ridge.count + 1):
-        height = frame(design, ridge).at(0.0, design.ridge.height).z
+        height = crests[ridge - 1]
         allowed = allowed_drops[ridge - 1] if allowed_drops else own
         drop = min(own, allowed)
         rows.append(

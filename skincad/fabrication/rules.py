@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -76,10 +77,12 @@ def maker(design: Design, part: Part) -> str | None:
 
 
 def grooves(case: Case) -> list[Feature]:
-    """Return the narrowest groove of each kind: a ridge's in the cavity, a shim's in a comb."""
+    """Return the narrowest groove of each kind: the highest ridge's in the cavity, a shim's in a comb."""
     design, ridge = case.design, case.design.ridge
     if case.part.role in CAVITIES:
-        return [Feature("groove of a ridge's tip", ridge.tip_width, ridge.height)]
+        deepest = max(design.heights)
+        which = f"ridge {design.heights.index(deepest) + 1}" if design.uneven else "a ridge"
+        return [Feature(f"groove of {which}'s tip", ridge.tip_width, deepest)]
     if case.part.role is PartRole.COMB and design.slot:
         gap = 2 * design.mold.slit_clearance
         held = "strip" if design.mold.method == "cast-in" else "shim"
@@ -90,11 +93,15 @@ def grooves(case: Case) -> list[Feature]:
 def teeth(case: Case) -> list[Feature]:
     """Return the narrowest free tooth: between two ridges' grooves in the cavity, between notches in a comb.
 
-    In the cavity the width is that of its free end, before fillets; in a comb the least distance.
+    In the cavity the width is that of its free end, before fillets, and the height that over the shallower
+    groove: below its bottom the tooth is backed. In a comb the width is the least distance.
     """
-    ridge = case.design.ridge
+    ridge, design = case.design.ridge, case.design
     if case.part.role in CAVITIES and ridge.count > 1:
-        return [Feature("tooth between two ridges' roots", ridge.pitch - ridge.root_width, ridge.height)]
+        free = [min(pair) for pair in pairwise(design.heights)]
+        first = free.index(max(free)) + 1
+        which = f"the roots of ridges {first} and {first + 1}" if design.uneven else "two ridges' roots"
+        return [Feature(f"tooth between {which}", ridge.pitch - ridge.root_width, max(free))]
     return [_comb_tooth(case.design)] if case.part.role is PartRole.COMB else []
 
 

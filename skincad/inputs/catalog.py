@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
-from skincad.inputs.design import Design, drop_dependents, renamed_material
+from skincad.inputs.design import Design, drop_dependents, drop_replaced, renamed_material
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import templates_folder
 from skincad.inputs.silicone import Silicone
@@ -199,6 +199,8 @@ def overridden(data: dict[str, Any], settings: list[str] | tuple[str, ...]) -> d
             drop_dependents(result, path.strip())
         else:
             table[keys[-1]] = _toml_value(value.strip())
+            if keys[:-1] == ["ridge"]:
+                drop_replaced(result, {keys[-1]})
     named = {text.partition("=")[0].strip() for text in settings}
     renamed_material(result, {key.removeprefix("material.") for key in named if key.startswith("material.")})
     return result

@@ -11,8 +11,9 @@ from skincad.base.tables import Document
 from skincad.inputs import guards
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process
+from skincad.inputs.ridge_table import Ridge, heights, lean
 from skincad.inputs.silicone import Silicone
-from skincad.inputs.skin_tables import OF_A_SILICONE, Contact, Film, Material, Ridge, Skin, Slot, lean
+from skincad.inputs.skin_tables import OF_A_SILICONE, Contact, Film, Material, Skin, Slot
 
 
 class Design(Document):
@@ -72,12 +73,24 @@ class Design(Document):
         """Return the angle in rad between ridge's axis and z; ridges count from 1 at the smallest x."""
         return lean(self.skin, self.ridge, ridge)
 
+    @property
+    def heights(self) -> tuple[float, ...]:
+        """Height of each ridge, base circle to the crown's summit, mm, ridge 1 first."""
+        return heights(self.skin, self.ridge)
+
+    @property
+    def uneven(self) -> bool:
+        """Whether ridges differ in height."""
+        return len({*self.heights}) > 1
+
     @staticmethod
     def _follow(data: dict[str, Any], key: str, change: Any) -> None:
         if change is None:
             drop_dependents(data, key)
         if key == "material" and isinstance(change, dict) and change.get("name") is not None:
             renamed_material(data, set(change))
+        if key == "ridge" and isinstance(change, dict):
+            drop_replaced(data, {name for name, value in change.items() if value is not None})
 
 
 def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
@@ -94,3 +107,14 @@ def drop_dependents(data: dict[str, Any], dropped: str) -> None:
     contact = data.get("contact")
     if dropped in ("slot", "film") and isinstance(contact, dict) and contact.get("film") == "bonded":
         data["contact"] = {key: value for key, value in contact.items() if key != "film"}
+
+
+_INSTEAD = {"height": ("heights",), "heights": ("height", "levelling")}
+
+
+def drop_replaced(data: dict[str, Any], changed: set[str]) -> None:
+    """Drop, in place, the keys of `[ridge]` in whose place others are set anew: one height for all, or one a
+    ridge. Those that are set together stay, and are refused."""
+    gone = {old for new in changed for old in _INSTEAD.get(new, ())} - changed
+    if gone and isinstance(data.get("ridge"), dict):
+        data["ridge"] = {key: value for key, value in data["ridge"].items() if key not in gone}

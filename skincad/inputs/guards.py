@@ -9,8 +9,9 @@ from functools import partial
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process, check_named, check_own
+from skincad.inputs.ridge_table import Ridge, lean
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
-from skincad.inputs.skin_tables import Contact, Film, Material, Ridge, Skin, Slot, lean
+from skincad.inputs.skin_tables import Contact, Film, Material, Skin, Slot
 
 MOST = 999  # ridges that are told of, as ridge.count
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -118,11 +119,13 @@ def profile(ridge: Ridge) -> Iterator[InputError]:
     for key, radius in (("tip_fillet", ridge.tip_fillet), ("root_fillet", ridge.root_fillet)):
         if 0 < radius < SMALLEST_FILLET:
             yield InputError(f"ridge.{key}", f"must be 0 or at least {SMALLEST_FILLET:g} mm", radius)
-    limit = min(ridge.height, ridge.tip_width / 2)
+    each = ridge.heights or (ridge.height or 0.0,)  # levelling makes none lower
+    limit = min(*each, ridge.tip_width / 2)
     if ridge.crown >= limit:
+        lowest = f" of ridge {each.index(limit) + 1}" if limit in each and limit < max(each) else ""
         yield InputError(
             "ridge.crown",
-            f"must be less than {limit:g} mm (the smaller of height and half tip_width)",
+            f"must be less than {limit:g} mm (the smaller of height{lowest} and half tip_width)",
             ridge.crown,
         )
 

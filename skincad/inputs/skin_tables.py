@@ -1,4 +1,5 @@
-"""The tables of a design that say what is cast and pressed: skin, ridges, slots, films, silicone and plate.
+"""The tables of a design that say what is cast and pressed, its ridges apart: skin, slots, films, silicone,
+plate.
 
 The frame and each length are defined in docs/geometry.md: x across the ridges, y along them,
 z out of the skin, flat back at z = 0.
@@ -34,24 +35,6 @@ class Skin(Table):
         le=1e8,
         default=None,
     )
-
-
-class Ridge(Table):
-    """The ridges, all alike, each on its own normal of the base circle."""
-
-    count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
-    pitch: float = quantity("mm", "axis to axis along the base circle", gt=0.0, le=100.0)
-    height: float = quantity("mm", "base circle to the crown's summit", gt=0.0, le=50.0)
-    root_width: float = quantity("mm", "flank to flank on the base circle, before fillets", gt=0.0, le=100.0)
-    tip_width: float = quantity("mm", "chord of the crown, before fillets", gt=0.0, le=100.0)
-    crown: float = quantity("mm", "rise of the tip's arc in its middle above its edges", ge=0.0, le=10.0)
-    tip_fillet: float = quantity("mm", "radius between flank and crown", ge=0.0, le=20.0, default=0.0)
-    root_fillet: float = quantity("mm", "radius between flank and base circle", ge=0.0, le=20.0, default=0.0)
-
-
-def lean(skin: Skin, ridge: Ridge, number: int) -> float:
-    """Return the angle in rad between a ridge's axis and z; ridges count from 1 at the smallest x."""
-    return (number - (ridge.count + 1) / 2) * ridge.pitch / skin.curvature_radius
 
 
 class Slot(Table):

@@ -66,7 +66,7 @@ def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
 
 
 def _chords(design: Design) -> list[float]:
-    return [share * design.ridge.height for share in CHORDS]
+    return [share * min(design.heights) for share in CHORDS]
 
 
 def _stage(chord: float) -> str:

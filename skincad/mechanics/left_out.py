@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import median
 
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -98,7 +99,7 @@ def held(design: Design, ridges: int) -> float:
     being squeezed out (Poiseuille's flow, the silicone being as good as incompressible).
     """
     skin, ridge, nu = design.skin, design.ridge, silicone(design).poisson_ratio
-    column = 2 * ridge.height / (ridge.root_width + ridge.tip_width)
+    column = 2 * median(design.heights) / (ridge.root_width + ridge.tip_width)
     give = ridge.pitch * (1.2 * column + column**3 / 4)
     thickness, base = skin.thickness, skin.thickness / ridge.pitch
     thick = thickness / _spanned(design, ridges)

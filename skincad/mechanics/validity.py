@@ -12,6 +12,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import foreign_modulus, silicone
 from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
+from skincad.shape.crests import full_height
 
 STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
 LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
@@ -76,7 +77,7 @@ def limits(design: Design) -> Limits:
 
 def height(design: Design) -> float:
     """Return how high skin and ridges are, mm: the plate cannot come further."""
-    return design.skin.thickness + design.ridge.height
+    return full_height(design)
 
 
 def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> None:
@@ -118,8 +119,8 @@ def _largest(found: Shares) -> float:
 
 
 def buckling_force(design: Design) -> float:
-    """Return the force, N, at which a ridge tips over under a plate: a column that shears, clamped at its
-    root, its tip held upright by the plate and free to slide along it.
+    """Return the force, N, at which a ridge, the highest of unlike ones, tips over under a plate: a column
+    that shears, clamped at its root, its tip held upright by the plate and free to slide along it.
 
     G A / 2 (sqrt(1 + 4 P / (G A)) - 1), with P = pi^2 E' I / h^2, I = L w^3 / 12, A = 5/6 L w and w the mean
     width: Haringx, Philips Res. Rep. 3 (1948) 401. Plane finite strain finds single ridges, 1.0 to 2.7 widths
@@ -128,7 +129,7 @@ def buckling_force(design: Design) -> float:
     """
     stuff, width = silicone(design), _mean_width(design)
     inertia = design.skin.length * width**3 / 12
-    bending = math.pi**2 * plane_modulus(design) * inertia / design.ridge.height**2
+    bending = math.pi**2 * plane_modulus(design) * inertia / max(design.heights) ** 2
     shear_modulus = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
     shear = SHEARED * shear_modulus * design.skin.length * width
     return shear / 2 * (math.sqrt(1 + 4 * bending / shear) - 1)

@@ -54,9 +54,10 @@ def _draw_ridge(axes: Axes, design: Design) -> None:
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor="#333", linewidth=0.5)
         if design.film:
             axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
+    height = design.heights[(ridge.count - 1) // 2]
     reach = min(1.7 * ridge.pitch, 0.5 * design.skin.width)
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(design.skin.thickness - 0.9 * reach + ridge.height, shape.top + 0.12 * reach)
+    axes.set_ylim(design.skin.thickness - 0.9 * reach + height, shape.top + 0.12 * reach)
     axes.set_aspect("equal")
     axes.set_xlabel("x, mm")
     axes.set_ylabel("z, mm")

@@ -77,6 +77,8 @@ def _section_view(design: Design) -> list[str]:
     radius = (
         f"R {skin.curvature_radius:g}, {design.ridge.count} ridges at {design.ridge.pitch:g} along the arc"
     )
+    if design.uneven:
+        radius += f", {min(design.heights):.4g} to {max(design.heights):.4g} high"
     if skin.curvature_radius_y is not None:
         radius += f"; R {skin.curvature_radius_y:g} along y"
     rows.append(_text(80.0, middle - 4.0, radius))
@@ -89,14 +91,15 @@ def _section_view(design: Design) -> list[str]:
 def _ridge_view(design: Design) -> list[str]:
     """The middle ridge, or the one beside the middle, upright and enlarged."""
     ridge, number = design.ridge, (design.ridge.count + 1) // 2
+    height = design.heights[number - 1]
     own = frame(design, number)
     shape = section(design)
     reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
-    scale = min(38.0 / (2 * reach), 24.0 / (1.5 * ridge.height))
+    scale = min(38.0 / (2 * reach), 24.0 / (1.5 * height))
     view = PageScale((48.0, 110.0), scale)
 
-    low = -0.8 * ridge.height
-    window = shapely.box(-reach, low, reach, 2 * ridge.height)
+    low = -0.8 * height
+    window = shapely.box(-reach, low, reach, 2 * height)
 
     def shown(outline: Loop, kind: str) -> str:
         points = polygon(outline, CHORD / 10) - np.array(own.origin)
@@ -106,12 +109,12 @@ def _ridge_view(design: Design) -> list[str]:
 
     rows = [shown(shape.outline, "skin")]
     rows += [shown(s.loop(), "slot") for s in shape.slots if s.ridge == number]
-    crest, foot = view.at(0.0, ridge.height)[1], view.at(0.0, 0.0)[1]
+    crest, foot = view.at(0.0, height)[1], view.at(0.0, 0.0)[1]
     left, right = view.at(-ridge.root_width / 2, 0.0)[0], view.at(ridge.root_width / 2, 0.0)[0]
     rows += _across(left, right, view.at(0.0, low)[1] + 5.0, f"root {ridge.root_width:g}", foot)
-    tip = [view.at(s * ridge.tip_width / 2, ridge.height)[0] for s in (-1, 1)]
+    tip = [view.at(s * ridge.tip_width / 2, height)[0] for s in (-1, 1)]
     rows += _across(tip[0], tip[1], crest - 4.0, f"tip {ridge.tip_width:g}, crown {ridge.crown:g}", crest)
-    rows += _upright(view.at(reach, 0.0)[0] + 5.0, foot, crest, f"{ridge.height:g}", right)
+    rows += _upright(view.at(reach, 0.0)[0] + 5.0, foot, crest, f"{height:g}", right)
     words = (
         f"ridge {number}, scale {scale:.3g} : 1; fillets {ridge.tip_fillet:g} tip, {ridge.root_fillet:g} root"
     )

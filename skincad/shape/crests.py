@@ -16,9 +16,14 @@ MOST_SHIFT = 0.02  # of the skin's thickness; F9 goes with its power -0.65, so t
 
 def summits(design: Design) -> tuple[float, ...]:
     """Return each crest's height over the flat back, mm, ridge 1 first."""
-    return tuple(
-        frame(design, ridge).at(0.0, design.ridge.height).z for ridge in range(1, design.ridge.count + 1)
-    )
+    return tuple(frame(design, ridge).at(0.0, high).z for ridge, high in enumerate(design.heights, 1))
+
+
+def full_height(design: Design) -> float:
+    """Return how high skin and ridges are, mm: the thickness and the height of the ridge with the highest
+    crest."""
+    crests = summits(design)
+    return design.skin.thickness + design.heights[crests.index(max(crests))]
 
 
 def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
@@ -33,11 +38,12 @@ def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
     measured = dict(zip(ridges.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
     designed = summits(design)
     drops = tuple(designed[i] - measured[i + 1] for i in range(count))
-    worst = max(range(count), key=lambda i: abs(drops[i]))
-    if abs(drops[worst]) > design.ridge.height:
+    heights, key = design.heights, "heights" if design.uneven else "height"
+    worst = max(range(count), key=lambda i: abs(drops[i]) - heights[i])
+    if abs(drops[worst]) > heights[worst]:
         raise InputError(
             f"{path}, ridge {worst + 1}",
-            f"must be within {design.ridge.height:g} mm (ridge.height) of the designed "
+            f"must be within {heights[worst]:g} mm (ridge.{key}) of the designed "
             f"{designed[worst]:.4g} mm over the back",
             measured[worst + 1],
         )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from skincad.base.tables import Table
+from skincad.base.tables import Table, unit_of
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 
@@ -53,6 +53,12 @@ def on_grid(length: float) -> float:
 
 
 def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:
-    """Return a table with its lengths (or those of `keys`) times a factor; a count stays."""
-    old = {key: getattr(table, key) for key in keys or type(table).model_fields}
-    return table.model_copy(update={k: v * by for k, v in old.items() if isinstance(v, float)})
+    """Return a table with its lengths (or those of `keys`) times a factor; what is not given stays so."""
+    model = type(table)
+    old = {key: getattr(table, key) for key in keys or model.model_fields if unit_of(model, (key,)) == "mm"}
+    larger = {
+        key: tuple(each * by for each in value) if isinstance(value, tuple) else value * by
+        for key, value in old.items()
+        if value is not None
+    }
+    return table.model_copy(update=larger)

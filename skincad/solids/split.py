@@ -15,8 +15,9 @@ import shapely
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import Section, SlotPlace, concentric_hit
+from skincad.shape.cross_section import Section, SlotPlace
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.half_ridge import concentric_hit
 
 _MEET = "neighbouring notches of the comb meet"
 _APART = "reduce it, or move the slots apart or tilt them less"

@@ -1,6 +1,6 @@
 """A ridge's undercut: what its groove squeezes it by when the skin leaves straight along its own -z.
 
-The fan of ridges is symmetric and leaves as one, so no ridge can give way sideways: every level of a ridge
+The fan leans alike to both sides and leaves as one, so no ridge can give way sideways: every level of a ridge
 has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is squeezed by
 the nominal strain 1 - w / W; rubber keeps its volume and the skin is long, so it stretches upward by
 W / w - 1, and that is held against the elongation at break. Friction and the ridge's bending are left out.
@@ -64,8 +64,9 @@ def safe_strain(design: Design) -> float:
 
 def split_ridges(design: Design) -> list[int]:
     """Return the ridges at which the cavity is parted: with split = "auto" those that are squeezed beyond
-    what is safe."""
+    what is safe, and their mirror images, so that the pieces between come out straight."""
     if design.mold.split == "none":
         return []
-    limit = safe_strain(design)
-    return [ridge for ridge, undercut in squeezes(design).items() if undercut.strain > limit]
+    limit, count = safe_strain(design), design.ridge.count
+    caught = [ridge for ridge, undercut in squeezes(design).items() if undercut.strain > limit]
+    return sorted({*caught, *(count + 1 - ridge for ridge in caught)})

@@ -65,7 +65,7 @@ def advise(design: Design, found: ContactCheck, *, progress: Progress | None = N
 def cause(design: Design, found: ContactCheck) -> str:
     """Return why ridges stay clear, in mm: the crests against the plate's approach."""
     heights, approach = summits(design), found.approach.value or 0.0
-    drop, high = max(heights) - min(heights), design.ridge.height
+    drop, high = max(heights) - min(heights), max(design.heights)
     return (
         f"the lowest crest lies {drop:.2g} mm below the highest, of ridges {high:g} mm high; at "
         f"{found.force:g} N the plate comes {approach:.2g} mm down"

@@ -8,8 +8,9 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import concentric_hit, frame, section
+from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import area, polygon
+from skincad.shape.half_ridge import concentric_hit
 
 
 def test_area_agrees_with_a_fine_polygon(variants: dict[str, Design]) -> None:

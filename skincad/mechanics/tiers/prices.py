@@ -39,10 +39,11 @@ def any_size(_: Design) -> float:
 def plane_unknowns(design: Design) -> float:
     """Return about how many unknowns the plane has, order 3: within 30 % on the templates.
 
-    A section is its own mirror image: of a pad under a flat plate half is solved.
+    Of a pad that is its own mirror image half is solved.
     """
     slots = design.slot is not None and design.film_state != "ignored"
-    half = 0.5 if design.contact.plate.shape == "flat" else 1.0
+    mirrored = design.contact.plate.shape == "flat" and design.heights == design.heights[::-1]
+    half = 0.5 if mirrored else 1.0
     return half * (3000 + design.ridge.count * (3000 if slots else 1900))
 
 

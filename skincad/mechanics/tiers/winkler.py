@@ -24,7 +24,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers.winkler_error import compliances, half_widths, share_error
+from skincad.mechanics.tiers.winkler_error import compliances, half_widths, share_error, unlevel
 from skincad.mechanics.validity import LARGEST_STRAIN, STEEPEST, plane_modulus
 
 NODES = 10  # Gauss points along half a ridge; exact to rounding below 90 degrees
@@ -32,7 +32,7 @@ TINY = 1e-300  # mm; the root's relative tolerance counts
 
 
 def ridge_stiffness(design: Design) -> float:
-    """Return one ridge's stiffness, N/mm: its part of the base and the ridge itself in series.
+    """Return the median ridge's stiffness, N/mm: its part of the base and the ridge itself in series.
 
     k = L / (n T / (E' W) + h / (E' w)) with E' = E / (1 - nu^2), w the ridge's mean width.
     Johnson, Contact Mechanics, 1985, sec. 4.3 (elastic foundation).
@@ -40,11 +40,19 @@ def ridge_stiffness(design: Design) -> float:
     return plane_modulus(design) * design.skin.length / math.fsum(compliances(design))
 
 
+def stiffer_by(design: Design) -> Array:
+    """Return how many times as stiff as the median ridge each one is `(ridges,)`: higher ones are softer."""
+    usual = math.fsum(compliances(design))
+    return np.array([usual / math.fsum(compliances(design, height)) for height in design.heights])
+
+
 def crest_gaps(design: Design) -> Array:
     """Return how far each crest is from the plate when the first one touches, `(ridges,)` mm."""
-    radius = design.skin.curvature_radius + design.ridge.height
+    heights = np.array(design.heights)
+    radius = design.skin.curvature_radius + heights
     lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
     gap = 2 * radius * np.sin(lean / 2) ** 2 + rise(design.contact.plate, radius * np.sin(lean))
+    gap += heights.max() - heights
     return np.asarray(gap - gap.min())
 
 
@@ -52,7 +60,7 @@ def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
     """Return each ridge's force, N, `(ridges,)` at an approach in mm after the first touch, springs being
     stiffer by `factor`."""
     depth = np.maximum(approach - crest_gaps(design), 0.0)
-    stiffness, radius = factor * ridge_stiffness(design), design.skin.curvature_radius_y
+    stiffness, radius = _stiffnesses(design, factor), design.skin.curvature_radius_y
     if radius is None:
         return np.asarray(stiffness * depth)
     arm, reach = _crest_arms(design), _contact_angles(design, depth)
@@ -63,9 +71,14 @@ def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
     return np.asarray(per_angle * reach * (spring @ weights))  # both halves of y
 
 
+def _stiffnesses(design: Design, factor: float) -> Array:
+    """Each ridge's stiffness, `(ridges,)` N/mm, all stiffer by `factor`."""
+    return np.asarray(factor * ridge_stiffness(design) * stiffer_by(design))
+
+
 def _crest_arms(design: Design) -> Array:
     """Distance of each crest from the axis of the second curvature, `(ridges,)` mm."""
-    skin, height = design.skin, design.ridge.height
+    skin, height = design.skin, np.array(design.heights)
     lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
     fall = 2 * (skin.curvature_radius + height) * np.sin(lean / 2) ** 2
     return np.asarray((skin.curvature_radius_y or math.inf) + height - fall)
@@ -86,10 +99,13 @@ def _approach(design: Design, force: float, factor: float = 1.0) -> float:
     """The approach, mm, at which the ridges carry `force` N: their sum grows with it without bound."""
     stiffness = factor * ridge_stiffness(design)
     if design.skin.curvature_radius_y is None:
-        order = np.sort(crest_gaps(design))
-        carried = stiffness * (order * np.arange(1, order.size + 1) - np.cumsum(order))
+        gaps, times = crest_gaps(design), stiffer_by(design)
+        first = np.argsort(gaps, kind="stable")
+        order, all_of = gaps[first], np.cumsum(times[first])
+        carried = stiffness * (order * all_of - np.cumsum(times[first] * order))
         count = int(np.searchsorted(carried, force, side="left"))
-        return (force / stiffness + float(order[:count].sum())) / count
+        behind = float((times[first] * order)[:count].sum())
+        return (force / stiffness + behind) / float(all_of[count - 1])
     high = force / stiffness
     while line_forces(design, high, factor).sum() < force:
         high *= 2
@@ -110,13 +126,15 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     shares = line_forces(design, approach)
     depth = np.maximum(approach - gaps, 0.0)
     touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
-    line = depth / math.fsum(compliances(design))
+    line = depth * stiffer_by(design) / math.fsum(compliances(design))
     found = half_widths(design, line, approach, float(touched.sum()), last)
+    missed = found.threshold * threshold
+    missed += (1 + found.threshold) * (float(line_forces(design, last + unlevel(design)).sum()) - threshold)
     others = (line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer))
     error = share_error(found, shares, tuple(others))
     return Answer(
         int(np.count_nonzero(shares > 0)),
-        Estimate(threshold, found.threshold * threshold, "N"),
+        Estimate(threshold, missed, "N"),
         Estimate(approach, found.approach * approach, "mm"),
         tuple(Estimate(float(f), error, "N") for f in shares),
         gaps.size,
@@ -142,7 +160,8 @@ def _beyond(design: Design, approach: float) -> str:
     or that the contact's end slopes too much."""
     ridge = design.ridge
     width = (ridge.root_width + ridge.tip_width) / 2
-    strain = approach / math.fsum(compliances(design)) / width
+    deepest = float(((approach - crest_gaps(design)) * stiffer_by(design)).max())
+    strain = deepest / math.fsum(compliances(design)) / width
     if strain > LARGEST_STRAIN:
         return f"a ridge's middle is strained by {strain:.2g} (the range ends at {LARGEST_STRAIN:g})"
     slope = _end_slope(design, approach)

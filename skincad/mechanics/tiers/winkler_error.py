@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 
@@ -58,14 +59,16 @@ class Widths:
     softer: float
 
 
-def compliances(design: Design) -> tuple[float, float]:
+def compliances(design: Design, height: float | None = None) -> tuple[float, float]:
     """Return E' times the give of a ridge's part of the base and of the ridge, per force along y (1).
 
-    Each is a layer's thickness over its width. Johnson, Contact Mechanics, 1985, sec. 4.3.
+    Each is a layer's thickness over its width; the ridge is `height` mm high, or as the median one. Johnson,
+    Contact Mechanics, 1985, sec. 4.3.
     """
     skin, ridge = design.skin, design.ridge
     base = ridge.count * skin.thickness / skin.width
-    return base, 2 * ridge.height / (ridge.root_width + ridge.tip_width)
+    high = median(design.heights) if height is None else height
+    return base, 2 * high / (ridge.root_width + ridge.tip_width)
 
 
 def confinement(slender: float, nu: float) -> float:
@@ -105,7 +108,7 @@ def tip_approach(design: Design, ridge: int, line: float) -> float:
     """
     shape, tip = design.ridge, design.ridge.tip_width
     lean = design.lean(ridge + 1)
-    middle = (design.skin.curvature_radius + shape.height) * math.sin(lean)
+    middle = (design.skin.curvature_radius + design.heights[ridge]) * math.sin(lean)
     low, high = rise(design.contact.plate, np.array([middle - tip / 2, middle + tip / 2]))
     tilt = abs(math.sin(lean) + float(high - low) / tip)
     most = shape.crown + tilt * tip / 2 + ROUND * min(shape.tip_fillet, tip / 2)
@@ -114,8 +117,29 @@ def tip_approach(design: Design, ridge: int, line: float) -> float:
     edge = max(0.0, 1 - 4 * shape.crown / tip / tilt) if tilt > 0 else 0.0  # beyond the crown's own slope
     on_crown = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
     on_edge = EDGE * max(on_crown, math.log(line + tilt * tip / 2) - math.log(line))
-    bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * compliances(design)[1]
+    bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * compliances(design, design.heights[ridge])[1]
     return min(most, line * ((1 - edge) * on_crown + edge * (on_edge + bent)))
+
+
+def unlevel(design: Design) -> float:
+    """Return by how much the highest points of leaning crowns differ in their height over the summits on the
+    axes, mm: springs count from the summits.
+
+    A crown of radius r that leans by a rises 2 r sin(a / 2)^2 over its summit, up to its edge. Of ridges
+    alike that is a part of their drops that THRESHOLD_ERROR holds; levelled crests have little else.
+    """
+    if not design.uneven:
+        return 0.0
+    tip, crown = design.ridge.tip_width, design.ridge.crown
+    leans = [abs(design.lean(ridge)) for ridge in range(1, design.ridge.count + 1)]
+    radius = tip**2 / (8 * crown) + crown / 2 if crown else math.inf
+    rises = [
+        2 * radius * math.sin(lean / 2) ** 2
+        if radius * math.sin(lean) <= tip / 2
+        else tip / 2 * math.sin(lean) - crown * math.cos(lean)
+        for lean in leans
+    ]
+    return max(rises) - min(rises)
 
 
 def half_widths(design: Design, line: Array, approach: float, carrying: float, last: float) -> Widths:
