@@ -52,6 +52,8 @@ def variants(yamada: Design) -> dict[str, Design]:
         "R 1e6": yamada.with_(skin={"curvature_radius": 1e6}),
         "R 1e8": yamada.with_(skin={"curvature_radius": 1e8}),
         "R 12": yamada.with_(skin={"curvature_radius": 12.0, "width": 10.0}, ridge={"count": 7}),
+        "unlike": yamada.with_(ridge={"heights": [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]}),
+        "levelled": yamada.with_(ridge={"levelling": 1.0}),
         "one ridge": yamada.with_(ridge={"count": 1}),
         "two ridges": yamada.with_(ridge={"count": 2}),
         "101 ridges": yamada.with_(ridge={"count": 101}, skin={"curvature_radius": 1000.0, "width": 104.0}),

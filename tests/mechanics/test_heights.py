@@ -1,0 +1,151 @@
+"""Ridges of unlike height under a plate: mirrored, against measured crests, against springs by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad import load
+from skincad.base.estimate import Estimate
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.film.stress import film_stresses
+from skincad.mechanics.problem import Request, pad_of
+from skincad.mechanics.tiers import finite_strain, linear, prices, winkler, winkler_error
+from skincad.mechanics.touching import check
+from skincad.mechanics.validity import buckling_force, ridge_strain
+from skincad.shape.crests import summits
+from tests.mechanics.designs import BARE, THREE, plane, yamada
+
+UNLIKE = (0.49, 0.5, 0.504)  # mm; no two alike, none symmetric, and all touch
+FORCE = 1.0  # N, at which the three touch
+
+
+def three(heights: Sequence[float] | None = None) -> Design:
+    found = load("plain-ridges").with_(**THREE, contact={"friction": 0.0})
+    return found if heights is None else found.with_(ridge={"heights": list(heights)})
+
+
+def values(found: Sequence[Estimate]) -> np.ndarray:
+    return np.array([each.value for each in found], dtype=float)
+
+
+def test_half_of_a_levelled_skin_is_enough_and_all_of_an_unlike_one() -> None:
+    assert plane_piece(pad_of(three().with_(ridge={"levelling": 0.8})), 0.5).mirrored
+    assert plane_piece(pad_of(three((0.49, 0.5, 0.49))), 0.5).mirrored
+    assert not plane_piece(pad_of(three(UNLIKE)), 0.5).mirrored
+    assert not plane_piece(pad_of(three((0.5, 0.5, 0.5 + 1e-6))), 0.5).mirrored
+    assert prices.plane_unknowns(three(UNLIKE)) == 2 * prices.plane_unknowns(three())
+
+
+@pytest.mark.parametrize(
+    "answer", [linear.answer, pytest.param(finite_strain.answer, marks=pytest.mark.slow)]
+)
+def test_reversed_heights_reverse_the_ridges_forces(answer: object) -> None:
+    """To the meshes' own errors: a mesh is not its own mirror image."""
+    one, other = (answer(three(h), Request(FORCE, 0.05)) for h in (UNLIKE, UNLIKE[::-1]))  # type: ignore[operator]
+    error = 2 * float(one.ridge_force[0].error)
+    assert np.ptp(values(one.ridge_force)) > 20 * error  # they tell which way round they are
+    assert values(one.ridge_force) == pytest.approx(values(other.ridge_force)[::-1], abs=error)
+    first, second = one.all_touch_force, other.all_touch_force
+    assert first.value == pytest.approx(second.value, abs=(first.error or 0.0) + (second.error or 0.0))
+
+
+def test_heights_all_alike_have_the_very_same_verdict() -> None:
+    one, other = plane(three(), force=FORCE, tol=0.05), plane(three([0.5] * 3), force=FORCE, tol=0.05)
+    assert one.all_touch_force == other.all_touch_force
+    assert one.ridge_force == other.ridge_force
+
+
+def test_lower_ridges_are_as_a_measured_part_with_lower_crests(tmp_path: Path) -> None:
+    """A measured part is the designed section, whole, with gaps: another mesh and another way to the gap. The
+    ridges' stiffness changes with their height, by 2 % of a part of the whole."""
+    even, drops = three(), [0.5 - height for height in UNLIKE]
+    rows = [f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(summits(even), drops, strict=True), 1)]
+    (tmp_path / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join(rows))
+    part = check(even, tier="linear", force=FORCE, measured=tmp_path / "crests.csv")
+    designed = plane(three(UNLIKE), force=FORCE)
+    first = designed.all_touch_force.value
+    assert first == pytest.approx(part.all_touch_force.value, rel=0.02)
+    # twice the crests' own difference in the force: what is compared is no rounding
+    assert abs((plane(even, force=FORCE).all_touch_force.value or 0.0) / (first or 1.0) - 1) > 0.04
+    assert values(designed.ridge_force) == pytest.approx(values(part.ridge_force), abs=0.02 * FORCE / 3)
+
+
+def test_springs_of_unlike_ridges_by_hand() -> None:
+    """k = L E' / (n T / W + 2 h / (root + tip)), each pressed by the plate less its own gap."""
+    design = yamada().with_(**BARE, ridge={"heights": [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]})
+    crests = np.array(summits(design))
+    gaps = crests.max() - crests
+    assert winkler.crest_gaps(design) == pytest.approx(gaps, abs=1e-12)  # rounding of 4.5 mm
+    stiffness = 12.0 * 0.8 / (1 - 0.499**2) / (9 * 4.0 / 11.0 + 2 * np.array(design.heights) / 1.25)
+    approach = 0.3
+    assert winkler.line_forces(design, approach) == pytest.approx(stiffness * (approach - gaps), rel=1e-10)
+    for force in (0.1, 1.0, 4.0):  # one ridge carries, some, all
+        found = check(design, tier="winkler", force=force)
+        carried = stiffness * np.maximum((found.approach.value or 0.0) - gaps, 0.0)
+        assert carried.sum() == pytest.approx(force, rel=1e-9)
+        assert values(found.ridge_force) == pytest.approx(carried, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+@pytest.mark.parametrize("crown", [0.0, 0.03])
+def test_the_linear_tier_lies_inside_the_springs_error(share: float, crown: float) -> None:
+    """Levelled crests have hardly a gap; what leaning crowns add to it counts then."""
+    design = yamada().with_(**BARE, ridge={"levelling": share, "crown": crown, "tip_fillet": 0.0})
+    spring, solid = check(design, tier="winkler"), plane(design, tol=0.05)
+    for one, other in (
+        (spring.all_touch_force, solid.all_touch_force),
+        (spring.approach, solid.approach),
+        *zip(spring.ridge_force, solid.ridge_force, strict=True),
+    ):
+        assert abs((one.value or 0.0) - (other.value or 0.0)) <= (one.error or 0.0)
+
+
+def test_crowns_highest_points_over_their_summits() -> None:
+    """By points along the section's crowns."""
+    for crown in (0.0, 0.001, 0.03):
+        design = yamada().with_(**BARE, ridge={"levelling": 0.5, "crown": crown, "tip_fillet": 0.0})
+        outline = skincad.section(design).outline
+        over = [
+            float(s.points(np.linspace(0, 1, 20001))[:, 1].max()) - s.point(0.5).z
+            for s in outline
+            if s.kind == "crown"
+        ]
+        assert winkler_error.unlevel(design) == pytest.approx(max(over) - min(over), abs=1e-9)
+    assert winkler_error.unlevel(yamada()) == 0.0
+
+
+def test_the_highest_ridge_says_when_one_tips_over() -> None:
+    tall = three((0.5, 0.5, 1.5))
+    assert buckling_force(tall) == buckling_force(three().with_(ridge={"height": 1.5}))
+    found = check(tall, tier="winkler", force=0.01)
+    assert ridge_strain(tall, found) == ridge_strain(three(), found)  # by width and length
+
+
+@pytest.mark.slow
+def test_films_of_unlike_ridges_are_mirrored_too() -> None:
+    """S1 less S2 changes its sign where the skin is turned round: to the meshes' errors."""
+    small = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
+    one, other = (
+        film_stresses(small.with_(ridge={"heights": list(h)}), FORCE, tol=0.5)[0]
+        for h in (UNLIKE, UNLIKE[::-1])
+    )
+    for ridge in (1, 2, 3):
+        a, b = one.differential[ridge - 1], other.differential[3 - ridge]
+        assert a.value == pytest.approx(-(b.value or 0.0), abs=(a.error or 0.0) + (b.error or 0.0))
+
+
+def test_nine_ridges_touch_at_half_the_force_of_ridges_alike() -> None:
+    """2.64 ± 0.38 N by `auto` without levelling: half of that is 1.32 N."""
+    levelled = load("yamada-2002", ["ridge.levelling=0.7"])
+    found = check(levelled, force=1.32)
+    assert found.passed
+    assert found.touching == 9
+    assert (found.all_touch_force.upper or 9.0) <= 1.32
+    assert found.manufacture is not None
+    assert (found.manufacture.passing.value or 0.0) > 0.99  # of parts, with the process's crest errors
