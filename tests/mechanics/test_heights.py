@@ -92,6 +92,20 @@ def test_springs_of_unlike_ridges_by_hand() -> None:
         assert values(found.ridge_force) == pytest.approx(carried, rel=1e-9, abs=1e-12)
 
 
+def test_rows_of_springs_along_unlike_ridges_by_hand() -> None:
+    """A second curvature: along y a crest falls away on its own arm about the axis."""
+    heights = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
+    design = yamada().with_(**BARE, skin={"curvature_radius_y": 20.0}, ridge={"heights": heights})
+    crests, angle = np.array(summits(design)), (np.arange(200_000) + 0.5) * 0.3 / 200_000
+    approach, per_mm = 0.05, 0.8 / (1 - 0.499**2) / (9 * 4.0 / 11.0 + 2 * np.array(heights) / 1.25)
+    arm = 20.0 - 4.0 + crests
+    depth = approach - (crests.max() - crests)
+    pressed = np.maximum(depth[:, None] - arm[:, None] * (1 - np.cos(angle)), 0.0)
+    carried = per_mm * 20.0 * 2 * pressed.sum(axis=1) * 0.3 / 200_000
+    # the midpoint rule where contact ends
+    assert winkler.line_forces(design, approach) == pytest.approx(carried, rel=1e-6, abs=1e-12)
+
+
 @pytest.mark.parametrize("share", [0.5, 1.0])
 @pytest.mark.parametrize("crown", [0.0, 0.03])
 def test_the_linear_tier_lies_inside_the_springs_error(share: float, crown: float) -> None:

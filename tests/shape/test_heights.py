@@ -91,7 +91,9 @@ def test_a_measured_crest_is_held_against_its_own_ridge(yamada: Design, tmp_path
     rows = [f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(summits(design), lower, strict=True), 1)]
     (tmp_path / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join(rows))
     assert crest_drops(tmp_path / "crests.csv", design) == pytest.approx(lower, abs=1e-12)
-    (tmp_path / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join([*rows[:7], "8,3.5", rows[8]]))
+    (tmp_path / "crests.csv").write_text(
+        "ridge,crest_mm\n" + "\n".join([*rows[:7], "8,3.7", f"9,{summits(design)[8] - 0.95!r}"])
+    )
     with pytest.raises(InputError, match=r"ridge 8: must be within 0\.5 mm \(ridge\.heights\)"):
         crest_drops(tmp_path / "crests.csv", design)
 
