@@ -224,7 +224,7 @@ def _range(case: Case, found: Figures) -> Iterator[Fault]:
     """No accepted state is beyond the range that `check` has: by hand, not by the program's own limits."""
     design = case.design
     stuff = silicone(design)
-    height = design.skin.thickness + design.ridge.height
+    height = design.skin.thickness + max(design.heights)
     if not max(found["approach"]) < height:
         yield "pressed flat", f"{max(found['approach']):.3g} of {height:.3g} mm"
     if "finite_strain" in case.tables["effects"]:

@@ -28,19 +28,25 @@ TRIES, AGAIN = 9, 2  # evaluations of a search at most, and searches: the error 
 
 @dataclass(frozen=True)
 class _Lever:
-    """A key that changes the force needed, looked for from `low` to `high` times its value."""
+    """A key that changes the force needed, looked for from `low` to `high`, times its value if `times`."""
 
     key: str
     low: float
     high: float
+    times: bool = True
 
     @property
     def grows(self) -> bool:
         """Whether larger values help."""
-        return self.high > 1
+        return not self.times or self.high > 1
+
+    def ends(self, value: float) -> tuple[float, float]:
+        """Return the range in which a change is looked for."""
+        return (self.low * value, self.high * value) if self.times else (value, self.high)
 
 
 LEVERS = (
+    _Lever("ridge.levelling", 0.0, 1.0, times=False),
     _Lever("skin.curvature_radius", 1.0, 8.0),
     _Lever("material.young_modulus", 1 / 8, 1.0),
     _Lever("skin.length", 1 / 8, 1.0),
@@ -75,7 +81,8 @@ def cause(design: Design, found: ContactCheck) -> str:
 def _change(design: Design, lever: _Lever, found: ContactCheck, progress: Progress | None) -> Change | None:
     """The least change of one key with which the design passes, None where none in reach does."""
     before = value_of(design, lever.key)
-    assert isinstance(before, int | float)
+    if not isinstance(before, int | float) or lever.ends(before)[0] >= lever.ends(before)[1]:
+        return None
     question = Question("check", found.tier, mesh_tolerance(found.tier, None), found.force)
     needed = found.all_touch_force
     margin = needed.upper / needed.value if needed.value and needed.upper else GUESS
@@ -85,7 +92,7 @@ def _change(design: Design, lever: _Lever, found: ContactCheck, progress: Progre
         told = told_by(found.as_json(), question.key(design), {lever.key: before})
         asking.name(told)
         asking.evaluations[told.key] = told
-        turned = knob(design, lever.key, (lever.low * before, lever.high * before))
+        turned = knob(design, lever.key, lever.ends(before))
         solved = next(iter(crossings(asking, {}, turned, NEAR, TRIES, [])), None)
         if solved is None:
             return None

@@ -25,6 +25,7 @@ from skincad.scenes.scene import Scene, load_scene
 Subject = Design | Scene | Circuit
 Value = float | int | str
 SKIN = "skin."  # before a design's keys in a scene
+NOT_GIVEN: dict[str, Value] = {"ridge.levelling": 0.0}  # what keys mean that a design need not give
 
 
 def load_subject(
@@ -121,7 +122,7 @@ def value_of(subject: Subject, key: str) -> Value | None:
     tables = _tables(subject)
     inside = _at(tables, table) if last.isdigit() else None
     found = inside[int(last) - 1] if isinstance(inside, list | tuple) and inside else _at(tables, key)
-    return found if isinstance(found, int | float | str) else None
+    return found if isinstance(found, int | float | str) else NOT_GIVEN.get(key)
 
 
 def field_of(subject: Subject, key: str) -> FieldInfo:

@@ -31,18 +31,23 @@ def changes(design: Design) -> tuple[Change, ...]:
 
 def test_each_change_passes_alone_and_is_hardly_larger_than_it_has_to_be() -> None:
     found = changes(plain())
-    assert [c.key for c in found] == ["skin.curvature_radius", "material.young_modulus", "skin.length"]
+    assert [c.key for c in found] == [
+        "ridge.levelling",
+        "skin.curvature_radius",
+        "material.young_modulus",
+        "skin.length",
+    ]
     for change in found:
         again = check(changed(plain(), {change.key: change.after}), tier="winkler")  # type: ignore[arg-type]
         assert again.passed
         assert again.all_touch_force == change.all_touch_force
         # the aim is 0.97 of the force, found within 0.03, and two digits are told
         assert 0.85 * 3.5 <= (change.all_touch_force.upper or 0.0) <= 3.5
-    assert [change.before for change in found] == [60.0, 0.8, 12.0]
-    assert found[0].after > 60.0
-    assert found[1].after < 0.8
-    assert str(found[2]) == f"skin.length 12 -> {found[2].after:g}"
-    assert found[2].as_json()["before"] == 12.0
+    assert [change.before for change in found] == [0.0, 60.0, 0.8, 12.0]
+    assert found[1].after > 60.0
+    assert found[2].after < 0.8
+    assert str(found[3]) == f"skin.length 12 -> {found[3].after:g}"
+    assert found[3].as_json()["before"] == 12.0
 
 
 def test_what_is_refused_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -53,7 +58,7 @@ def test_what_is_refused_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
 
     for place in ("question", "advice"):
         monkeypatch.setattr(f"skincad.studies.{place}.check", judge)
-    assert [c.key for c in changes(plain())] == ["skin.curvature_radius", "material.young_modulus"]
+    assert "skin.length" not in [c.key for c in changes(plain())]
 
 
 def test_what_never_passes_is_no_change() -> None:
@@ -66,6 +71,13 @@ def test_the_modulus_keeps_its_range() -> None:
     (softer,) = (c for c in changes(wide) if c.key == "material.young_modulus")
     after = silicone(changed(wide, {softer.key: softer.after})).young_modulus  # type: ignore[arg-type]
     assert (after.low / after.value, after.high / after.value) == pytest.approx((0.75, 1.5))
+
+
+def test_heights_of_ones_own_are_not_levelled_as_well() -> None:
+    own = plain().with_(ridge={"heights": [0.5] * 9})
+    assert "ridge.levelling" not in [c.key for c in changes(own)]
+    level = plain().with_(ridge={"levelling": 1.0}, contact={"force": 0.05})
+    assert "ridge.levelling" not in [c.key for c in changes(level)]
 
 
 def test_the_cause_is_in_millimetres() -> None:
