@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from time import perf_counter
 from typing import Any, Literal
 
+from skincad.base.arguments import require_goals
 from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.version import __version__
@@ -63,8 +64,9 @@ def question_of(
 ) -> Question:
     """Return what is asked of a subject: a design's check, a scene's simulation, a circuit's gain.
 
-    Raises InputError for a tier or force that there is none of, or where there is none.
+    Raises InputError for a tier, tolerance or force that there is none of, or where there is none.
     """
+    require_goals(tol, None, "0.05")
     if isinstance(subject, Design):
         if force is not None:
             require_force(force)

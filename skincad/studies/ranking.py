@@ -43,13 +43,18 @@ class Ranking:
     ties: tuple[tuple[int, ...], ...]
 
 
+def require_goal(goal: str) -> None:
+    """Raise InputError for a word that is no goal."""
+    if goal not in ("min", "max"):
+        raise InputError("rank", "must be KEY=min or KEY=max", goal)
+
+
 def ranking(rows: Sequence[Evaluation], key: str, goal: Goal) -> Ranking:
     """Return the ranking of all rows that have this result; refused rows have no rank.
 
     Raises InputError for a key that no row has.
     """
-    if goal not in ("min", "max"):
-        raise InputError("rank", "must be KEY=min or KEY=max", goal)
+    require_goal(goal)
     known = {name: None for row in rows for name in row.results}
     key = resolved(key, known, what="rank") if known else key
     placed = [

@@ -22,7 +22,7 @@ from skincad.studies.knobs import Knob, Told, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded
 from skincad.studies.question import Evaluation, Question, question_of
-from skincad.studies.ranking import Goal, Ranking, ranking
+from skincad.studies.ranking import Goal, Ranking, ranking, require_goal
 from skincad.studies.running import Run, Values
 from skincad.studies.running import workers as working
 from skincad.studies.subject import Subject
@@ -162,9 +162,14 @@ def sweep(
         question = replace(question, tier=_tier(subject))
     run = Run(subject, question, None if folder is None else Log(Path(folder)))
     wanted: dict[str, Goal] = dict(rank) if rank else dict(DEFAULT.get(question.kind, {}))
+    for goal in wanted.values():
+        require_goal(goal)
     done: list[Evaluation] = []
 
     def told(found: Evaluation, count: int, _: int) -> None:
+        if found.results and not any(row.results for row in done):
+            for key in wanted:
+                resolved(key, found.results, what="rank")  # a misspelt one costs one row, not all
         done.append(found)
         if tick is not None:
             tick(_best(done, wanted), count)

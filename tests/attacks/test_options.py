@@ -23,6 +23,7 @@ WITH = {  # what a command needs beside the option to come as far as to look at 
     "accuracy": ["yamada-2002"],
     "fit-material": ["bar.csv"],
     "solve": ["yamada-2002", "--target", "approach=1", "--vary", "skin.length=8:12"],
+    "sweep": ["yamada-2002", "--vary", "skin.length=8:12:3"],
 }
 BESIDE = {
     "--pull": ["--stress", "s.png"],
@@ -51,6 +52,7 @@ def test_the_search_finds_them_all() -> None:
         ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
         ("fit-material", "--up-to"), ("simulate", "--at"), ("simulate", "--budget"), ("simulate", "--tol"),
         ("solve", "--evaluations"), ("solve", "--force"), ("solve", "--tol"),
+        ("sweep", "--force"), ("sweep", "--sample"), ("sweep", "--tol"), ("sweep", "--workers"),
     ]  # fmt: skip
 
 

@@ -1,0 +1,178 @@
+"""Sweeps: rows of a grid or of a sample, as table, arrays and words."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.outputs.sweeps import names, sweep_csv, sweep_page
+from skincad.pictures.study_figures import pareto
+from skincad.studies.sweeping import Sweep, points_of, sweep
+
+DESIGN = skincad.load_design("yamada-2002")
+VARY: dict[str, Any] = {"skin.length": (8.0, 14.0, 4), "material.name": "dragon-skin-20,dragon-skin-30"}
+
+
+@pytest.fixture(scope="module")
+def swept() -> Sweep:
+    return sweep(
+        DESIGN,
+        {**VARY, "skin.width": [11.0, 2.0]},
+        tier="winkler",
+        rank={"all_touch_force": "min", "approach": "max"},
+    )
+
+
+def test_a_grid_is_every_combination_in_order(swept: Sweep) -> None:
+    assert len(swept.rows) == 4 * 2 * 2
+    assert [row.values["skin.length"] for row in swept.rows[::4]] == [8.0, 10.0, 12.0, 14.0]
+    for row in swept.rows:
+        if row.refused:
+            assert row.values["skin.width"] == 2.0
+            continue
+        length, name = row.values["skin.length"], row.values["material.name"]
+        design = DESIGN.with_(skin={"length": length}, material={"name": name})
+        assert row.results["all_touch_force_N"] == skincad.check(design, tier="winkler").all_touch_force
+    assert swept.refused == 8
+
+
+def test_ranks_are_of_the_rows_that_have_the_result(swept: Sweep) -> None:
+    first, second = swept.rankings
+    assert len(first.ranks) == 8
+    best = swept.best()
+    assert best.values == {"skin.length": 8.0, "material.name": "dragon-skin-20", "skin.width": 11.0}
+    assert (second.key, second.goal) == ("approach_mm", "max")
+    with pytest.raises(InputError):
+        swept.best(9)
+
+
+def test_a_sample_fills_the_ranges_and_is_the_same_each_time() -> None:
+    vary = {
+        "skin.length": (8.0, 14.0),
+        "skin.curvature_radius": (20.0, 200.0),
+        "material.name": "all",
+        "ridge.count": (5, 9),
+    }
+    points = points_of(DESIGN, vary, 200)
+    assert points == points_of(DESIGN, vary, 200)
+    assert len(points) == 200
+    lengths = np.array([float(point["skin.length"]) for point in points])
+    assert np.histogram(lengths, 8, (8, 14))[0].min() >= 20  # of 25; random ones would leave 14
+    radii = np.array([float(point["skin.curvature_radius"]) for point in points])
+    assert np.median(radii) == pytest.approx(np.sqrt(20 * 200), rel=0.1)  # by ratios
+    assert {point["ridge.count"] for point in points} == {5, 6, 7, 8, 9}
+    assert len({point["material.name"] for point in points}) == 10
+
+
+def test_the_table_is_all_that_is_known(swept: Sweep) -> None:
+    rows = list(csv.DictReader(io.StringIO(sweep_csv(swept))))
+    assert len(rows) == len(swept.rows)
+    for told, row in zip(rows, swept.rows, strict=True):
+        assert told["material.name"] == row.values["material.name"]
+        assert told["refused"] == row.refused
+        if not row.refused:
+            assert float(told["all_touch_force_N"]) == row.results["all_touch_force_N"].value
+            assert float(told["all_touch_force_N.error"]) == row.results["all_touch_force_N"].error
+    assert not {"seconds.total", "cause"} & rows[0].keys()
+
+
+def test_arrays_and_a_frame(swept: Sweep) -> None:
+    arrays = swept.arrays()
+    force = arrays["all_touch_force_N"]
+    assert np.isnan(force).sum() == swept.refused
+    assert arrays["all_touch_force_N.error"].shape == force.shape == (16,)
+    frame = swept.frame()
+    assert list(frame["skin.length"]) == [row.values["skin.length"] for row in swept.rows]
+
+
+def test_json_has_the_contracts_keys(swept: Sweep) -> None:
+    data = json.loads(json.dumps(swept.as_json(), allow_nan=False))
+    assert {"rows", "ranking", "ties", "evaluations", "reused", "seconds"} <= data.keys()
+    assert {"values", "results", "passed", "refused"} <= data["rows"][0].keys()
+    assert data["rows"][0]["results"]["all_touch_force_N"].keys() == {"value", "error"}
+    assert data["ranking"][0] == {
+        "row": swept.rankings[0].ranks[0].row,
+        "wins": swept.rankings[0].ranks[0].wins,
+    }
+    assert data["evaluations"] == 16
+
+
+def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: Sweep) -> None:
+    told = str(swept)
+    assert told.startswith("yamada-2002: 16 rows by winkler, ")
+    assert "8 refused" in told
+    assert "smallest 1" in told
+    assert "largest 1" in told
+    assert "can't be told apart" in told
+    assert "skin.width" in told
+
+
+def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
+    folder = tmp_path / "study"
+    found = sweep(DESIGN, VARY, tier="winkler", folder=folder)
+    written = skincad.write(found, folder)
+    there = {path.name for path in folder.iterdir()}
+    assert there == {*names(), "sweep.json", "evaluations.jsonl", ".skincad-claims"} - {"front.png"}
+    assert {name for name, _ in written.files} <= there
+    again = sweep(DESIGN, VARY, tier="winkler", folder=folder)
+    assert (again.evaluations, again.reused) == (0, 8)
+    skincad.write(again, folder)
+    from pyarrow import parquet
+
+    columns = parquet.read_table(folder / "sweep.parquet").to_pydict()
+    assert columns["skin.length"] == [row.values["skin.length"] for row in found.rows]
+
+
+def test_the_page_needs_nothing_else_and_has_every_design(swept: Sweep) -> None:
+    page = sweep_page(swept)
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+    assert page.count("<script") == 2
+    data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
+    assert len(data["designs"]) == len(data["rows"]) == 16
+    assert "length = 8.0" in data["designs"][0]
+    assert data["designs"][1].startswith("# ridge.count: at most 2 ridges")
+    assert data["head"][data["y"]] == "all_touch_force_N"
+
+
+def test_a_front_is_what_nothing_beats() -> None:
+    points = np.array([[0.0, 3.0], [1.0, 1.0], [2.0, 2.0], [3.0, 0.0], [1.0, 1.0], [0.0, 4.0]])
+    assert pareto(points).tolist() == [True, True, False, True, True, False]
+
+
+def test_scenes_and_circuits_are_swept_too() -> None:
+    found = sweep(
+        skincad.load_circuit("transimpedance"),
+        {"amplifier.feedback_resistance": (1e7, 1e9, 3)},
+        rank={"cutoff": "max"},
+    )
+    assert found.question.kind == "circuit"
+    assert not found.refused
+    assert found.next_tier is None
+
+
+@pytest.mark.parametrize(
+    ("vary", "options", "says"),
+    [
+        ({}, {}, "names no key"),
+        ({"skin.length": (8, 12)}, {}, "needs a number of values"),
+        ({"skin.length": (8, 12)}, {"sample": 0}, "must be from 1"),
+        ({"skin.length": (8, 12, 400), "skin.width": (11, 12, 400)}, {}, "at most 100000 rows"),
+        ({"skin.length": (8, 12, 2)}, {"tier": "lineer"}, "did you mean 'linear'"),
+        ({"skin.length": (8, 12, 2)}, {"force": -1.0}, "force"),
+        ({"skin.length": (8, 12, 2)}, {"workers": 0}, "workers"),
+        ({"skin.length": (8, 12, 2)}, {"rank": {"all_touch_force": "least"}}, "KEY=min or KEY=max"),
+        ({"skin.length": (8, 12, 2)}, {"tol": 2.0}, "tol"),
+        ({"skin.length": (8, 12, 2)}, {"rank": {"all_touch_forc": "min"}}, "did you mean 'all_touch_force'"),
+    ],
+)
+def test_what_can_not_be_asked_is_said(vary: dict[str, Any], options: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        sweep(DESIGN, vary, **{"tier": "winkler", **options})
