@@ -21,6 +21,7 @@ UNSURE = 1.5  # by which factor a guide may be off where nothing was evaluated
 SCAN = 400  # intervals of the range in which crossings are looked for
 CLOSE = 1e-5  # of the range: two ends of a crossing nearer than this are a jump
 SMALL = 1e-4  # of the largest value; a smaller one is as good as 0
+LEAST = 0.01  # of a guide's largest value; a smaller one is taken as this, for what is divided by it
 NEAR = 0.15  # of the function's spread: an extremum this near the wanted value is looked at
 EDGE = 1e-3  # of a bracket: nearer to its end nothing new is learnt
 EDGES = 4  # halvings towards the end of where there are values, at each such end
@@ -96,15 +97,15 @@ def search(
 
 
 def _scanned(guide: Function | None, grid: Array) -> Array | None:
-    """A guide's values on the grid; None where it has too few, or they are not all above 0."""
+    """A guide's values on the grid; None where it has too few, or some below 0."""
     if guide is None:
         return None
     values = np.array([np.nan if (y := guide(float(x))) is None else y for x in grid], dtype=float)
     known = np.isfinite(values)
-    if known.sum() < len(grid) / 2 or np.any(values[known] <= 0):
+    if known.sum() < len(grid) / 2 or np.any(values[known] < 0):
         return None
     filled: Array = np.interp(grid, grid[known], values[known])
-    return filled
+    return np.maximum(filled, LEAST * filled.max()) if filled.max() > 0 else None
 
 
 def _ratio(found: Search, grid: Array, scanned: Array | None, at: Array) -> Array:

@@ -97,6 +97,9 @@ def _told(
     refused = [each.refused for each in evaluations if each.refused]
     if refused and len(refused) == len(evaluations):
         notes = [*notes, f"every value is refused, the first since {refused[0]}"]
+    for key in asking.target:
+        if not refused and evaluations and all(each.results[key].value is None for each in evaluations):
+            notes = [*notes, f"the result has no {key} at any value that was tried"]
     closest = min(evaluations, key=asking.off, default=None)
     near = None
     if closest is not None and not solved and asking.off(closest) < math.inf:

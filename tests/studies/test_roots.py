@@ -62,6 +62,14 @@ def test_a_guide_that_is_wrong_misleads_nobody() -> None:
     assert found.roots == pytest.approx([1 / 3], abs=1e-3)
 
 
+def test_a_guide_that_vanishes_tells_no_ratio_there() -> None:
+    """As levelling does: the closed form needs no force at all where crests are level."""
+    found = search(lambda x: 2.7 - 2.68 * x, 2.0, 0.01, 40, lambda x: max(2.2 * (1 - x), 1e-13), first=0.0)
+    assert len(found.roots) == 1
+    low, high = found.within(found.roots[0], 0.27)
+    assert (low, high) == pytest.approx((0.43 / 2.68, 0.97 / 2.68), rel=0.1)  # the guide's own slope
+
+
 def test_a_guide_with_holes_is_filled_and_one_of_no_sign_is_left_out() -> None:
     def holes(x: float) -> float | None:
         return None if x > 0.8 else 1 + x
