@@ -37,7 +37,10 @@ if TYPE_CHECKING:
     from skincad.solids.mold import mold_solids as mold_solids
     from skincad.solids.skin import skin_solid as skin_solid
     from skincad.studies.advice import advise as advise
+    from skincad.studies.optimising import optimise as optimise
     from skincad.studies.solving import solve as solve
+    from skincad.studies.study import Study as Study
+    from skincad.studies.study import load_study as load_study
     from skincad.studies.sweeping import sweep as sweep
 
 _HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
@@ -48,6 +51,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "RefusedError": "base.errors:RefusedError",
     "UnclearError": "base.errors:UnclearError",
     "Scene": "scenes.scene:Scene",
+    "Study": "studies.study:Study",
     "advise": "studies.advice:advise",
     "accuracy": "ladders.climbing:accuracy",
     "check": "mechanics.touching:check",
@@ -58,8 +62,10 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "load_circuit": "circuit.model:load_circuit",
     "load_design": "inputs.catalog:load_design",
     "load_scene": "scenes.scene:load_scene",
+    "load_study": "studies.study:load_study",
     "make": "fabrication.making:make",
     "mold_solids": "solids.mold:mold_solids",
+    "optimise": "studies.optimising:optimise",
     "section": "shape.cross_section:section",
     "simulate": "scenes.simulation:simulate",
     "skin_solid": "solids.skin:skin_solid",

@@ -23,7 +23,7 @@ from skincad.options import (
     show,
     source_argument,
 )
-from skincad.study_commands import solve, sweep
+from skincad.study_commands import optimise, solve, sweep
 
 app = typer.Typer(
     name="skincad",
@@ -69,7 +69,7 @@ def templates(
         str | None,
         typer.Argument(
             metavar="KIND",
-            help="List one kind: designs, scenes, circuits, silicones or processes.",
+            help="List one kind: designs, scenes, circuits, studies, silicones or processes.",
             autocompletion=_kinds,
         ),
     ] = None,
@@ -77,8 +77,8 @@ def templates(
 ) -> None:
     """List the templates, silicones and processes that ship.
 
-    Templates are designs, scenes and circuits. With KIND, silicones and processes come with their values,
-    ranges and sources.
+    Templates are designs, scenes, circuits and studies. With KIND, silicones and processes come with their
+    values, ranges and sources.
     """
     from skincad.outputs.lists import listed
 
@@ -404,3 +404,4 @@ def fit_material(
 
 app.command()(solve)
 app.command()(sweep)
+app.command()(optimise)

@@ -18,6 +18,7 @@ from skincad.options import (
     SiliconesOption,
     deliver,
     show,
+    source_argument,
 )
 
 SubjectArgument = Annotated[
@@ -25,6 +26,14 @@ SubjectArgument = Annotated[
     typer.Argument(
         metavar="DESIGN", help="A template's name or a TOML file: a design, a scene or a circuit."
     ),
+]
+WorkersOption = Annotated[int, typer.Option("--workers", metavar="N", help="Processes on this machine.")]
+DaskOption = Annotated[
+    str | None,
+    typer.Option("--dask", metavar="ADDRESS", help="A Dask cluster's scheduler, as tcp://host:8786."),
+]
+FreshOption = Annotated[
+    bool, typer.Option("--fresh/--resume", help="Ask all anew, or what the folder's log has not.")
 ]
 ForceOption = Annotated[
     float | None, typer.Option("--force", metavar="N", help="Normal force; default: the design's.")
@@ -148,14 +157,9 @@ def sweep(
     tol: Annotated[
         float | None, typer.Option("--tol", metavar="REL", help="Relative error of each mesh to meet.")
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Processes on this machine.")] = 1,
-    dask: Annotated[
-        str | None,
-        typer.Option("--dask", metavar="ADDRESS", help="A Dask cluster's scheduler, as tcp://host:8786."),
-    ] = None,
-    fresh: Annotated[
-        bool, typer.Option("--fresh/--resume", help="Ask all anew, or what the folder's log has not.")
-    ] = False,
+    workers: WorkersOption = 1,
+    dask: DaskOption = None,
+    fresh: FreshOption = False,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     folder: OutOption = None,
@@ -196,6 +200,36 @@ def sweep(
         )
     deliver(found, as_json, skincad.write(found, target))
     raise typer.Exit(0 if found.refused < len(found.rows) else 1)
+
+
+def optimise(
+    source: Annotated[str, source_argument("STUDY", "studies")],
+    settings: SetOption = [],  # noqa: B006
+    workers: WorkersOption = 1,
+    dask: DaskOption = None,
+    fresh: FreshOption = False,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the best design of a study, or the front of several objectives.
+
+    The study names what is varied, what is to be small or large, and what must hold. Cheap models propose,
+    a better one judges. Designs, a table, pictures and a page appear in the output folder; after Ctrl-C the
+    same command goes on where it was.
+    """
+    from skincad.outputs.delivery import ready
+    from skincad.outputs.optimisations import COMMAND, names
+    from skincad.studies.log import NAME
+
+    study = skincad.load_study(source, settings)
+    target = folder or Path("out") / study.name
+    ready(target, COMMAND, names())
+    if fresh:
+        (target / NAME).unlink(missing_ok=True)
+    with step_bar(study.evaluations) as tick:
+        found = skincad.optimise(study, folder=target, workers=workers, dask=dask, tick=tick)
+    deliver(found, as_json, skincad.write(found, target))
+    raise typer.Exit(0 if found.feasible else 1)
 
 
 def _number(key: str, text: str) -> float:

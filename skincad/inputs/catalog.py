@@ -20,13 +20,14 @@ from skincad.inputs.silicone import Silicone
 
 Own = str | Path | Mapping[str, Any]  # a TOML file of one's own tables, or the tables
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
-Kind = Literal["designs", "scenes", "circuits"]
-KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")
+Kind = Literal["designs", "scenes", "circuits", "studies"]
+KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")  # what `new` writes, and studies vary
 # what a file is, and what takes it
 _WORDS = {
     "designs": ("a design", "make, check or accuracy"),
     "scenes": ("a scene", "simulate"),
     "circuits": ("a circuit", "circuit"),
+    "studies": ("a study", "optimise"),
     "silicones": ("a table of silicones", "--silicones (in Python silicones=...)"),
     "printer": ("a table of processes", "--printer (in Python printer=...)"),
 }
@@ -35,6 +36,7 @@ _MARKS: dict[Kind, set[str]] = {
     "designs": {"ridge", "slot", "material", "mold", "contact"},
     "scenes": {"history", "effects", "readout"},
     "circuits": {"amplifier", "motional", "cable", "sweep"},
+    "studies": {"vary", "objectives", "constraints"},
 }
 
 
@@ -56,7 +58,7 @@ def template_text(name: str, kind: Kind = "designs") -> str:
 
 def kinds_of(name: str) -> list[Kind]:
     """Return the kinds that have a template of this name."""
-    return [kind for kind in KINDS if name in template_names(kind)]
+    return [kind for kind in _MARKS if name in template_names(kind)]
 
 
 def load_design(

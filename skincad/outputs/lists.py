@@ -9,15 +9,17 @@ import tomlkit
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Ranged, Table, unit_of
-from skincad.inputs.catalog import KINDS, template_names, template_text
+from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
 from skincad.inputs.silicone import Silicone, silicones
 
+STUDIES: Kind = "studies"
 LISTS = {
     "designs": "design",
     "scenes": "scene",
     "circuits": "circuit",
+    "studies": "study",
     "silicones": "silicone",
     "processes": "process",
 }
@@ -54,7 +56,7 @@ def listed(kind: str | None) -> tuple[dict[str, Any], list[str]]:
 
 def _about(kind: str) -> dict[str, str]:
     """Every name of a kind with what it is, in one line."""
-    for each in KINDS:
+    for each in (*KINDS, STUDIES):
         if kind == each:
             return {name: _first(template_text(name, each)) for name in template_names(each)}
     if kind == "silicones":

@@ -102,6 +102,8 @@ def _model_and_loader(kind: Kind | shipped.Table) -> tuple[type[Table], Callable
         return Circuit, load_circuit
     if kind == "designs":
         return Design, load
+    if kind == "studies":
+        raise InputError("template", "is a study, which new does not write", remedy="copy its TOML")
     table, model, _ = _OWN[kind]
     return model, lambda path: load("yamada-2002", **{table: path})
 

@@ -122,8 +122,8 @@ def _write_parquet(found: Sweep, path: Path) -> None:
     parquet.write_table(pyarrow.table(columns), path)
 
 
-def sweep_page(found: Sweep) -> str:
-    """Return the page of all rows, with each one's design to copy."""
+def sweep_page(found: Sweep, words: list[str] | None = None) -> str:
+    """Return the page of all rows, with each one's design to copy, under `words`, the sweep's if None."""
     from skincad.pictures.study_page import page
 
     head, rows = table(found)
@@ -138,7 +138,7 @@ def sweep_page(found: Sweep) -> str:
         "x": shown.index(found.knobs[0].key),
         "y": shown.index(ranked if ranked in shown else found.knobs[0].key),
     }
-    return page(f"{found.name}: {len(found.rows)} rows", "\n".join(lines(found)), data)
+    return page(f"{found.name}: {len(found.rows)} rows", "\n".join(words or lines(found)), data)
 
 
 def _design(found: Sweep, row: Evaluation) -> str:

@@ -1,0 +1,251 @@
+"""Optimisers that ask for places on the unit cube and are told what is there: CMA-ES, NSGA-II, Sobol points.
+
+Every optimiser asks for the same places again if it is told the same: what a log has of an interrupted study
+is gone through again, and nothing needs to be kept of an optimiser itself.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from scipy.stats import qmc
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.studies.knobs import Knob
+
+Name = Literal["cma", "nsga2", "sobol"]
+SPREAD, NEAR = (
+    0.3,
+    0.12,
+)  # of the cube: CMA's first standard deviation, from the middle and from a known start
+WORST = 1e30  # the loss and the broken limit of a place without a result
+MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II begins with around a start
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is at a place: `losses` `(m,)`, smaller is better, and `limits` `(k,)`, which must be 0 at most.
+
+    Both are NaN where there is no result.
+    """
+
+    place: Array
+    losses: Array
+    limits: Array
+
+    @property
+    def there(self) -> bool:
+        """Whether there is a result."""
+        return bool(np.all(np.isfinite(self.losses)) and np.all(np.isfinite(self.limits)))
+
+    @property
+    def broken(self) -> float:
+        """By how much limits are broken in all, 0 if none is; infinite where there is no result."""
+        return float(np.maximum(self.limits, 0.0).sum()) if self.there else math.inf
+
+
+class Optimiser(Protocol):
+    """Asks for places `(n,)` on the unit cube, all of a batch at once, and is told of each."""
+
+    def ask(self) -> list[Array]:
+        """Return the next places."""
+
+    def tell(self, found: Sequence[Told]) -> None:
+        """Take note of what was at the places asked for last, in their order."""
+
+
+@dataclass
+class Cma:
+    """CMA-ES (Hansen 2016) on one loss, begun anew with twice the batch where it has converged; limits by an
+    augmented Lagrangian (Atamna and others 2017)."""
+
+    knobs: tuple[Knob, ...]
+    seed: int
+    start: Array | None = None
+    _inner: Any = None
+    _runs: int = 0
+
+    def __post_init__(self) -> None:
+        # a step of a choice or a whole number is one unit, so that CMA's own handling of integers knows it
+        self._levels = np.array([levels(knob) or 1 for knob in self.knobs], dtype=float)
+        self._begin()
+
+    def _begin(self) -> None:
+        import cma
+
+        known = self.start is not None and self._runs == 0
+        middle = self.start if known and self.start is not None else np.full(len(self.knobs), 0.5)
+        whole = [i for i, knob in enumerate(self.knobs) if levels(knob)]
+        size = 4 + int(3 * math.log(len(self.knobs)))
+        options = {
+            "bounds": [np.zeros(len(self.knobs)), self._levels],
+            "CMA_stds": self._levels,
+            "integer_variables": whole,
+            "popsize": size * 2**self._runs,
+            "seed": self.seed + 1000 * self._runs + 1,
+            "verbose": -9,
+            "tolx": 1e-6,
+        }
+        self._inner = cma.CMAEvolutionStrategy(middle * self._levels, NEAR if known else SPREAD, options)
+        self._lagrangian = cma.ConstrainedFitnessAL(
+            lambda x: self._at(x)[0], lambda x: self._at(x)[1], archives=()
+        )
+        self._runs += 1
+
+    def ask(self) -> list[Array]:
+        """Return one generation."""
+        if self._inner.stop():
+            self._begin()
+        self._asked = self._inner.ask()
+        return [np.clip(place / self._levels, 0.0, 1.0) for place in self._asked]
+
+    def tell(self, found: Sequence[Told]) -> None:
+        """Take the generation's losses and limits; a place without a result is worse than all others."""
+        self._told = {tuple(x): each for x, each in zip(self._asked, found, strict=True)}
+        limited = bool(found[0].limits.size)
+        fitness = [
+            math.nan if not each.there else self._lagrangian(x) if limited else float(each.losses[0])
+            for x, each in zip(self._asked, found, strict=True)
+        ]
+        worst = max((value for value in fitness if math.isfinite(value)), default=0.0)
+        filled = [value if math.isfinite(value) else worst + 1.0 + abs(worst) for value in fitness]
+        self._inner.tell(self._asked, filled)
+        if limited and any(each.there for each in found):
+            self._lagrangian.update(self._inner)
+
+    def _at(self, x: Any) -> tuple[float, list[float]]:
+        told = self._told[tuple(x)]
+        return float(told.losses[0]), told.limits.tolist()
+
+
+@dataclass
+class Nsga2:
+    """NSGA-II (Deb 2002) of optuna, for several losses; a limit that is broken comes before all losses."""
+
+    knobs: tuple[Knob, ...]
+    seed: int
+    losses: int
+    start: Array | None = None
+    population: int = 40
+
+    def __post_init__(self) -> None:
+        try:
+            import optuna
+        except ImportError:
+            rule = "needs the package optuna for several objectives"
+            raise InputError("optimiser", rule, remedy="pip install 'skincad[optuna]'") from None
+        optuna.logging.set_verbosity(optuna.logging.ERROR)
+        # simulated binary crossover, as Deb's own: uniform crossover needs twice the evaluations on ZDT1
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)  # its interface may change
+            crossover = optuna.samplers.nsgaii.SBXCrossover(eta=10)
+        sampler = optuna.samplers.NSGAIISampler(
+            population_size=self.population, seed=self.seed, crossover=crossover
+        )
+        self._optuna = optuna
+        self._study = optuna.create_study(directions=["minimize"] * self.losses, sampler=sampler)
+        self._names = [f"x{i}" for i in range(len(self.knobs))]
+        for place in self._first():
+            self._study.enqueue_trial(dict(zip(self._names, place.tolist(), strict=True)))
+
+    def _first(self) -> Array:
+        """A generation around a start, or over the cube."""
+        places: Array = np.asarray(qmc.Sobol(len(self.knobs), rng=self.seed).random(64)[: self.population])
+        if self.start is None:
+            return places
+        around = np.random.default_rng(self.seed).normal(self.start, MUTATED, places.shape)
+        return np.where(np.arange(len(places))[:, None] % 2, places, np.clip(around, 0.0, 1.0))
+
+    def ask(self) -> list[Array]:
+        """Return one generation."""
+        whole = self._optuna.distributions.FloatDistribution(0.0, 1.0)
+        self._trials = [self._study.ask(dict.fromkeys(self._names, whole)) for _ in range(self.population)]
+        return [np.array([trial.params[name] for name in self._names]) for trial in self._trials]
+
+    def tell(self, found: Sequence[Told]) -> None:
+        """Take the generation's losses and limits."""
+        for trial, each in zip(self._trials, found, strict=True):
+            trial.set_constraint("limits", min(each.broken, WORST))
+            self._study.tell(trial, np.nan_to_num(each.losses, nan=WORST).tolist())
+
+
+@dataclass
+class Sobol:
+    """Points that fill the cube evenly, whatever is there."""
+
+    knobs: tuple[Knob, ...]
+    seed: int
+    batch: int = 16
+
+    def __post_init__(self) -> None:
+        self._points = qmc.Sobol(len(self.knobs), rng=self.seed)
+
+    def ask(self) -> list[Array]:
+        """Return the next points."""
+        return list(self._points.random(self.batch))
+
+    def tell(self, found: Sequence[Told]) -> None:
+        """Take no note."""
+
+
+def optimiser(name: Name, knobs: tuple[Knob, ...], losses: int, seed: int, start: Array | None) -> Optimiser:
+    """Return an optimiser by its name, begun at `start` where one is known.
+
+    Raises InputError for CMA-ES with several losses, and for a package that is not installed.
+    """
+    if name == "sobol":
+        return Sobol(knobs, seed)
+    if name == "nsga2":
+        return Nsga2(knobs, seed, losses, start)
+    if losses > 1:
+        raise InputError("optimiser", "must be nsga2 or sobol for several objectives", name)
+    return Cma(knobs, seed, start)
+
+
+def levels(knob: Knob) -> int:
+    """Return how many values a knob of choices or whole numbers has; 0 for any other."""
+    if knob.choices:
+        return len(knob.choices)
+    return int(knob.high) - int(knob.low) + 1 if knob.whole else 0
+
+
+@dataclass
+class Front:
+    """What was found so far: all that breaks no limit and is not beaten by another, in all losses."""
+
+    found: list[Told] = field(default_factory=list)
+
+    @property
+    def best(self) -> list[Told]:
+        """The front; of what breaks limits the one that breaks them least, if there is nothing else."""
+        allowed = [each for each in self.found if each.there and each.broken <= 0]
+        if not allowed:
+            return sorted(self.found, key=lambda each: each.broken)[:1]
+        losses = np.array([each.losses for each in allowed])
+        return [
+            each
+            for each, mine in zip(allowed, losses, strict=True)
+            if not np.any(np.all(losses <= mine, axis=1) & np.any(losses < mine, axis=1))
+        ]
+
+
+def minimise(
+    function: Callable[[list[Array]], list[Told]],
+    asking: Optimiser,
+    most: int,
+    stop: Callable[[], bool] = lambda: False,
+) -> Front:
+    """Return the front of a function that tells of a batch of places, in about `most` evaluations: a batch
+    that was begun is ended."""
+    front = Front()
+    while len(front.found) < most and not stop():
+        told = function(asking.ask())
+        asking.tell(told)
+        front.found += told
+    return front
