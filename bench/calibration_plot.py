@@ -18,7 +18,11 @@ PANELS = {
     "model: free ends, finite strain": lambda row: row.part in ("ends", "strain", "method"),
     "model: winkler": lambda row: row.part == "model",
 }
-MARKS = {"all_touch_force": ("#0072b2", "o", "all-touch force"), "approach": ("#b3470a", "^", "approach")}
+MARKS = {
+    "all_touch_force": ("#0072b2", "o", "all-touch force"),
+    "approach": ("#b3470a", "^", "approach"),
+    "shares": ("#3a7d44", "s", "shares"),
+}
 LEAST = 1e-7  # of the value; smaller errors are drawn there
 MOST = 3.0
 

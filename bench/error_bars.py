@@ -16,12 +16,14 @@ from typing import TypeVar
 import numpy as np
 
 from bench.campaign.random_designs import drawn
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.left_out import LeftOut, free_ends
 from skincad.mechanics.left_out import finite_strain as small_strain
-from skincad.mechanics.left_out import free_ends
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, finite_strain, linear, solid, winkler
 from skincad.mechanics.tiers.linear import RUNGS
@@ -34,8 +36,11 @@ NOTHING = 1e-9  # of the force (or mm per N); an F9 that is rounding
 ABOVE = 2  # rungs 0 and 1 share order 3: what they are held against has order 4 at least
 FINITE = 20  # every twentieth against finite strain
 TOLERANCES = 0.05, 5e-3  # of the mesh: the coarsest rung, and the one that `check` takes
-QUANTITIES = ("all_touch_force", "approach")
+SINGLE = "all_touch_force", "approach"
+QUANTITIES = (*SINGLE, "shares")
 T = TypeVar("T")
+# By quantity: force `(1,)` N, approach `(1,)` mm, shares `(ridges,)` N; None where there is none
+Numbers = dict[str, Array | None]
 
 
 @dataclass(frozen=True)
@@ -43,7 +48,8 @@ class Row:
     """One stated error and what it was held against: `value`, `stated` and `true` in N or mm.
 
     `part` is mesh, ends (free ends left out), strain (finite strain left out) or model; `against` names the
-    better rung, `top` says whether it is the ladder's last.
+    better rung, `top` says whether it is the ladder's last. Of the shares it is the ridge whose error is the
+    most used up, and `value` is the mean share.
     """
 
     seed: int
@@ -111,7 +117,6 @@ class _Seed:
         self.rows: list[Row] = []
         self.refused: dict[str, str] = {}
         self.linear: Answer | None = None
-        self.finest: dict[str, float | None] = {}
 
     def mesh(self) -> None:
         """The linear tier's meshes against the rung above, and on top seeds against the last rung."""
@@ -131,9 +136,7 @@ class _Seed:
                 name = f"fineness {RUNGS[i].fineness:g}, order {RUNGS[i].order}"
                 truth = self._tried(name, lambda i=i: solved.numbers(i))
                 if truth is not None:
-                    self.finest = truth
-                    stated = {q: getattr(found, q).error for q in QUANTITIES}
-                    self._add(f"linear, tol {tol:g}", "mesh", found, stated, truth, name, i == last)
+                    self._add(f"linear, tol {tol:g}", "mesh", found, errors(found), truth, name, i == last)
 
     def models(self, *, solids: bool, ends: bool) -> None:
         """What the models leave out, against the models that know it."""
@@ -142,8 +145,7 @@ class _Seed:
         if plane is None:
             return
         if rough is not None:
-            stated = {q: getattr(rough, q).error for q in QUANTITIES}
-            self._add("winkler", "model", rough, stated, numbers(plane), "linear", False)
+            self._add("winkler", "model", rough, errors(rough), numbers(plane), "linear", False)
         if beyond_small_strain(self.design, self.force, plane) or plane.fault:
             self.refused["models"] = "beyond small strain: no verdict"
             return
@@ -153,7 +155,7 @@ class _Seed:
             finite = self._tried("finite-strain", lambda: finite_strain.answer(self.design, request))
             if finite is not None:
                 bound = small_strain(self.design, plane, self.force)
-                stated = relative(plane, bound.threshold, bound.approach)
+                stated = relative(plane, bound)
                 self._add("linear", "strain", plane, stated, numbers(finite), "finite-strain", True)
 
     def _ends(self, plane: Answer, request: Request, with_solid: bool) -> None:
@@ -161,34 +163,38 @@ class _Seed:
         if ends is None:
             return
         bound = free_ends(self.design)
-        stated = relative(plane, bound.threshold, bound.approach)
+        stated = relative(plane, bound)
         self._add("linear", "ends", plane, stated, numbers(ends), "corrected", False)
         whole = self._tried("solid", lambda: solid.answer(self.design, request)) if with_solid else None
         if whole is not None:
             self._add("linear", "ends", plane, stated, numbers(whole), "solid", True)
-            own = {q: getattr(ends, q).error for q in QUANTITIES}
-            self._add("corrected", "method", ends, own, numbers(whole), "solid", True)
+            self._add("corrected", "method", ends, errors(ends), numbers(whole), "solid", True)
 
     def _add(
         self,
         tier: str,
         part: str,
         found: Answer,
-        stated: dict[str, float | None],
-        truth: dict[str, float | None],
+        stated: Numbers,
+        truth: Numbers,
         against: str,
         top: bool,
     ) -> None:
+        mine = numbers(found)
         for quantity in QUANTITIES:
-            value, true, error = getattr(found, quantity).value, truth[quantity], stated[quantity]
+            value, true, error = mine[quantity], truth[quantity], stated[quantity]
             if value is None or true is None:
                 if (value is None) != (true is None):
                     self.refused[f"{tier} {quantity}"] = f"{value} against {true}"
                 continue
-            if max(value, true) <= NOTHING * self.force or error is None:
+            if max(*value, *true) <= NOTHING * self.force or error is None:
                 continue  # ridges that touch at once
-            missed = abs(value - true)
-            self.rows.append(Row(self.seed, tier, part, quantity, value, error, missed, against, top))
+            if quantity == "shares" and value.size == 1:
+                continue  # one ridge carries all
+            missed = np.abs(value - true)
+            worst = int(np.argmax(missed / np.maximum(error, NOTHING * self.force)))
+            told = float(value.mean()), float(error[worst]), float(missed[worst])
+            self.rows.append(Row(self.seed, tier, part, quantity, *told, against, top))
 
     def _tried(self, name: str, work: Callable[[], T]) -> T | None:
         try:
@@ -203,13 +209,18 @@ class _Levels:
 
     def __init__(self, pad: Pad, force: float) -> None:
         self.pad, self.force = pad, force
-        self.known: dict[int, dict[str, float | None]] = {}
+        self.known: dict[int, Numbers] = {}
 
-    def numbers(self, i: int) -> dict[str, float | None]:
-        """Return F9 and approach of the rung's higher order."""
+    def numbers(self, i: int) -> Numbers:
+        """Return F9, approach and shares of the rung's higher order."""
         if i not in self.known:
             found = level(plane_piece(self.pad, RUNGS[i].fineness), RUNGS[i].order, self.force)
-            self.known[i] = {"all_touch_force": found.all_touch_force, "approach": found.approach}
+            first = found.all_touch_force
+            self.known[i] = {
+                "all_touch_force": None if first is None else np.array([first]),
+                "approach": np.array([found.approach]),
+                "shares": found.ridge_force,
+            }
         return self.known[i]
 
 
@@ -221,15 +232,28 @@ def climbed(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
     return found, ends[told[-1]]
 
 
-def numbers(found: Answer) -> dict[str, float | None]:
+def numbers(found: Answer) -> Numbers:
     """Return an answer's values by quantity."""
-    return {q: getattr(found, q).value for q in QUANTITIES}
+    return _each(found, lambda estimate: estimate.value)
 
 
-def relative(found: Answer, threshold: float, approach: float) -> dict[str, float | None]:
-    """Return bounds that are relative to the answer as N and mm."""
-    share = {"all_touch_force": threshold, "approach": approach}
-    return {q: None if (v := getattr(found, q).value) is None else share[q] * v for q in QUANTITIES}
+def errors(found: Answer) -> Numbers:
+    """Return an answer's stated errors by quantity."""
+    return _each(found, lambda estimate: estimate.error)
+
+
+def relative(found: Answer, bound: LeftOut) -> Numbers:
+    """Return a bound that is relative to the answer, of a share to the mean one, as N and mm."""
+    parts = {"all_touch_force": bound.threshold, "approach": bound.approach, "shares": bound.share}
+    known = numbers(found).items()
+    return {q: None if value is None else np.full_like(value, parts[q] * value.mean()) for q, value in known}
+
+
+def _each(found: Answer, of: Callable[[Estimate], float | None]) -> Numbers:
+    single = {q: of(getattr(found, q)) for q in SINGLE}
+    told: Numbers = {q: None if v is None else np.array([v]) for q, v in single.items()}
+    shares = [of(share) for share in found.ridge_force]
+    return told | {"shares": None if None in shares else np.array(shares, dtype=float)}
 
 
 def groups(rows: list[Row]) -> Iterator[tuple[tuple[str, ...], list[Row]]]:

@@ -1,8 +1,8 @@
 """Stated errors of random designs against true ones.
 
-`python -m bench.table_error_bars ROWS.jsonl [--seeds N] [--minutes M] [--picture PNG]` solves the
-seeds that the file does not have yet, one after the other for at most M minutes, appends them, prints the
-table and draws the calibration plot.
+`python -m bench.table_error_bars ROWS.jsonl` solves the seeds that the file does not have yet, one after the
+other, appends them and prints the table. Which: `--first SEED --seeds N`, for at most `--minutes M`; without
+what is dear, solids and free ends, by `--plane`. `--picture PNG` draws the calibration plot.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ def read(path: Path) -> dict[int, tuple[list[Row], dict[str, str]]]:
     return found
 
 
-def solve(path: Path, seeds: int, minutes: float) -> None:
+def solve(path: Path, seeds: range, minutes: float, plane: bool) -> None:
     """Solve what is missing; every tenth seed, the dearest, comes last."""
     began, known = perf_counter(), read(path)
-    for seed in sorted(range(seeds), key=lambda s: (s % TOPS == 0, s)):
+    for seed in sorted(seeds, key=lambda s: (s % TOPS == 0, s)):
         if seed in known:
             continue
         if perf_counter() - began > 60 * minutes:
             break
-        done = outcome(seed)
+        done = outcome(seed, solids=not plane, ends=not plane)
         with path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(done.as_json()) + "\n")
         print(f"seed {seed}: {done.seconds:.1f} s, {len(done.rows)} rows", file=sys.stderr)
@@ -60,15 +60,18 @@ def main() -> None:
     """Solve, print, draw."""
     parser = argparse.ArgumentParser()
     parser.add_argument("rows", type=Path)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--plane", action="store_true", help="no solids, no free ends")
     parser.add_argument("--picture", type=Path)
     asked = parser.parse_args()
-    solve(asked.rows, asked.seeds, asked.minutes)
+    seeds = range(asked.first, asked.first + asked.seeds)
+    solve(asked.rows, seeds, asked.minutes, asked.plane)
     known = read(asked.rows)
-    rows = [row for seed in sorted(known) if seed < asked.seeds for row in known[seed][0]]
+    rows = [row for seed in sorted(known) if seed in seeds for row in known[seed][0]]
     print("\n".join(table(rows)))
-    for seed in sorted(known):
+    for seed in sorted(set(known) & set(seeds)):
         for name, why in known[seed][1].items():
             print(f"seed {seed}: {name}: {why}")
     if asked.picture:
