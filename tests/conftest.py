@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import gc
 import io
 import os
 import pickle
@@ -127,6 +128,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     slow = {item: bool(item.get_closest_marker("slow")) for item in items}
     # of slow ones the short and unknown come last; of the fast files the unknown, which are quick, come first
     items.sort(key=lambda item: (slow[item], not slow[item] and seconds(item) > 0, -seconds(item)))
+
+
+def pytest_collection_finish() -> None:
+    """What is imported stays until the end: no collection of garbage need look through it again."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

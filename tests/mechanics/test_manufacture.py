@@ -21,7 +21,10 @@ from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, for
 from tests.mechanics.designs import linear_check, reference
 
 
-@pytest.fixture(scope="module", params=["yamada-2002", "fingertip-soft", "nozzle-04"])
+@pytest.fixture(
+    scope="module",
+    params=["yamada-2002", "fingertip-soft", pytest.param("nozzle-04", marks=pytest.mark.slow)],
+)
 def case(request: pytest.FixtureRequest) -> tuple[PlaneSolution, RidgeModel, float, float]:
     design = load(request.param)
     pad, force = pad_of(design), design.contact.force

@@ -53,7 +53,7 @@ def axis(closed: ClosedMold) -> float:
     return body.centre
 
 
-@pytest.mark.parametrize("radius", [*RADII, 1e4])
+@pytest.mark.parametrize("radius", [*RADII, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_every_solid_is_valid_and_of_its_formulas_volume(radius: float) -> None:
     for part in mold(bent("yamada-2002", radius, "ridge.count=3")).parts:
         # `solid` asks for validity and 1e-9; 1e-10 is what bores into the carrier's arc reach

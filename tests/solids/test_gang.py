@@ -18,7 +18,10 @@ def gang(name: str, count: int) -> Design:
     return skincad.load(name).with_(mold={"cavities": count})
 
 
-@pytest.mark.parametrize(("name", "count"), [("yamada-2002", 2), ("plain-ridges", 4), ("lab-bench", 2)])
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("yamada-2002", 2), ("plain-ridges", 4), pytest.param("lab-bench", 2, marks=pytest.mark.slow)],
+)
 def test_a_gang_opens_freely_and_holds_as_many_skins(name: str, count: int) -> None:
     closed = mold(gang(name, count))
     skins = [p for p in closed.parts if p.made == "cast"]
@@ -26,7 +29,9 @@ def test_a_gang_opens_freely_and_holds_as_many_skins(name: str, count: int) -> N
     assert interference(closed, 1e-3) == []
 
 
-@pytest.mark.parametrize(("name", "count"), [("yamada-2002", 2), ("plain-ridges", 4)])
+@pytest.mark.parametrize(
+    ("name", "count"), [("yamada-2002", 2), pytest.param("plain-ridges", 4, marks=pytest.mark.slow)]
+)
 def test_parts_of_a_gang_are_solids_of_their_volume(name: str, count: int) -> None:
     for part in mold(gang(name, count)).parts:
         assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9)
