@@ -189,9 +189,9 @@ class _Seed:
                 continue
             if max(*value, *true) <= NOTHING * self.force or error is None:
                 continue  # ridges that touch at once
-            if quantity == "shares" and value.size == 1:
-                continue  # one ridge carries all
             missed = np.abs(value - true)
+            if quantity == "shares" and missed.max() <= NOTHING * self.force:
+                continue  # one ridge carries all, or two that are each other's image a half each
             worst = int(np.argmax(missed / np.maximum(error, NOTHING * self.force)))
             told = float(value.mean()), float(error[worst]), float(missed[worst])
             self.rows.append(Row(self.seed, tier, part, quantity, *told, against, top))

@@ -110,7 +110,9 @@ def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> N
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
 
 
-@pytest.mark.parametrize(("encoding", "sign"), [("ascii", b"+-"), ("latin-1", b"\xb1")])
+@pytest.mark.parametrize(
+    ("encoding", "sign"), [("ascii", b"+-"), pytest.param("latin-1", b"\xb1", marks=pytest.mark.slow)]
+)
 def test_an_error_has_a_plus_minus_sign_where_the_encoding_has_one(
     encoding: str, sign: bytes, tmp_path: Path
 ) -> None:

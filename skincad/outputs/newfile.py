@@ -9,6 +9,7 @@ import json
 import os
 import re
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -108,6 +109,7 @@ def _model_and_loader(kind: Kind | shipped.Table) -> tuple[type[Table], Callable
     return model, lambda path: load("yamada-2002", **{table: path})
 
 
+@cache
 def schema_of(kind: Kind | shipped.Table) -> str:
     """Return the JSON schema of a kind of file, for an editor that completes and checks TOML."""
     model = _model_and_loader(kind)[0]

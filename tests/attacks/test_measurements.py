@@ -60,14 +60,14 @@ def attacked(kind: str, data: bytes) -> None:
 
 @readers
 @given(data=st.binary(max_size=300))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 def test_any_bytes(kind: str, data: bytes) -> None:
     attacked(kind, data)
 
 
 @readers
 @given(head=HEADS, rows=st.lists(st.lists(CELLS, min_size=1, max_size=3).map(",".join), max_size=12))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_any_cells(kind: str, head: str, rows: list[str]) -> None:
     attacked(kind, "\n".join([head, *rows]).encode())
 

@@ -75,14 +75,14 @@ def attacked(kind: str, data: bytes) -> None:
 
 @kinds
 @given(data=st.binary(max_size=400))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_any_bytes(kind: str, data: bytes) -> None:
     attacked(kind, data)
 
 
 @kinds
 @given(data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_a_template_with_bytes_changed(kind: str, data: st.DataObject) -> None:
     _, name, folder = LOADERS[kind]
     text = bytearray(template_text(name, folder).encode())  # type: ignore[arg-type]
@@ -101,7 +101,7 @@ def paths(table: dict[str, Any], at: tuple[str, ...] = ()) -> list[tuple[str, ..
 
 @kinds
 @given(data=st.data())
-@settings(max_examples=75, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_any_value_at_any_key(kind: str, data: st.DataObject) -> None:
     _, name, folder = LOADERS[kind]
     table = read_table(name, folder)  # type: ignore[arg-type]
@@ -266,7 +266,7 @@ def depth(value: object) -> int:
 
 
 @given(text=st.text(alphabet="\"'[]{}=.,#\n\\ a1", max_size=60))
-@settings(max_examples=500, deadline=None, derandomize=True)
+@settings(max_examples=200, deadline=None, derandomize=True)
 def test_the_bounds_change_no_answer(text: str) -> None:
     """Texts so short nest less than the bounds allow, but for keys of many parts."""
     try:
@@ -283,7 +283,7 @@ def test_the_bounds_change_no_answer(text: str) -> None:
     text=st.lists(st.sampled_from(["[", "]", "{", "}", "a.a=", "a=", "a.a.a", "'", '"', "\n", "1", ",", "#"]),
                   max_size=300).map("".join)
 )  # fmt: skip
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=150, deadline=None, derandomize=True)
 def test_whatever_is_read_is_shallow(text: str) -> None:
     try:
         found = tables_of(f"{text}\nx = {'{a=' * (len(text) % 12)}1{'}' * (len(text) % 12)}", "file")
@@ -340,7 +340,7 @@ def test_bad_overrides(text: str) -> None:
 
 
 @given(text=st.text(max_size=60))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 def test_any_override(text: str) -> None:
     for key in ("", "ridge.height=", "material.young_modulus=", "printer.sla=", "silicones.lab-10="):
         assert "\n" not in told(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]

@@ -307,6 +307,7 @@ def test_the_answer_is_the_solids_changed() -> None:
     assert any("1.0e-03 is not met" in w for w in found.warnings)
 
 
+@pytest.mark.slow
 def test_a_threshold_out_of_reach_is_said() -> None:
     """Strongly curved: the ridges in the middle fail before the outer ones touch."""
     skin = {"curvature_radius": 4.0, "length": 6.0, "width": 5.5}
