@@ -50,14 +50,11 @@ def kept(call: Callable[[], object], times: int) -> float:
         call()
     gc.collect()
     gc.freeze()  # what other tests left; to look through it at each collection takes longer than the calls
-    try:
-        before = in_use()
-        for _ in range(times):
-            call()
-            gc.collect()
-        return (in_use() - before) / times
-    finally:
-        gc.unfreeze()
+    before = in_use()
+    for _ in range(times):
+        call()
+        gc.collect()
+    return (in_use() - before) / times
 
 
 def test_finite_elements_give_their_memory_back() -> None:

@@ -33,6 +33,7 @@ VARIANTS: dict[str, tuple[dict[str, Any], ...]] = {
 }
 COMPANIONS = {"inertia": ("viscosity",)}  # masses that nothing damps flutter where they slide
 DT = 1e-5
+DOWN, ALONG = 16, 8  # steps to be pressed, then moved: enough to stick, to slip in part and to slip
 TERMS = [
     (name, table)
     for name in EFFECTS
@@ -79,23 +80,23 @@ def contact(state: Any) -> Any:
 
 @cache
 def pressed(name: str, case: int) -> tuple[Any, Drive]:
-    """A state of a case after 40 steps: pressed by 1.2 N."""
+    """A state of a case that is pressed by 1.2 N."""
     skin, terms = built(name, TERMS[case][1])
     state, before = skin.start(), Drive(0.0, travel=0.0)
-    for i in range(1, 41):
-        after = Drive(1.2 * i / 40, travel=0.0)
+    for i in range(1, DOWN + 1):
+        after = Drive(1.2 * i / DOWN, travel=0.0)
         state = advanced(skin, terms, state, before, after, i)
         before = after
     return state, before
 
 
 def moved(name: str, table: dict[str, Any], travel: float) -> tuple[Any, Drive]:
-    """A state after 20 more: moved by `travel` mm."""
+    """The same, moved by `travel` mm."""
     skin, terms = built(name, table)
     state, before = pressed(name, TERMS.index((name, table)))
-    for i in range(1, 21):
-        after = Drive(1.2, travel=travel * i / 20)
-        state = advanced(skin, terms, state, before, after, 40 + i)
+    for i in range(1, ALONG + 1):
+        after = Drive(1.2, travel=travel * i / ALONG)
+        state = advanced(skin, terms, state, before, after, DOWN + i)
         before = after
     return state, before
 
@@ -139,13 +140,13 @@ def test_tangent_against_finite_differences(name: str, table: dict[str, Any], tr
     """dT/ds of a step as all sticks, as some slip and as all do; 1e-6: the step is linear while sets stay."""
     skin, terms = built(name, table)
     state, before = moved(name, table, travel)
-    ahead = replace(before, travel=(before.travel or 0.0) + travel / 20)
-    here = contact(advanced(skin, terms, state, before, ahead, 61))
+    ahead, last = replace(before, travel=(before.travel or 0.0) + travel / ALONG), DOWN + ALONG + 1
+    here = contact(advanced(skin, terms, state, before, ahead, last))
     small = 1e-7 * travel
 
     def pull(shift: float) -> tuple[float, Any]:
         further = replace(ahead, travel=(ahead.travel or 0.0) + shift)
-        found = contact(advanced(skin, terms, state, before, further, 61))
+        found = contact(advanced(skin, terms, state, before, further, last))
         return float(found.tangential.sum()), found.status
 
     (more, one), (less, other) = pull(small), pull(-small)
