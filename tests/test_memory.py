@@ -68,7 +68,8 @@ def test_finite_elements_give_their_memory_back() -> None:
         "outlines": lambda: elements.outlines(system, system.lift),
         "section": lambda: section_forms(mesh, 2, materials),
     }
-    assert {name: growth for name, job in jobs.items() if (growth := kept(job, 4)) > KEPT} == {}
+    # of four calls, what tables grow by once for all was up to 0.006 MB a call; of eight it is half of that
+    assert {name: growth for name, job in jobs.items() if (growth := kept(job, 8)) > KEPT} == {}
 
 
 @pytest.mark.slow
