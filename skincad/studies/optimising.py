@@ -186,7 +186,8 @@ def _spread(front: Sequence[Told], most: int) -> list[Told]:
 
 @dataclass
 class _Hunt:
-    """One optimisation under way: its runs by question, and by how much the judge differs, by key."""
+    """One optimisation under way: its runs by question, and by how much the judge's worse end
+    differs, by key and which end."""
 
     study: Study
     subject: Subject
@@ -194,7 +195,7 @@ class _Hunt:
     log: Log | None
     tick: Tick | None
     runs: dict[Question, Run] = field(default_factory=dict)
-    factors: dict[str, float] = field(default_factory=dict)
+    factors: dict[tuple[str, float], float] = field(default_factory=dict)
     seen: list[Evaluation] = field(default_factory=list)
 
     def values(self, place: Array) -> Values:
@@ -303,8 +304,8 @@ class _Hunt:
         found = results[name]
         if found.value is None:
             return math.nan
-        if name in self.factors:
-            return found.value * self.factors[name]
+        if (name, sign) in self.factors:
+            return found.value * self.factors[name, sign]
         return found.value + (sign * slack(found) if self.study.robust else 0.0)
 
     def judged(self, values: Values, question: Question, who: Workers) -> Member | None:
@@ -333,15 +334,16 @@ class _Hunt:
         for member in best:
             (found,) = self._run(question).at([member.values], who)
             told = {**member.objectives, **{key: each for key, (each, _) in member.constraints.items()}}
-            goals = {resolved(o.key, told, what="key"): o.goal for o in self.study.objectives}
-            for key, each in told.items():
-                mine = found.results.get(key)
+            wanted = [(o.key, 1.0 if o.goal == "min" else -1.0) for o in self.study.objectives]
+            wanted += [(limit.key, 1.0 if side == "at_most" else -1.0) for limit, side in self._limits()]
+            for key, sign in wanted:
+                name = resolved(key, told, what="key")
+                mine, each = found.results.get(name), told[name]
                 if mine is None or not mine.value or each.value is None:
                     continue
-                sign = 1.0 if goals.get(key, "max") == "min" else -1.0
                 worse = each.value + (sign * slack(each) if self.study.robust else 0.0)
                 if worse / mine.value > 0:
-                    self.factors[key] = worse / mine.value
+                    self.factors[name, sign] = worse / mine.value
 
     def ordered(self, members: Sequence[Member]) -> list[Member]:
         """Return members, those that keep all constraints first, the best of the first objective first."""

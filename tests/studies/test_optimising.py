@@ -1,0 +1,143 @@
+"""Optimising designs by models that take no time, against optima that are known or swept."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.cli import run
+from skincad.studies.optimising import Optimisation, optimise
+from skincad.studies.study import Study
+from skincad.studies.sweeping import sweep
+
+VARY = {"ridge.levelling": "0:0.6", "skin.thickness": "6:10", "skin.curvature_radius": "90:200"}
+
+
+def study(**changes: Any) -> Study:
+    plain = {
+        "name": "try",
+        "about": "lab-bench",
+        "vary": VARY,
+        "tier": "winkler",
+        "judge": "winkler",
+        "evaluations": 200,
+        "objectives": [{"key": "approach"}],
+        "constraints": [{"key": "all_touch_force", "at_most": 3.0}],
+    }
+    return Study(**{**plain, **changes})
+
+
+@pytest.fixture(scope="module")
+def found() -> Optimisation:
+    return optimise(study())
+
+
+def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
+    grid = sweep(
+        skincad.load_design("lab-bench"),
+        {
+            "ridge.levelling": (0.0, 0.6, 13),
+            "skin.thickness": (6.0, 10.0, 5),
+            "skin.curvature_radius": (90.0, 200.0, 12),
+        },
+        tier="winkler",
+    )
+    allowed = [
+        row.results["approach_mm"].upper or 0.0
+        for row in grid.rows
+        if (row.results["all_touch_force_N"].upper or np.inf) <= 3.0
+    ]
+    (best,) = found.front
+    assert (best.objectives["approach_mm"].upper or np.inf) <= 1.005 * min(
+        allowed
+    )  # what 200 evaluations leave
+    force, kept = best.constraints["all_touch_force_N"]
+    assert kept
+    assert (force.upper or np.inf) <= 3.0
+
+
+def test_the_front_is_what_the_judge_says(found: Optimisation) -> None:
+    design = found.design()
+    again = skincad.check(design, tier="winkler")  # type: ignore[arg-type]
+    assert again.approach == found.front[0].objectives["approach_mm"]
+    with pytest.raises(InputError):
+        found.design(2)
+
+
+def test_without_robustness_the_value_counts() -> None:
+    """The largest force below a limit lies at it: its value, or its upper end."""
+    most = [{"key": "all_touch_force", "goal": "max"}]
+    bold, robust = (optimise(study(robust=kind, objectives=most)).front[0] for kind in (False, True))
+    assert bold.objectives["all_touch_force_N"].value == pytest.approx(3.0, rel=0.02)
+    assert robust.objectives["all_touch_force_N"].upper == pytest.approx(3.0, rel=0.02)
+
+
+def test_a_better_judge_has_the_last_word() -> None:
+    """Judged by another model than the one that searches: its numbers, and its limit kept."""
+    judged = optimise(study(judge="linear", evaluations=60))
+    (best,) = judged.front
+    assert best.tier == "linear"
+    assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
+
+
+def test_what_nothing_keeps_is_said_with_the_nearest() -> None:
+    none = optimise(study(constraints=[{"key": "all_touch_force", "at_most": 0.01}], evaluations=40))
+    assert not none.feasible
+    assert none.closest is not None
+    assert "no design that was judged keeps all constraints" in str(none)
+    assert "BROKEN" in str(none)
+
+
+def test_several_objectives_have_a_front() -> None:
+    goals = [{"key": "approach"}, {"key": "all_touch_force", "goal": "min"}]
+    several = optimise(study(objectives=goals, constraints=[], evaluations=240))
+    told = np.array([[float(each) for each in member.objectives.values()] for member in several.front])
+    assert len(told) >= 3
+    order = np.argsort(told[:, 0])
+    upper = np.array([[each.upper or 0.0 for each in m.objectives.values()] for m in several.front])
+    assert np.all(np.diff(upper[np.argsort(upper[:, 0]), 1]) <= 0)  # less of one is more of the other
+    assert len(order) == len(several.front)
+
+
+def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
+    first = optimise(study(evaluations=60), folder=tmp_path)
+    again = optimise(study(evaluations=60), folder=tmp_path)
+    assert (again.evaluations, again.front) == (0, first.front)
+    log = tmp_path / "evaluations.jsonl"
+    lines = log.read_bytes().splitlines(keepends=True)
+    log.write_bytes(b"".join(lines[: len(lines) // 2]))
+    half = optimise(study(evaluations=60), folder=tmp_path)
+    assert half.front == first.front
+    assert half.evaluations == len(lines) - len(lines) // 2
+
+
+def test_json_has_the_contracts_keys(found: Optimisation) -> None:
+    data = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    assert {"front", "evaluations", "reused", "seconds"} <= data.keys()
+    assert {"values", "objectives", "constraints"} <= data["front"][0].keys()
+
+
+def test_the_command_writes_designs_table_pictures_and_a_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "try.toml"
+    file.write_text(study(evaluations=40).to_toml())
+    assert run(["optimise", str(file), "-o", str(tmp_path / "out"), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    names = {Path(each["path"]).name for each in data["files"]}
+    assert {"front-1.toml", "optimise.csv", "optimise.html", "effects.png", "pairs.png"} <= names
+    best = skincad.load_design(tmp_path / "out" / "front-1.toml")
+    assert best.ridge.levelling == data["front"][0]["values"]["ridge.levelling"]
+    assert run(["optimise", str(file), "-o", str(tmp_path / "out")]) == 0
+    assert capsys.readouterr().out.startswith("try: the best design that was found for approach small.")
+
+
+def test_a_misspelt_key_is_told_at_once() -> None:
+    with pytest.raises(InputError, match="did you mean 'approach'"):
+        optimise(study(objectives=[{"key": "aproach"}]))
