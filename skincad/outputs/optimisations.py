@@ -10,7 +10,7 @@ from skincad.outputs import sweeps
 from skincad.outputs.delivery import picture, text
 from skincad.studies.asking import short
 from skincad.studies.measures import worded
-from skincad.studies.optimising import Member, Optimisation
+from skincad.studies.optimisation import Member, Optimisation
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture

@@ -19,7 +19,7 @@ from skincad.studies.measures import worded
 from skincad.studies.question import Evaluation
 from skincad.studies.ranking import Ranking
 from skincad.studies.subject import changed
-from skincad.studies.sweeping import Sweep
+from skincad.studies.sweeping import SweepResult
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
@@ -35,7 +35,7 @@ def names() -> list[str]:
     return ["sweep.csv", "sweep.parquet", "effects.png", "pairs.png", "front.png", PAGE]
 
 
-def lines(found: Sweep) -> list[str]:
+def lines(found: SweepResult) -> list[str]:
     """Return what `sweep` prints."""
     count, model = len(found.rows), found.question.tier
     told = [f"{found.name}: {count} rows{f' by {model}' if model else ''}, {_verdicts(found)}."]
@@ -52,14 +52,14 @@ def lines(found: Sweep) -> list[str]:
     return told
 
 
-def _verdicts(found: Sweep) -> str:
+def _verdicts(found: SweepResult) -> str:
     parts = [f"{sum(bool(row.passed) for row in found.rows if not row.refused)} pass"]
     if all(row.passed is None for row in found.rows):
         parts = [f"{len(found.rows) - found.refused} answered"]
     return ", ".join([*parts, f"{found.refused} refused"])
 
 
-def _ranking_lines(found: Sweep, ranking: Ranking) -> list[str]:
+def _ranking_lines(found: SweepResult, ranking: Ranking) -> list[str]:
     word = "smallest" if ranking.goal == "min" else "largest"
     if not ranking.ranks:
         return [f"  best           no row has {ranking.key}"]
@@ -84,7 +84,7 @@ def _reason(row: Evaluation) -> str:
     return row.refused.partition(", got ")[0]
 
 
-def table(found: Sweep) -> tuple[list[str], list[list[Any]]]:
+def table(found: SweepResult) -> tuple[list[str], list[list[Any]]]:
     """Return the head and rows of the table: number, values, verdict, results with their errors."""
     head = ["row", *(knob.key for knob in found.knobs), "passed", "refused", "tier"]
     errors = {key for key in found.keys if any(_error(row, key) is not None for row in found.rows)}
@@ -103,7 +103,7 @@ def _error(row: Evaluation, key: str) -> float | None:
     return None if found is None else found.error
 
 
-def sweep_csv(found: Sweep) -> str:
+def sweep_csv(found: SweepResult) -> str:
     """Return the table as CSV; what a row has not is empty."""
     head, rows = table(found)
     told = io.StringIO()
@@ -113,7 +113,7 @@ def sweep_csv(found: Sweep) -> str:
     return told.getvalue()
 
 
-def _write_parquet(found: Sweep, path: Path) -> None:
+def _write_parquet(found: SweepResult, path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 
@@ -122,7 +122,7 @@ def _write_parquet(found: Sweep, path: Path) -> None:
     parquet.write_table(pyarrow.table(columns), path)
 
 
-def sweep_page(found: Sweep, words: list[str] | None = None) -> str:
+def sweep_page(found: SweepResult, words: list[str] | None = None) -> str:
     """Return the page of all rows, with each one's design to copy, under `words`, the sweep's if None."""
     from skincad.pictures.study_page import page
 
@@ -141,7 +141,7 @@ def sweep_page(found: Sweep, words: list[str] | None = None) -> str:
     return page(f"{found.name}: {len(found.rows)} rows", "\n".join(words or lines(found)), data)
 
 
-def _design(found: Sweep, row: Evaluation) -> str:
+def _design(found: SweepResult, row: Evaluation) -> str:
     """A row's design as TOML, or why there is none."""
     try:
         return changed(found.subject, row.values).to_toml()
@@ -149,12 +149,12 @@ def _design(found: Sweep, row: Evaluation) -> str:
         return f"# {refused}"
 
 
-def manifest(found: Sweep) -> dict[str, Any]:
+def manifest(found: SweepResult) -> dict[str, Any]:
     """Return what the manifest says of the result: all but its rows, which the table has."""
     return {key: value for key, value in found.as_json().items() if key != "rows"}
 
 
-def figures(found: Sweep) -> dict[str, Callable[[], Picture]]:
+def figures(found: SweepResult) -> dict[str, Callable[[], Picture]]:
     """Return main effects and pairs of the first ranking's result, and the front of the first two."""
     if not found.rankings or len(found.rankings[0].ranks) < 2:
         return {}
@@ -168,7 +168,7 @@ def figures(found: Sweep) -> dict[str, Callable[[], Picture]]:
     return drawn
 
 
-def files(found: Sweep) -> dict[str, Writer]:
+def files(found: SweepResult) -> dict[str, Writer]:
     """Return the writer of each file; Parquet where pyarrow is installed."""
     written: dict[str, Writer] = {"sweep.csv": text(lambda: sweep_csv(found))}
     if find_spec("pyarrow") is not None:

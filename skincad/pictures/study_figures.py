@@ -12,7 +12,7 @@ from skincad.pictures.canvas import Axes, Normalize, Picture, ScalarMappable, sh
 from skincad.studies.knobs import Knob
 from skincad.studies.ranking import Ranking
 from skincad.studies.solution import Solution
-from skincad.studies.sweeping import Sweep
+from skincad.studies.sweeping import SweepResult
 
 POINT, WISH, FOUND, REFUSED = "#1f5fa8", "#777777", "#c1531f", "#bbbbbb"
 COLOURS = "viridis_r"  # told apart in grey too
@@ -54,7 +54,7 @@ def solution_figure(found: Solution) -> Picture:
     return figure
 
 
-def effects_figure(found: Sweep) -> Picture:
+def effects_figure(found: SweepResult) -> Picture:
     """Return a figure of the first ranking's result against each key: all rows, and means."""
     ranking, keys = found.rankings[0], found.knobs[:MOST_KEYS]
     rows, results = _ranked(found, ranking)
@@ -82,7 +82,7 @@ def effects_figure(found: Sweep) -> Picture:
     return figure
 
 
-def pairs_figure(found: Sweep) -> Picture:
+def pairs_figure(found: SweepResult) -> Picture:
     """Return a figure of all pairs of keys, each row a point whose colour is the first ranking's result;
     refused rows are crosses."""
     ranking, keys = found.rankings[0], found.knobs[:MOST_KEYS]
@@ -117,7 +117,7 @@ def pairs_figure(found: Sweep) -> Picture:
     return figure
 
 
-def front_figure(found: Sweep) -> Picture:
+def front_figure(found: SweepResult) -> Picture:
     """Return a figure of the first two rankings' results; no row beats one of the front in both."""
     first, second = found.rankings[:2]
     rows = [row for row in _ranked(found, first)[0] if row in set(_ranked(found, second)[0])]
@@ -152,13 +152,13 @@ def _less(values: Array, ranking: Ranking) -> Array:
     return values if ranking.goal == "min" else -values
 
 
-def _ranked(found: Sweep, ranking: Ranking) -> tuple[list[int], Array]:
+def _ranked(found: SweepResult, ranking: Ranking) -> tuple[list[int], Array]:
     """Rows with the ranking's result, by index, and their results."""
     rows = sorted(rank.row - 1 for rank in ranking.ranks)
     return rows, np.array([float(found.rows[i].results[ranking.key]) for i in rows])
 
 
-def _places(found: Sweep, knob: Knob, rows: Sequence[int]) -> Array:
+def _places(found: SweepResult, knob: Knob, rows: Sequence[int]) -> Array:
     """A key's values of some rows, choices by their number."""
     values = [found.rows[i].values[knob.key] for i in rows]
     if knob.choices:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from skincad.base.arrays import Array
 from skincad.base.stopwatch import Progress
 from skincad.studies.measures import resolved
@@ -80,8 +82,6 @@ def short(value: Value) -> str:
 
 def scaled(value: Array, wanted: Array) -> Array:
     """Return results as logarithms where they are wanted above 0: powers of sizes are lines then."""
-    import numpy as np
-
     above = wanted > 0
     logs = np.log(np.maximum(value, 1e-9 * np.abs(wanted)), where=above, out=np.zeros(len(wanted)))
     return np.where(above, logs, value)

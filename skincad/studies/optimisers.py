@@ -117,7 +117,9 @@ class Cma:
         filled = [value if math.isfinite(value) else worst + 1.0 + abs(worst) for value in fitness]
         self._inner.tell(self._asked, filled)
         if limited and any(each.there for each in found):
-            self._lagrangian.update(self._inner)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # of a limit that is the same everywhere
+                self._lagrangian.update(self._inner)
 
     def _at(self, x: Any) -> tuple[float, list[float]]:
         told = self._told[tuple(x)]
@@ -216,13 +218,13 @@ def levels(knob: Knob) -> int:
 
 
 @dataclass
-class Front:
+class Tried:
     """What was found so far: all that breaks no limit and is not beaten by another, in all losses."""
 
     found: list[Told] = field(default_factory=list)
 
     @property
-    def best(self) -> list[Told]:
+    def front(self) -> list[Told]:
         """The front; of what breaks limits the one that breaks them least, if there is nothing else."""
         allowed = [each for each in self.found if each.there and each.broken <= 0]
         if not allowed:
@@ -240,12 +242,12 @@ def minimise(
     asking: Optimiser,
     most: int,
     stop: Callable[[], bool] = lambda: False,
-) -> Front:
+) -> Tried:
     """Return the front of a function that tells of a batch of places, in about `most` evaluations: a batch
     that was begun is ended."""
-    front = Front()
-    while len(front.found) < most and not stop():
+    tried = Tried()
+    while len(tried.found) < most and not stop():
         told = function(asking.ask())
         asking.tell(told)
-        front.found += told
-    return front
+        tried.found += told
+    return tried

@@ -1,8 +1,8 @@
 """Optimise: the design that does something best, and keeps what must hold.
 
-Cheap models propose, better ones judge. The closed form is searched first, for a start; then the model that
-searches, in ROUNDS; after each, what it found is asked of the judge, and by as much as that differs the next
-round takes every number of the searching model.
+Cheap models propose, a better one judges. By as much as the judge differed on the last design that it was
+asked of, every number of a cheap model is taken larger or smaller: so the closed form, a thousandth of the
+time, is searched and judged first, MAPPED times; then the model that searches, in ROUNDS.
 """
 
 from __future__ import annotations
@@ -17,109 +17,32 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.inputs.design import Design
 from skincad.mechanics.tiers.table import able
 from skincad.scenes.scene import Scene
+from skincad.studies.asking import GUIDE
 from skincad.studies.knobs import Knob, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, slack
-from skincad.studies.optimisers import Front, Told, levels, minimise, optimiser
+from skincad.studies.optimisation import Member, Optimisation
+from skincad.studies.optimisers import Told, Tried, levels, minimise, optimiser
 from skincad.studies.question import Evaluation, Question, question_of
 from skincad.studies.ranking import ranking
 from skincad.studies.running import Run, Values, Workers
 from skincad.studies.running import workers as working
 from skincad.studies.study import Limit, Objective, Study
-from skincad.studies.subject import SKIN, Subject, Value, changed
-from skincad.studies.sweeping import Sweep
+from skincad.studies.subject import SKIN, Subject
+from skincad.studies.sweeping import SweepResult
 
-ROUNDS = 2  # of searching and judging
-COARSE = 600  # evaluations of the closed form
+MAPPED, ROUNDS = 3, 2  # searches of the closed form and of the model, each judged
+COARSE = 600  # evaluations of the closed form in a search
+SAME = 0.01  # of the cube: a place this near to the last one is not judged again
+DIFFERENCES = ("margin_N",)  # numbers that may be 0: two models of them differ by so much, not by a factor
 JUDGED = 6  # designs of a front that are judged, spread along it
+JUDGE = ""  # in the place of a tier: numbers that are taken as they are
 SEARCHING = ("linear", "winkler")  # the first that takes the design
-
-
-@dataclass(frozen=True)
-class Member:
-    """A design of the front: its values, and by the judge its objectives, and its constraints' numbers with
-    whether each is kept."""
-
-    values: Mapping[str, Value]
-    objectives: Mapping[str, Estimate]
-    constraints: Mapping[str, tuple[Estimate, bool]]
-    tier: str
-
-    @property
-    def allowed(self) -> bool:
-        """Whether all constraints are kept."""
-        return all(kept for _, kept in self.constraints.values())
-
-    def as_json(self) -> dict[str, Any]:
-        """Return one entry of `front`."""
-        return {
-            "values": dict(self.values),
-            "objectives": {key: found.as_json() for key, found in self.objectives.items()},
-            "constraints": {
-                key: {**found.as_json(), "kept": kept} for key, (found, kept) in self.constraints.items()
-            },
-            "tier": self.tier or None,
-        }
-
-
-@dataclass(frozen=True, repr=False)
-class Optimisation(Result):
-    """The judged `front` of a study, the best of the first objective first; where it is empty, the `closest`.
-
-    `rows` are all evaluations of the searching model; `start` is the subject as the study has it, judged.
-    """
-
-    shown_by = "skincad.outputs.optimisations"
-    study: Study
-    subject: Subject
-    front: tuple[Member, ...]
-    closest: Member | None
-    start: Member | None
-    rows: Sweep
-    judged: int
-    evaluations: int
-    reused: int
-    seconds: float
-
-    @property
-    def name(self) -> str:
-        """The study's name."""
-        return self.study.name
-
-    @property
-    def feasible(self) -> bool:
-        """Whether a design keeps all constraints."""
-        return bool(self.front)
-
-    def design(self, number: int = 1) -> Subject:
-        """Return a member of the front as a design, scene or circuit; InputError where there is none."""
-        if not 1 <= number <= len(self.front):
-            raise InputError("number", f"must be from 1 to {len(self.front)}", number)
-        return changed(self.subject, self.front[number - 1].values)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys."""
-        return {
-            "name": self.name,
-            "about": self.subject.name,
-            "front": [member.as_json() for member in self.front],
-            "closest": self.closest and self.closest.as_json(),
-            "start": self.start and self.start.as_json(),
-            "tier": self.rows.question.tier,
-            "judge": self.study.judge,
-            "judged": self.judged,
-            "evaluations": self.evaluations,
-            "reused": self.reused,
-            "feasible": self.feasible,
-            "seconds": {"total": self.seconds},
-        }
 
 
 def optimise(
@@ -144,18 +67,18 @@ def optimise(
     hunt = _Hunt(study, subject, varied, log, tick)
     with working(workers, dask) as who:
         start = hunt.judged({}, question, who)
-        place = hunt.coarse(question)
-        members: list[Member] = []
+        hunt.correct(start, question, who)
+        place, members = hunt.coarse(question, who)
         for number in range(ROUNDS):
-            front = hunt.searched(question, place, (number + 1) * study.evaluations // ROUNDS, who)
-            for told in _spread(front.best, JUDGED):
+            tried = hunt.searched(question, place, (number + 1) * study.evaluations // ROUNDS, who)
+            for told in _spread(tried.front, JUDGED):
                 values = hunt.values(told.place)
                 member = hunt.judged(values, question, who)
                 if member is not None and member.values not in [each.values for each in members]:
                     members.append(member)
             best = hunt.ordered(members)
             place = hunt.place(best[0].values) if best else place
-            hunt.correct(best[:1], question, who)
+            hunt.correct(next(iter(best), None), question, who)
     if log is not None:
         log.close()
     allowed = [each for each in hunt.ordered(members) if each.allowed]
@@ -184,10 +107,15 @@ def _spread(front: Sequence[Told], most: int) -> list[Told]:
     return [placed[round(i)] for i in np.linspace(0, len(placed) - 1, most)]
 
 
+def _sign(of: Objective | str) -> float:
+    """1 where larger is worse, -1 where smaller is."""
+    return 1.0 if of == "at_most" or (isinstance(of, Objective) and of.goal == "min") else -1.0
+
+
 @dataclass
 class _Hunt:
-    """One optimisation under way: its runs by question, and by how much the judge's worse end
-    differs, by key and which end."""
+    """One optimisation under way: its runs by question, and by tier, key and which end the factor and the
+    difference of the judge's worse end from a model's value."""
 
     study: Study
     subject: Subject
@@ -195,7 +123,7 @@ class _Hunt:
     log: Log | None
     tick: Tick | None
     runs: dict[Question, Run] = field(default_factory=dict)
-    factors: dict[tuple[str, float], float] = field(default_factory=dict)
+    differs: dict[tuple[str, str, float], tuple[float, float]] = field(default_factory=dict)
     seen: list[Evaluation] = field(default_factory=list)
 
     def values(self, place: Array) -> Values:
@@ -216,27 +144,40 @@ class _Hunt:
                 found.append(knob.share(min(max(float(value), knob.low), knob.high)))
         return np.array(found)
 
-    def coarse(self, question: Question) -> Array | None:
-        """Return the best place by the closed form, or the subject's own; None where that is unknown."""
-        if question.kind != "check" or question.tier == "winkler":
-            return self.place({})
-        rough = replace(question, tier="winkler")
-        run = Run(self.subject, rough)
-        front = self._minimised(run, rough, self.place({}), COARSE, Workers())
-        return front.best[0].place if front.best else self.place({})
+    def coarse(self, question: Question, who: Workers) -> tuple[Array, list[Member]]:
+        """Return the best place by the closed form, or the subject's own, and what was judged on the way."""
+        place, members = self.place({}), list[Member]()
+        if question.kind != "check" or question.tier == GUIDE:
+            return place, members
+        rough = replace(question, tier=GUIDE)
+        for _ in range(MAPPED):
+            tried = self._minimised(self._run(rough), rough, place, COARSE, Workers())
+            best = tried.front[0]
+            if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
+                break
+            place, member = best.place, self.judged(self.values(best.place), question, who)
+            if member is None:
+                break
+            members.append(member)
+            self.correct(member, question, who)
+        best_member = next(iter(self.ordered(members)), None)
+        return (self.place(best_member.values) if best_member else place), members
 
-    def searched(self, question: Question, start: Array | None, most: int, who: Workers) -> Front:
+    def searched(self, question: Question, start: Array | None, most: int, who: Workers) -> Tried:
         """Return the front of the searching model, in about `most` evaluations of this study so far."""
         return self._minimised(self._run(question), question, start, max(most - len(self.seen), 1), who)
 
-    def _minimised(self, run: Run, question: Question, start: Array | None, most: int, who: Workers) -> Front:
+    def _minimised(self, run: Run, question: Question, start: Array | None, most: int, who: Workers) -> Tried:
+        rough = question.tier == GUIDE and self.study.tier != GUIDE
+
         def function(places: list[Array]) -> list[Told]:
             values = [self.values(place) for place in places]
             found = run.at(values, who)
-            if question.tier != "winkler" or question.kind != "check" or run in self.runs.values():
-                self.seen += found
-                if self.tick is not None:
-                    self.tick("searching", len(self.seen))
+            if rough:
+                return [self._told(place, each, {}, rough) for place, each in zip(places, found, strict=True)]
+            self.seen += found
+            if self.tick is not None:
+                self.tick("searching", len(self.seen))
             more = [self._others(each, who) for each in values]
             return [self._told(*each) for each in zip(places, found, more, strict=True)]
 
@@ -250,7 +191,8 @@ class _Hunt:
             subject = self.subject
             if question.kind in ("check", "make") and isinstance(subject, Scene):
                 subject = subject.design
-            self.runs[question] = Run(subject, question, self.log)
+            log = None if question.tier == GUIDE and self.study.tier != GUIDE else self.log
+            self.runs[question] = Run(subject, question, log)
         return self.runs[question]
 
     def _others(self, values: Values, who: Workers) -> dict[str, Estimate]:
@@ -266,19 +208,32 @@ class _Hunt:
                 told |= {f"{kind}.{key}": each for key, each in found.results.items()}
         return told
 
+    def _own(self, values: Values) -> dict[str, Estimate]:
+        """The varied numbers themselves, which an objective or a limit may be about."""
+        units = {knob.key: knob.unit for knob in self.knobs}
+        return {
+            key: Estimate(float(value), 0.0, units[key])
+            for key, value in values.items()
+            if not isinstance(value, str)
+        }
+
     def _keys(self) -> list[str]:
         study = self.study
         return [each.key for each in study.objectives] + [each.key for each in study.constraints]
 
-    def _told(self, place: Array, found: Evaluation, more: Mapping[str, Estimate]) -> Told:
-        """Losses and limits at a place, by what the judge would say."""
-        results = {**found.results, **more}
-        if found.refused or not results:
+    def _told(
+        self, place: Array, found: Evaluation, more: Mapping[str, Estimate], rough: bool = False
+    ) -> Told:
+        """Losses and limits at a place, by what the judge would say; `rough`: limits of numbers that the
+        model does not tell are taken as kept."""
+        results = {**found.results, **more, **self._own(found.values)}
+        if found.refused or not found.results:
             shape = np.full(len(self.study.objectives), np.nan), np.full(len(self._limits()), np.nan)
             return Told(place, *shape)
-        losses = [self._loss(each, results) for each in self.study.objectives]
-        limits = [self._excess(limit, results, side) for limit, side in self._limits()]
-        return Told(place, np.array(losses), np.array(limits))
+        losses = [self._loss(each, results, found.tier) for each in self.study.objectives]
+        limits = [self._excess(limit, results, side, found.tier) for limit, side in self._limits()]
+        kept = np.nan_to_num(limits, nan=-1.0) if rough else np.array(limits)
+        return Told(place, np.array(losses), kept)
 
     def _limits(self) -> list[tuple[Limit, str]]:
         return [
@@ -288,39 +243,40 @@ class _Hunt:
             if getattr(limit, side) is not None
         ]
 
-    def _loss(self, objective: Objective, results: Mapping[str, Estimate]) -> float:
-        sign = 1.0 if objective.goal == "min" else -1.0
-        return sign * self._worse(objective.key, results, sign)
+    def _loss(self, objective: Objective, results: Mapping[str, Estimate], tier: str) -> float:
+        sign = _sign(objective)
+        return sign * self._worse(objective.key, results, sign, tier)
 
-    def _excess(self, limit: Limit, results: Mapping[str, Estimate], side: str) -> float:
+    def _excess(self, limit: Limit, results: Mapping[str, Estimate], side: str, tier: str) -> float:
         """By how much a limit is broken, as a part of it; below 0 where it is kept."""
         bound: float = getattr(limit, side)
-        sign = 1.0 if side == "at_most" else -1.0
-        return sign * (self._worse(limit.key, results, sign) - bound) / (abs(bound) or 1.0)
+        sign = _sign(side)
+        return sign * (self._worse(limit.key, results, sign, tier) - bound) / (abs(bound) or 1.0)
 
-    def _worse(self, key: str, results: Mapping[str, Estimate], sign: float) -> float:
-        """A number's worse end, or as the judge was off where that is known; NaN where there is none."""
+    def _worse(self, key: str, results: Mapping[str, Estimate], sign: float, tier: str) -> float:
+        """A number's worse end, as the judge would have it where that is known; NaN where there is none."""
         name = resolved(key, results, what="key")
         found = results[name]
         if found.value is None:
             return math.nan
-        if (name, sign) in self.factors:
-            return found.value * self.factors[name, sign]
-        return found.value + (sign * slack(found) if self.study.robust else 0.0)
+        factor, more = self.differs.get((tier, name, sign), (1.0, sign * self._slack(found)))
+        return found.value * factor + more
+
+    def _slack(self, found: Estimate) -> float:
+        return slack(found) if self.study.robust else 0.0
 
     def judged(self, values: Values, question: Question, who: Workers) -> Member | None:
         """Return what the judge says of some values; None where it refuses them."""
         asked = replace(question, tier=self.study.judge) if question.kind == "check" else question
+        values = values or {k.key: k.start for k in self.knobs if k.start is not None}
         (found,) = self._run(asked).at([values], who)
         if found.refused or not found.results:
             return None
-        results = {**found.results, **self._others(values, who)}
-        factors, self.factors = self.factors, {}  # the judge's own numbers, as they are
+        results = {**found.results, **self._others(values, who), **self._own(values)}
         kept = {
-            resolved(limit.key, results, what="key"): self._excess(limit, results, side) <= 0
+            resolved(limit.key, results, what="key"): self._excess(limit, results, side, JUDGE) <= 0
             for limit, side in self._limits()
         }
-        self.factors = factors
         wanted = [resolved(each.key, results, what="key") for each in self.study.objectives]
         return Member(
             dict(values),
@@ -329,45 +285,51 @@ class _Hunt:
             found.tier,
         )
 
-    def correct(self, best: Sequence[Member], question: Question, who: Workers) -> None:
-        """Take from the best member how the judge differs from the searching model, by key."""
-        for member in best:
-            (found,) = self._run(question).at([member.values], who)
-            told = {**member.objectives, **{key: each for key, (each, _) in member.constraints.items()}}
-            wanted = [(o.key, 1.0 if o.goal == "min" else -1.0) for o in self.study.objectives]
-            wanted += [(limit.key, 1.0 if side == "at_most" else -1.0) for limit, side in self._limits()]
+    def correct(self, member: Member | None, question: Question, who: Workers) -> None:
+        """Take from a judged design how the judge's worse ends differ from what the cheaper models say."""
+        if member is None:
+            return
+        told = {**member.objectives, **{key: each for key, (each, _) in member.constraints.items()}}
+        wanted = [(each.key, _sign(each)) for each in self.study.objectives]
+        wanted += [(limit.key, _sign(side)) for limit, side in self._limits()]
+        models = [question] + [replace(question, tier=GUIDE)] * (question.kind == "check")
+        for model in models:
+            (found,) = self._run(model).at([member.values], who)
+            if found.tier == member.tier:
+                continue  # its own errors are known everywhere
             for key, sign in wanted:
                 name = resolved(key, told, what="key")
                 mine, each = found.results.get(name), told[name]
-                if mine is None or not mine.value or each.value is None:
+                if mine is None or mine.value is None or each.value is None:
                     continue
-                worse = each.value + (sign * slack(each) if self.study.robust else 0.0)
-                if worse / mine.value > 0:
-                    self.factors[name, sign] = worse / mine.value
+                worse = each.value + sign * self._slack(each)
+                by_factor = name not in DIFFERENCES and worse * mine.value > 0
+                self.differs[found.tier, name, sign] = (
+                    (worse / mine.value, 0.0) if by_factor else (1.0, worse - mine.value)
+                )
 
     def ordered(self, members: Sequence[Member]) -> list[Member]:
         """Return members, those that keep all constraints first, the best of the first objective first."""
         return sorted(members, key=lambda each: (not each.allowed, self._losses(each)[0]))
 
     def unbeaten(self, members: Sequence[Member]) -> list[Member]:
-        """Return the members that no other one beats in all objectives."""
+        """Return the members that no other one beats in all objectives; of one objective the first alone."""
+        if len(self.study.objectives) == 1:
+            return list(members[:1])
         told = [Told(np.zeros(0), np.array(self._losses(each)), np.zeros(0)) for each in members]
-        best = Front(told).best if told else []
+        best = Tried(told).front if told else []
         return [
             member for member, each in zip(members, told, strict=True) if any(each is one for one in best)
         ]
 
     def _losses(self, member: Member) -> list[float]:
-        factors, self.factors = self.factors, {}
-        found = [self._loss(each, member.objectives) for each in self.study.objectives]
-        self.factors = factors
-        return found
+        return [self._loss(each, member.objectives, JUDGE) for each in self.study.objectives]
 
-    def rows(self, question: Question) -> Sweep:
+    def rows(self, question: Question) -> SweepResult:
         """Return what the searching model was asked, as the rows of a sweep."""
         unique = {each.key: each for each in self.seen}
         rows = tuple(unique.values())
         ranked = tuple(
             ranking(rows, each.key, each.goal) for each in self.study.objectives if "." not in each.key
         )
-        return Sweep(self.subject, question, self.knobs, rows, ranked, None, 0, 0, 0.0)
+        return SweepResult(self.subject, question, self.knobs, rows, ranked, None, 0, 0, 0.0)

@@ -13,6 +13,7 @@ from skincad.inputs.catalog import read_table
 from skincad.mechanics.tiers.table import tier_of
 from skincad.studies.subject import Subject, load_subject
 
+KEY = "the result's key in --json, another result's after make. or check., or a varied key"
 FORM = 1  # of the file; a later skincad that reads it otherwise counts on
 
 
@@ -32,14 +33,14 @@ def _flat(given: Any) -> Any:
 class Objective(Table):
     """A number of the result that is to be small or large."""
 
-    key: str = Field(description="the result's key in --json, with make. or check. before another result's")
+    key: str = Field(description=KEY)
     goal: Literal["min", "max"] = Field(default="min", description="min or max")
 
 
 class Limit(Table):
     """A number of the result that must lie within limits, with its error."""
 
-    key: str = Field(description="the result's key in --json, with make. or check. before another result's")
+    key: str = Field(description=KEY)
     at_least: float | None = Field(default=None, description="the least that it may be")
     at_most: float | None = Field(default=None, description="the most that it may be")
 

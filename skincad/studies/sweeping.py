@@ -34,7 +34,7 @@ UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a de
 
 
 @dataclass(frozen=True, repr=False)
-class Sweep(Result):
+class SweepResult(Result):
     """All `rows`, in the order of the values, refused ones with their reason; `rankings` the asked orders.
 
     `evaluations` is how many were computed now, `reused` how many a log or another row had; `next_tier` the
@@ -143,7 +143,7 @@ def sweep(
     workers: int = 1,
     dask: Any = None,
     tick: Tick | None = None,
-) -> Sweep:
+) -> SweepResult:
     """Return the answers of a design's check, a scene's simulation or a circuit's gain at many values.
 
     `vary` is by key: (low, high, count), a list of choices or "all"; their grid is taken, or with `sample`
@@ -181,7 +181,9 @@ def sweep(
     rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
     following = _next_tier(subject, question, rankings[0]) if rankings else None
     seconds = perf_counter() - began
-    return Sweep(subject, question, varied, tuple(rows), rankings, following, run.asked, run.reused, seconds)
+    return SweepResult(
+        subject, question, varied, tuple(rows), rankings, following, run.asked, run.reused, seconds
+    )
 
 
 def _best(done: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:

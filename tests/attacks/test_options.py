@@ -23,6 +23,7 @@ WITH = {  # what a command needs beside the option to come as far as to look at 
     "accuracy": ["yamada-2002"],
     "fit-material": ["bar.csv"],
     "solve": ["yamada-2002", "--target", "approach=1", "--vary", "skin.length=8:12"],
+    "optimise": ["shape-for-4-N"],
     "sweep": ["yamada-2002", "--vary", "skin.length=8:12:3"],
 }
 BESIDE = {
@@ -50,9 +51,10 @@ def test_the_search_finds_them_all() -> None:
     assert sorted(numeric()) == [
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
         ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
-        ("fit-material", "--up-to"), ("simulate", "--at"), ("simulate", "--budget"), ("simulate", "--tol"),
-        ("solve", "--evaluations"), ("solve", "--force"), ("solve", "--tol"),
-        ("sweep", "--force"), ("sweep", "--sample"), ("sweep", "--tol"), ("sweep", "--workers"),
+        ("fit-material", "--up-to"), ("optimise", "--workers"), ("simulate", "--at"),
+        ("simulate", "--budget"), ("simulate", "--tol"), ("solve", "--evaluations"), ("solve", "--force"),
+        ("solve", "--tol"), ("sweep", "--force"), ("sweep", "--sample"), ("sweep", "--tol"),
+        ("sweep", "--workers"),
     ]  # fmt: skip
 
 

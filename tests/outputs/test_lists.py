@@ -13,7 +13,7 @@ from skincad.inputs.shipped import table_text
 from skincad.outputs.lists import listed
 from tests.conftest import run_skincad, skincad_process
 
-EVERY = (*KINDS, "silicones", "processes")
+EVERY = (*KINDS, "studies", "silicones", "processes")
 
 
 def test_all_kinds_are_listed_with_what_each_is() -> None:
@@ -95,7 +95,7 @@ def test_the_command_lists_a_kind(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "wanted"),
     [
-        ("skincad templates s", ["scenes", "silicones"]),
+        ("skincad templates s", ["scenes", "studies", "silicones"]),
         ("skincad new x.toml --template circ", ["circuits/yamada-2002"]),
         ("skincad new x.toml --template ho", ["hold"]),
         ("skincad new x.toml --template silic", ["silicones"]),

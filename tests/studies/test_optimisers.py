@@ -8,7 +8,7 @@ import pytest
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.studies.knobs import Knob
-from skincad.studies.optimisers import Front, Name, Told, minimise, optimiser
+from skincad.studies.optimisers import Name, Told, Tried, minimise, optimiser
 
 UNIT = tuple(Knob(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
 
@@ -27,9 +27,9 @@ def zdt1(places: list[Array]) -> list[Told]:
     return found
 
 
-def hypervolume(front: Front) -> float:
+def hypervolume(front: Tried) -> float:
     """The area that a front of two losses beats, up to (1.1, 1.1)."""
-    points = sorted(tuple(each.losses) for each in front.best)
+    points = sorted(tuple(each.losses) for each in front.front)
     area, above = 0.0, 1.1
     for x, y in points:
         if x < 1.1 and y < above:
@@ -41,7 +41,7 @@ def hypervolume(front: Front) -> float:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_sphere_with_a_limit_ends_on_the_limit(seed: int) -> None:
     found = minimise(sphere, optimiser("cma", UNIT, 1, seed, None), 1500)
-    (best,) = found.best[:1]
+    (best,) = found.front[:1]
     assert best.losses[0] == pytest.approx(0.08, rel=1e-3)
     assert best.place == pytest.approx([0.5, 0.5, 0.3, 0.3, 0.3], abs=0.01)
 
@@ -53,7 +53,7 @@ def test_a_start_that_is_known_is_gone_on_from() -> None:
         return [Told(told.place, told.losses, np.zeros(0)) for told in sphere(places)]
 
     near, far = (
-        minimise(bare, optimiser("cma", UNIT, 1, 1, begin), 60).best[0] for begin in (start, np.full(5, 0.9))
+        minimise(bare, optimiser("cma", UNIT, 1, 1, begin), 60).front[0] for begin in (start, np.full(5, 0.9))
     )
     assert near.losses[0] < far.losses[0]
 
@@ -76,7 +76,7 @@ def test_whole_numbers_and_choices_are_optimised_too() -> None:
             found.append(Told(place, np.array([loss]), np.zeros(0)))
         return found
 
-    best = minimise(mixed, optimiser("cma", knobs, 1, 4, None), 1200).best[0]
+    best = minimise(mixed, optimiser("cma", knobs, 1, 4, None), 1200).front[0]
     n, c, x = (knob.at(float(u)) for knob, u in zip(knobs, best.place, strict=True))
     assert (n, c) == (7, "c")
     assert x == pytest.approx(0.25, abs=0.01)
@@ -88,7 +88,7 @@ def test_places_without_a_result_are_left() -> None:
             t if t.place[2] > 0.2 else Told(t.place, np.array([np.nan]), t.limits) for t in sphere(places)
         ]
 
-    best = minimise(holed, optimiser("cma", UNIT, 1, 5, None), 1500).best[0]
+    best = minimise(holed, optimiser("cma", UNIT, 1, 5, None), 1500).front[0]
     assert best.losses[0] == pytest.approx(0.08, rel=1e-3)
 
 
@@ -112,14 +112,14 @@ def test_the_same_is_asked_for_again() -> None:
 
 
 def test_where_nothing_is_allowed_the_least_broken_is_told() -> None:
-    front = Front(
+    front = Tried(
         [
             Told(np.zeros(2), np.array([1.0]), np.array([2.0, -5.0])),
             Told(np.ones(2), np.array([9.0]), np.array([0.5, 0.5])),
             Told(np.ones(2), np.array([np.nan]), np.array([0.0, 0.0])),
         ]
     )
-    assert front.best[0].broken == 1.0
+    assert front.front[0].broken == 1.0
 
 
 def test_several_objectives_want_another_optimiser(monkeypatch: pytest.MonkeyPatch) -> None:

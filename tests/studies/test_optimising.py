@@ -12,7 +12,8 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.cli import run
-from skincad.studies.optimising import Optimisation, optimise
+from skincad.studies.optimisation import Optimisation
+from skincad.studies.optimising import optimise
 from skincad.studies.study import Study
 from skincad.studies.sweeping import sweep
 
@@ -76,6 +77,16 @@ def test_without_robustness_the_value_counts() -> None:
     bold, robust = (optimise(study(robust=kind, objectives=most)).front[0] for kind in (False, True))
     assert bold.objectives["all_touch_force_N"].value == pytest.approx(3.0, rel=0.02)
     assert robust.objectives["all_touch_force_N"].upper == pytest.approx(3.0, rel=0.02)
+
+
+def test_a_varied_key_may_be_an_objective() -> None:
+    """The most curved pad that needs 3 N at most: at the least radius where the rest can still help."""
+    found = optimise(
+        study(objectives=[{"key": "skin.curvature_radius"}], vary={**VARY, "skin.curvature_radius": "40:200"})
+    )
+    (best,) = found.front
+    assert best.objectives["skin.curvature_radius"].value == best.values["skin.curvature_radius"]
+    assert float(best.values["skin.curvature_radius"]) < 120.0  # lab-bench's own
 
 
 def test_a_better_judge_has_the_last_word() -> None:

@@ -15,14 +15,14 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.outputs.sweeps import names, sweep_csv, sweep_page
 from skincad.pictures.study_figures import pareto
-from skincad.studies.sweeping import Sweep, points_of, sweep
+from skincad.studies.sweeping import SweepResult, points_of, sweep
 
 DESIGN = skincad.load_design("yamada-2002")
 VARY: dict[str, Any] = {"skin.length": (8.0, 14.0, 4), "material.name": "dragon-skin-20,dragon-skin-30"}
 
 
 @pytest.fixture(scope="module")
-def swept() -> Sweep:
+def swept() -> SweepResult:
     return sweep(
         DESIGN,
         {**VARY, "skin.width": [11.0, 2.0]},
@@ -31,7 +31,7 @@ def swept() -> Sweep:
     )
 
 
-def test_a_grid_is_every_combination_in_order(swept: Sweep) -> None:
+def test_a_grid_is_every_combination_in_order(swept: SweepResult) -> None:
     assert len(swept.rows) == 4 * 2 * 2
     assert [row.values["skin.length"] for row in swept.rows[::4]] == [8.0, 10.0, 12.0, 14.0]
     for row in swept.rows:
@@ -44,7 +44,7 @@ def test_a_grid_is_every_combination_in_order(swept: Sweep) -> None:
     assert swept.refused == 8
 
 
-def test_ranks_are_of_the_rows_that_have_the_result(swept: Sweep) -> None:
+def test_ranks_are_of_the_rows_that_have_the_result(swept: SweepResult) -> None:
     first, second = swept.rankings
     assert len(first.ranks) == 8
     best = swept.best()
@@ -72,7 +72,7 @@ def test_a_sample_fills_the_ranges_and_is_the_same_each_time() -> None:
     assert len({point["material.name"] for point in points}) == 10
 
 
-def test_the_table_is_all_that_is_known(swept: Sweep) -> None:
+def test_the_table_is_all_that_is_known(swept: SweepResult) -> None:
     rows = list(csv.DictReader(io.StringIO(sweep_csv(swept))))
     assert len(rows) == len(swept.rows)
     for told, row in zip(rows, swept.rows, strict=True):
@@ -84,7 +84,7 @@ def test_the_table_is_all_that_is_known(swept: Sweep) -> None:
     assert not {"seconds.total", "cause"} & rows[0].keys()
 
 
-def test_arrays_and_a_frame(swept: Sweep) -> None:
+def test_arrays_and_a_frame(swept: SweepResult) -> None:
     arrays = swept.arrays()
     force = arrays["all_touch_force_N"]
     assert np.isnan(force).sum() == swept.refused
@@ -93,7 +93,7 @@ def test_arrays_and_a_frame(swept: Sweep) -> None:
     assert list(frame["skin.length"]) == [row.values["skin.length"] for row in swept.rows]
 
 
-def test_json_has_the_contracts_keys(swept: Sweep) -> None:
+def test_json_has_the_contracts_keys(swept: SweepResult) -> None:
     data = json.loads(json.dumps(swept.as_json(), allow_nan=False))
     assert {"rows", "ranking", "ties", "evaluations", "reused", "seconds"} <= data.keys()
     assert {"values", "results", "passed", "refused"} <= data["rows"][0].keys()
@@ -105,7 +105,7 @@ def test_json_has_the_contracts_keys(swept: Sweep) -> None:
     assert data["evaluations"] == 16
 
 
-def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: Sweep) -> None:
+def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult) -> None:
     told = str(swept)
     assert told.startswith("yamada-2002: 16 rows by winkler, ")
     assert "8 refused" in told
@@ -131,7 +131,7 @@ def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     assert columns["skin.length"] == [row.values["skin.length"] for row in found.rows]
 
 
-def test_the_page_needs_nothing_else_and_has_every_design(swept: Sweep) -> None:
+def test_the_page_needs_nothing_else_and_has_every_design(swept: SweepResult) -> None:
     page = sweep_page(swept)
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
     assert page.count("<script") == 2
