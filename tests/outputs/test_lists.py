@@ -20,10 +20,12 @@ def test_all_kinds_are_listed_with_what_each_is() -> None:
     data, lines = listed(None)
     assert tuple(data) == EVERY
     assert [(row.split()[0], row.split()[1]) for row in lines] == [
-        ("process" if kind == "processes" else kind[:-1], name) for kind in EVERY for name in data[kind]
+        ({"processes": "process", "studies": "study"}.get(kind, kind[:-1]), name)
+        for kind in EVERY
+        for name in data[kind]
     ]
     assert all(len(row.split()) > 3 for row in lines)
-    for kind in KINDS:
+    for kind in (*KINDS, "studies"):
         assert data[kind] == template_names(kind)
 
 
