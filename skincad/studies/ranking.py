@@ -17,8 +17,8 @@ from skincad.studies.measures import resolved
 from skincad.studies.question import Evaluation
 
 Goal = Literal["min", "max"]
-# of a model's error, what two designs do not share: bench/ranks.py found 0.06 at most on seeds 0 to 24, on which
-# this is set; it is judged on seeds from 100 on
+# of a model's error, what two designs do not share: bench/ranks.py found 0.06 at most on seeds 0 to 24, on
+# which this is set; it is judged on seeds from 100 on
 OWN = 0.1
 MODEL = {"all_touch_force_N": "model_error_N"}  # which number tells how much of an error is the model's
 _SHARES = {"approach_mm": "approach"}  # under which name `left_out` tells a relative error
