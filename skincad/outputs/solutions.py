@@ -28,25 +28,28 @@ def lines(found: Solution) -> list[str]:
     """Return what `solve` prints."""
     count, model = len(found.evaluations), found.question.tier
     tried = f"{count} evaluation{'s' if count != 1 else ''}" + (f" by {model}" if model else "")
-    refused = sum(bool(each.refused) for each in found.evaluations)
+    refused = [each.refused for each in found.evaluations if each.refused]
     return [
         *(_solution_lines(found) if found.solutions else [_none(found)]),
-        f"  tried          {tried}, {found.seconds:.3g} s{f'; {refused} refused' if refused else ''}",
+        f"  tried          {tried}, {found.seconds:.3g} s",
+        *([f"  refused        {len(refused)}; the first: {refused[0]}"] if refused else []),
         *(f"  note           {note}" for note in found.notes),
     ]
 
 
 def _solution_lines(found: Solution) -> list[str]:
     first, *others = found.solutions
-    told = [f"{found.name}: {_values(found, first)} gives {_wishes(found)}."]
+    # choices alone are told where the wish lies within the error, not only where it is met
+    gives = "may give" if all(knob.choices or knob.whole for knob in found.knobs) else "gives"
+    told = [f"{found.name}: {_values(found, first)} {gives} {_wishes(found)}."]
     for each in (first, *others[: MOST_SHOWN - 1]):
         if each is not first:
             told.append(f"  also           {_values(found, each)}")
-        told += [f"  there          {worded(key, value)}" for key, value in each.reached.items()]
+        told += [f"  reached        {worded(key, value)}" for key, value in each.reached.items()]
         for key, (low, high) in each.interval.items():
             knob = next(knob for knob in found.knobs if knob.key == key)
             ends = f"{short(low)} to {short(high)}{_unit(knob)}"
-            told.append(f"  may be         {key} from {ends}, by the error of the result")
+            told.append(f"  may be         {key} anywhere from {ends}, since the result has that error")
         told += [
             f"  nearest        {key} = {name}" for key, name in each.nearest.items() if key not in each.values
         ]
@@ -88,7 +91,8 @@ def _each(reached: Any) -> str:
 
 def _range(knob: Knob) -> str:
     if knob.choices:
-        return f"{knob.key} of {len(knob.choices)}"
+        many = len(knob.choices) > MOST_SHOWN
+        return f"{knob.key} among {len(knob.choices) if many else ' and '.join(map(str, knob.choices))}"
     return f"{knob.key} from {knob.low:g} to {knob.high:g}{_unit(knob)}"
 
 

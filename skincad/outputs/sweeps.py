@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 COMMAND = "sweep"
 PAGE = "study.html"
 SHOWN, REASONS = 5, 3  # best rows, and reasons of refusals, in words
+NUMBER = re.compile(r"\d[\d.e+-]*")
 MANY = 12  # rows of a tie that are told by their numbers
 
 
@@ -43,9 +45,9 @@ def lines(found: SweepResult) -> list[str]:
         told += _ranking_lines(found, ranking)
     if found.next_tier:
         tier, seconds = found.next_tier
-        told.append(f"  finer          --tier {tier} may tell the first apart, in about {seconds:.2g} s")
-    reasons = Counter(_reason(row) for row in found.rows if row.refused)
-    told += [f"  refused        {number}: {reason}" for reason, number in reasons.most_common(REASONS)]
+        rows = f"its {len(found.rankings[0].ties[0])} rows take about {seconds:.2g} s"
+        told.append(f"  finer          --tier {tier} may settle the first tie: {rows}")
+    told += _refusals([row for row in found.rows if row.refused])
     told.append(
         f"  tried          {found.evaluations} evaluations, {found.reused} reused, {found.seconds:.3g} s"
     )
@@ -74,14 +76,22 @@ def _ranking_lines(found: SweepResult, ranking: Ranking) -> list[str]:
         )
     if ranking.ties and ranking.ranks[0].row in ranking.ties[0]:
         tie = ranking.ties[0]
-        which = f"rows {', '.join(map(str, tie))}" if len(tie) <= MANY else f"the first {len(tie)} rows"
-        told.append(f"  tie            {which} can't be told apart from the first")
+        others = f"rows {', '.join(map(str, tie[1:]))}" if len(tie) <= MANY else f"the next {len(tie) - 1}"
+        others = f"row {tie[1]}" if len(tie) == 2 else others
+        told.append(f"  tie            row {tie[0]} is not surely better than {others}")
     return told
 
 
-def _reason(row: Evaluation) -> str:
-    """A refusal without what it got, so that like ones are counted together."""
-    return row.refused.partition(", got ")[0]
+def _refusals(refused: list[Evaluation]) -> list[str]:
+    """Return the most frequent reasons, in the words of their first row: others' numbers may differ."""
+    first: dict[str, str] = {}
+    kinds = [NUMBER.sub("", row.refused.partition(", got ")[0]) for row in refused]
+    for kind, row in zip(kinds, refused, strict=True):
+        first.setdefault(kind, row.refused)
+    return [
+        f"  refused        {count}{'; the first' if count > 1 else ''}: {first[kind]}"
+        for kind, count in Counter(kinds).most_common(REASONS)
+    ]
 
 
 def table(found: SweepResult) -> tuple[list[str], list[list[Any]]]:

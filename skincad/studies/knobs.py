@@ -22,6 +22,7 @@ DIGITS = 7  # of a value that is tried: a nanometre of a millimetre, and a desig
 MOST_VALUES = 10_000  # of one key
 WIDE = 3.0  # times its low end, from which on a range is looked at by ratios, not by differences
 Told = str | Sequence[Any]  # LOW:HIGH, LOW:HIGH:N, all, or A,B,C; or (low, high), (low, high, n), names
+FORMS = {"vary": "KEY=LOW:HIGH, or KEY=A,B,C", "rank": "KEY=min or KEY=max"}  # of an option's text
 FORM = "write LOW:HIGH, LOW:HIGH:N, all, or A,B,C"
 
 
@@ -195,7 +196,7 @@ def texts(given: Sequence[str], option: str) -> dict[str, str]:
     for text in given:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not key or not equals or not value:
-            raise InputError(option, "must be KEY=VALUE", text)
+            raise InputError(option, f"must be {FORMS.get(option, 'KEY=VALUE')}", text)
         if key in found:
             raise InputError(option, f"names {key} twice", text)
         found[key] = value

@@ -64,7 +64,8 @@ def solve(
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = tuple(knob for knob in varied if knob not in stepped)
     if smooth and len(target) > len(smooth):
-        raise InputError("target", "has more numbers than are varied", len(target), "vary more, or wish less")
+        rule = f"must name at most as many numbers as keys are varied ({len(smooth)})"
+        raise InputError("target", rule, len(target), "vary another key, or drop a target")
     lists = [knob.values() for knob in stepped]
     if math.prod(map(len, lists)) > MOST_CHOICES:
         raise InputError(

@@ -133,7 +133,7 @@ def test_json_has_the_contracts_keys() -> None:
             {"all_touch_force": 1.0, "approach": 1.0},
             {"skin.length": (8, 12)},
             {},
-            "more numbers than are varied",
+            "as many numbers as keys are varied",
         ),
         ({"all_touch_force": 1.0}, {"skin.length": (8, 12)}, {"tol": 0.0}, "between 0 and 1"),
         ({"all_touch_force": 1.0}, {"skin.length": (8, 12)}, {"evaluations": 0}, "at least 1"),

@@ -133,7 +133,7 @@ def test_a_sweep_of_refused_rows_alone_is_status_1(
         (["--target", "all_touch_force", *RADIUS], "target: must be KEY=VALUE"),
         (["--target", "all_touch_force=a", *RADIUS], "must be a number"),
         (["--target", "all_touch_force=nan", *RADIUS], "must be finite"),
-        (["--target", "approach=1", "--vary", "skin.length"], "vary: must be KEY=VALUE"),
+        (["--target", "approach=1", "--vary", "skin.length"], "vary: must be KEY=LOW:HIGH"),
         (["--target", "approach=1", "--vary", "skin.lenth=8:12"], "did you mean 'length'"),
     ],
 )
