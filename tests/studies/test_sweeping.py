@@ -115,6 +115,12 @@ def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult
     assert "skin.width" in told
 
 
+def test_refusals_that_differ_in_their_numbers_are_counted_together() -> None:
+    told = str(sweep(DESIGN, {"ridge.pitch": [0.2, 0.3]}, tier="winkler"))
+    assert told.count("  refused ") == 1
+    assert "refused        2; the first: ridge.root_width" in told
+
+
 def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     folder = tmp_path / "study"
     found = sweep(DESIGN, VARY, tier="winkler", folder=folder)
