@@ -9,13 +9,14 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.climb import mesh_tolerance, outgrown
+from skincad.mechanics.tiers.table import able
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.crests import summits
 from skincad.studies.asking import Asking
 from skincad.studies.knobs import knob
 from skincad.studies.question import Question, told_by
-from skincad.studies.solving import crossings
+from skincad.studies.solving import TIERS, crossings
 from skincad.studies.subject import changed, value_of
 
 NEEDED = "all_touch_force_N"
@@ -56,15 +57,20 @@ LEVERS = (
 def advise(design: Design, found: ContactCheck, *, progress: Progress | None = None) -> ContactCheck:
     """Return `check`'s verdict with why the design fails, and which single changes would pass.
 
-    Each change is solved for, and told only where the same model, asked anew with that change alone, says
-    that the design passes; that takes as long as three checks a change. A verdict that passes, or is none,
-    stays as it is. Raises InputError for a verdict on another design.
+    Each change is solved for, by a model for small strains if a dearer one judged, and told only where the
+    model that judged, asked anew with that change alone, says that the design passes: that takes as long as
+    one to three checks a change. A verdict that passes, or is none, stays as it is. Raises InputError for a
+    verdict on another design.
     """
     if found.name != design.name or found.ridges != design.ridge.count:
         raise InputError("found", f"is the verdict on {found.name}, not on {design.name}")
     if found.passed or found.beyond:
         return found
-    changes = (_change(design, lever, found, progress) for lever in LEVERS)
+    rough = found
+    if found.tier not in TIERS:
+        tier = next(name for name in TIERS if not able(name, design, False))
+        rough = check(design, force=found.force, tier=tier, progress=progress)
+    changes = (_change(design, lever, found, rough, progress) for lever in LEVERS)
     return replace(found, cause=cause(design, found), changes=tuple(each for each in changes if each))
 
 
@@ -78,18 +84,24 @@ def cause(design: Design, found: ContactCheck) -> str:
     )
 
 
-def _change(design: Design, lever: _Lever, found: ContactCheck, progress: Progress | None) -> Change | None:
-    """The least change of one key with which the design passes, None where none in reach does."""
+def _change(
+    design: Design, lever: _Lever, found: ContactCheck, rough: ContactCheck, progress: Progress | None
+) -> Change | None:
+    """The least change of one key with which the design passes, None where none in reach does.
+
+    It is looked for by the model of the verdict `rough`, whose force is taken to be off by the same factor
+    everywhere.
+    """
     before = value_of(design, lever.key)
     if not isinstance(before, int | float) or lever.ends(before)[0] >= lever.ends(before)[1]:
         return None
-    question = Question("check", found.tier, mesh_tolerance(found.tier, None), found.force)
-    needed = found.all_touch_force
-    margin = needed.upper / needed.value if needed.value and needed.upper else GUESS
+    question = Question("check", rough.tier, mesh_tolerance(rough.tier, None), found.force)
+    needed, less = found.all_touch_force, rough.all_touch_force.value
+    margin = needed.upper / (less or needed.value) if needed.value and needed.upper else GUESS
     for _ in range(AGAIN):
         wanted = AIM * found.force / margin
         asking = Asking(design, question, {NEEDED: wanted}, progress)
-        told = told_by(found.as_json(), question.key(design), {lever.key: before})
+        told = told_by(rough.as_json(), question.key(design), {lever.key: before})
         asking.name(told)
         asking.evaluations[told.key] = told
         turned = knob(design, lever.key, lever.ends(before))
@@ -100,14 +112,15 @@ def _change(design: Design, lever: _Lever, found: ContactCheck, progress: Progre
         value = _rounded(float(solved.values[lever.key]), up=lever.grows)
         try:
             better = changed(design, {lever.key: value})
-            then = check(better, force=found.force, tier=found.tier, tol=question.tol)  # type: ignore[arg-type]
+            finest = mesh_tolerance(found.tier, None)
+            then = check(better, force=found.force, tier=found.tier, tol=finest)  # type: ignore[arg-type]
         except (InputError, RefusedError):
             return None
         if then.passed and not outgrown(better, then):  # type: ignore[arg-type]
             return Change(lever.key, before, value, then.all_touch_force)
         if then.all_touch_force.upper is None or then.all_touch_force.value is None:
             return None
-        margin = GUESS * then.all_touch_force.upper / then.all_touch_force.value
+        margin *= GUESS * then.all_touch_force.upper / (AIM * found.force)
     return None
 
 

@@ -18,7 +18,7 @@ from skincad.scenes.scene import Scene
 from skincad.studies.subject import SKIN, Subject, Value, field_of, kinds, value_of
 
 ALL = "all"
-DIGITS = 7  # of a value that is tried: a nanometre of a millimetre, and a design reads well
+DIGITS = 5  # of a value that is tried: finer than any tolerance, and a design reads well
 MOST_VALUES = 10_000  # of one key
 WIDE = 3.0  # times its low end, from which on a range is looked at by ratios, not by differences
 Told = str | Sequence[Any]  # LOW:HIGH, LOW:HIGH:N, all, or A,B,C; or (low, high), (low, high, n), names
@@ -106,6 +106,8 @@ def knob(subject: Subject, key: str, told: Told) -> Knob:
         return Knob(key, unit, start, choices=names)
     numbers = [_number(part) for part in parts]
     ranged = ":" in told if isinstance(told, str) else _is_range(told)
+    if not ranged and {int, float} & types and str not in types and None in numbers:
+        raise InputError(key, "must be numbers", str(told), FORM)
     if not ranged:
         if not parts:
             raise InputError(key, "needs values", remedy=FORM)

@@ -53,24 +53,10 @@ def solve(
     InputError for keys, ranges and tolerances that can't be used.
     """
     began = perf_counter()
-    require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
-    if evaluations is not None:
-        require_number("evaluations", evaluations, lambda value: value >= 1, "must be at least 1")
-    if not target:
-        raise InputError("target", "names no number", remedy="as in all_touch_force=3")
-    for key, wanted in target.items():
-        require_number(f"target {key}", wanted, lambda _: True, "must be finite")
-    varied = knobs(subject, vary)
+    varied = _varied(subject, target, vary, tol, evaluations)
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = tuple(knob for knob in varied if knob not in stepped)
-    if smooth and len(target) > len(smooth):
-        rule = f"must name at most as many numbers as keys are varied ({len(smooth)})"
-        raise InputError("target", rule, len(target), "vary another key, or drop a target")
     lists = [knob.values() for knob in stepped]
-    if math.prod(map(len, lists)) > MOST_CHOICES:
-        raise InputError(
-            "vary", f"must have at most {MOST_CHOICES} combinations of choices", remedy="vary less"
-        )
     asked = question_of(subject, tier=tier, force=force)
     if asked.kind == "check" and tier is None:
         asked = replace(asked, tier=next(name for name in TIERS if not able(name, subject, False)))  # type: ignore[arg-type]
@@ -89,6 +75,36 @@ def solve(
         else:
             solved += _least_changed(asking, fixed, smooth, tol, most, notes)
     return _told(asking, varied, solved, notes, perf_counter() - began)
+
+
+def _varied(
+    subject: Subject,
+    target: Mapping[str, float],
+    vary: Mapping[str, Told],
+    tol: float,
+    evaluations: int | None,
+) -> tuple[Knob, ...]:
+    """The knobs of what is asked; raises InputError for what can't be."""
+    require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
+    if evaluations is not None:
+        require_number("evaluations", evaluations, lambda value: value >= 1, "must be at least 1")
+    if not target:
+        raise InputError("target", "names no number", remedy="as in all_touch_force=3")
+    for key, wanted in target.items():
+        require_number(f"target {key}", wanted, lambda _: True, "must be finite")
+    varied = knobs(subject, vary)
+    stepped = [knob for knob in varied if knob.choices or knob.whole]
+    smooth = len(varied) - len(stepped)
+    if smooth and len(target) > smooth:
+        rule = f"must name at most as many numbers as keys are varied ({smooth})"
+        raise InputError("target", rule, len(target), "vary another key, or drop a target")
+    if len(varied) == 1 and len(varied[0].choices) == 1:
+        rule, remedy = "names one value", "write LOW:HIGH, or several choices"
+        raise InputError(varied[0].key, rule, varied[0].choices[0], remedy)
+    if math.prod(len(knob.values()) for knob in stepped) > MOST_CHOICES:
+        rule = f"must have at most {MOST_CHOICES} combinations of choices"
+        raise InputError("vary", rule, remedy="vary less")
+    return varied
 
 
 def _told(
@@ -110,11 +126,21 @@ def _told(
         asking.question,
         asking.target or dict(asking.wished),
         varied,
-        tuple(sorted(solved, key=lambda each: _change(varied, each.values))),
+        tuple(sorted(solved, key=lambda each: _order(asking, varied, each))),
         near,
         evaluations,
         tuple(dict.fromkeys(notes)),
         seconds,
+    )
+
+
+def _order(asking: Asking, varied: tuple[Knob, ...], solved: Solved) -> float:
+    """The least change first; of choices alone the one that comes nearest."""
+    if not all(knob.choices or knob.whole for knob in varied):
+        return _change(varied, solved.values)
+    return max(
+        abs(float(found) - wanted) / (abs(wanted) or 1.0)
+        for found, wanted in zip(solved.reached.values(), asking.target.values(), strict=True)
     )
 
 

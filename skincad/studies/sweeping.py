@@ -30,6 +30,7 @@ from skincad.studies.subject import Subject
 MOST_ROWS = 100_000
 DEFAULT: dict[str, dict[str, Goal]] = {"check": {"all_touch_force": "min"}}  # if no ranking is asked
 RANKED_BY = ("linear", "winkler")  # the first that takes the design: ranks mean something by one model
+INPUTS = ("passed", "force_N", "friction", "ridges")  # said of a row elsewhere, or by its values
 UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a design
 
 
@@ -68,7 +69,13 @@ class SweepResult(Result):
         found = dict.fromkeys(
             key for row in self.rows for key, told in row.results.items() if told.value is not None
         )
-        return tuple(key for key in found if key != "passed" and not key.startswith(UNTOLD))
+        return tuple(
+            key
+            for key in found
+            if key not in INPUTS
+            and not key.startswith(UNTOLD)
+            and not (key.endswith((".min", ".max", ".last")) and f"{key.rpartition('.')[0]}.1" in found)
+        )
 
     def best(self, number: int = 1) -> Evaluation:
         """Return the row at this place of the first ranking; InputError where there is none."""

@@ -28,11 +28,11 @@ def test_a_range_is_told_as_text_or_as_a_tuple() -> None:
 
 def test_wide_ranges_go_by_ratios_and_narrow_ones_by_differences() -> None:
     wide, narrow = knob(DESIGN, "skin.curvature_radius", (20, 200)), knob(DESIGN, "ridge.height", (0.5, 0.7))
-    assert wide.at(0.5) == pytest.approx(20 * 10**0.5, rel=1e-6)  # seven digits are told
-    assert narrow.at(0.5) == pytest.approx(0.6, rel=1e-6)
+    assert wide.at(0.5) == pytest.approx(20 * 10**0.5, rel=1e-4)  # five digits are told
+    assert narrow.at(0.5) == pytest.approx(0.6, rel=1e-4)
     for each in (wide, narrow):
         assert [each.at(0.0), each.at(1.0)] == [each.low, each.high]
-        assert each.share(float(each.at(0.3))) == pytest.approx(0.3, abs=1e-6)
+        assert each.share(float(each.at(0.3))) == pytest.approx(0.3, abs=1e-4)
 
 
 def test_whole_numbers_stay_whole() -> None:
@@ -87,6 +87,7 @@ def test_keys_of_scenes_circuits_and_inner_tables() -> None:
         ("material.name", "dragon-skin-31", "did you mean 'dragon-skin-30'"),
         ("name", "all", "no list of names"),
         ("skin.length", (), "needs values"),
+        ("skin.length", "8-12", "must be numbers"),
     ],
 )
 def test_what_can_not_be_used_is_said_in_one_line(key: str, told: Any, says: str) -> None:
