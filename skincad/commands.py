@@ -12,6 +12,7 @@ import skincad
 from skincad.base.bars import stage_bar, step_bar
 from skincad.base.errors import InputError
 from skincad.options import (
+    AdviceOption,
     BudgetOption,
     DesignArgument,
     JsonOption,
@@ -123,6 +124,7 @@ def make(
         ),
     ] = [],  # noqa: B006
     strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
+    advice: AdviceOption = True,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     as_json: JsonOption = False,
@@ -140,7 +142,8 @@ def make(
     ready(target, COMMAND, of_formats(names(design), formats))
     with stage_bar(len(STAGES)) as progress:
         found = skincad.make(design, strict=strict, progress=progress)
-        found = replace(found, check=skincad.advise(design, found.check, progress=progress))
+        if advice:
+            found = replace(found, check=skincad.advise(design, found.check, progress=progress))
         written = skincad.write(found, target, formats=formats, progress=progress)
     deliver(found, as_json, written)
     raise typer.Exit(0 if found.passed else 1)
@@ -183,6 +186,7 @@ def check(
             help="With --stress: tangential force; default: a quarter of the normal one.",
         ),
     ] = None,
+    advice: AdviceOption = True,
     as_json: JsonOption = False,
 ) -> None:
     """Say whether all ridges touch a plate.
@@ -210,7 +214,7 @@ def check(
             measured=measured,
             progress=progress,
         )
-        if budget is None and measured is None:
+        if advice and budget is None and measured is None:
             found = skincad.advise(design, found, progress=progress)
         films = None
         if stress is not None:

@@ -58,6 +58,10 @@ BudgetOption = Annotated[
     float | None,
     typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they allow."),
 ]
+AdviceOption = Annotated[
+    bool,
+    typer.Option("--advice/--no-advice", help="Look for changes with which a design that fails would pass."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 

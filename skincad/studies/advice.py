@@ -15,15 +15,16 @@ from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.crests import summits
 from skincad.studies.asking import Asking
 from skincad.studies.knobs import knob
-from skincad.studies.question import Question, told_by
+from skincad.studies.question import Question, key_of, told_by
+from skincad.studies.roots import UNSURE
 from skincad.studies.solving import TIERS, crossings
 from skincad.studies.subject import changed, value_of
 
 NEEDED = "all_touch_force_N"
 DIGITS = 2  # of a value that is proposed
-AIM = 0.97  # of the asked force: what the change's force with its error is to be
+AIM = 0.95  # of the asked force: what the change's force with its error is to be
 GUESS = 1.2  # times its value: the upper end of a force that no model has told yet
-NEAR = 0.03  # relative: how near to the aim is enough
+NEAR = 0.05  # relative: how near to the aim is enough
 TRIES, AGAIN = 9, 2  # evaluations of a search at most, and searches: the error may grow with the change
 
 
@@ -101,11 +102,13 @@ def _change(
     for _ in range(AGAIN):
         wanted = AIM * found.force / margin
         asking = Asking(design, question, {NEEDED: wanted}, progress)
-        told = told_by(rough.as_json(), question.key(design), {lever.key: before})
+        start = key_of(design, {lever.key: before}, question)
+        told = told_by(rough.as_json(), start, {lever.key: before})
         asking.name(told)
         asking.evaluations[told.key] = told
         turned = knob(design, lever.key, lever.ends(before))
-        solved = next(iter(crossings(asking, {}, turned, NEAR, TRIES, [])), None)
+        hopeless = _hopeless(asking, lever, before, wanted, less)
+        solved = None if hopeless else next(iter(crossings(asking, {}, turned, NEAR, TRIES, [])), None)
         if solved is None:
             return None
         # rounded so that the change is rather too large
@@ -122,6 +125,16 @@ def _change(
             return None
         margin *= GUESS * then.all_touch_force.upper / (AIM * found.force)
     return None
+
+
+def _hopeless(asking: Asking, lever: _Lever, before: float, wanted: float, value: float | None) -> bool:
+    """Whether the closed form, off by the same factor everywhere or UNSURE times that, reaches nothing like
+    what is wanted: then no costly model is asked."""
+    end = lever.ends(before)[1 if lever.grows else 0]
+    here, there = (asking.guide({lever.key: each}) for each in (before, end))
+    if not asking.guided or value is None or not here or not there or here[0] <= 0:
+        return False
+    return value * there[0] / here[0] > UNSURE * wanted
 
 
 def _rounded(value: float, *, up: bool) -> float:

@@ -41,6 +41,7 @@ COARSE = 600  # evaluations of the closed form in a search
 SAME = 0.01  # of the cube: a place this near to the last one is not judged again
 DIFFERENCES = ("margin_N",)  # numbers that may be 0: two models of them differ by so much, not by a factor
 JUDGED = 6  # designs of a front that are judged, spread along it
+OTHERS = {"make", "check"}  # results beside the searching one's, before whose keys their name stands
 JUDGE = ""  # in the place of a tier: numbers that are taken as they are
 SEARCHING = ("linear", "winkler")  # the first that takes the design
 
@@ -151,7 +152,7 @@ class _Hunt:
             return place, members
         rough = replace(question, tier=GUIDE)
         for _ in range(MAPPED):
-            tried = self._minimised(self._run(rough), rough, place, COARSE, Workers())
+            tried = self._minimised(rough, place, COARSE, Workers(), rough=True)
             best = tried.front[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
@@ -165,14 +166,14 @@ class _Hunt:
 
     def searched(self, question: Question, start: Array | None, most: int, who: Workers) -> Tried:
         """Return the front of the searching model, in about `most` evaluations of this study so far."""
-        return self._minimised(self._run(question), question, start, max(most - len(self.seen), 1), who)
+        return self._minimised(question, start, max(most - len(self.seen), 1), who)
 
-    def _minimised(self, run: Run, question: Question, start: Array | None, most: int, who: Workers) -> Tried:
-        rough = question.tier == GUIDE and self.study.tier != GUIDE
-
+    def _minimised(
+        self, question: Question, start: Array | None, most: int, who: Workers, *, rough: bool = False
+    ) -> Tried:
         def function(places: list[Array]) -> list[Told]:
             values = [self.values(place) for place in places]
-            found = run.at(values, who)
+            found = self._run(question).at(values, who)
             if rough:
                 return [self._told(place, each, {}, rough) for place, each in zip(places, found, strict=True)]
             self.seen += found
@@ -191,14 +192,14 @@ class _Hunt:
             subject = self.subject
             if question.kind in ("check", "make") and isinstance(subject, Scene):
                 subject = subject.design
-            log = None if question.tier == GUIDE and self.study.tier != GUIDE else self.log
-            self.runs[question] = Run(subject, question, log)
+            cheap = question.tier == GUIDE and GUIDE not in (self.study.tier, self.study.judge)
+            self.runs[question] = Run(subject, question, None if cheap else self.log)
         return self.runs[question]
 
     def _others(self, values: Values, who: Workers) -> dict[str, Estimate]:
         """Numbers of other results than the searching one's, the result's name before their keys."""
         told: dict[str, Estimate] = {}
-        for kind in {key.partition(".")[0] for key in self._keys()} & {"make", "check"}:
+        for kind in {key.partition(".")[0] for key in self._keys()} & OTHERS:
             if kind == "check" and isinstance(self.subject, Design):
                 continue
             own = {k.removeprefix(SKIN): v for k, v in values.items() if k.startswith(SKIN)}
@@ -255,6 +256,9 @@ class _Hunt:
 
     def _worse(self, key: str, results: Mapping[str, Estimate], sign: float, tier: str) -> float:
         """A number's worse end, as the judge would have it where that is known; NaN where there is none."""
+        kind = key.partition(".")[0]
+        if kind in OTHERS and not any(each.startswith(f"{kind}.") for each in results):
+            return math.nan
         name = resolved(key, results, what="key")
         found = results[name]
         if found.value is None:
@@ -273,10 +277,10 @@ class _Hunt:
         if found.refused or not found.results:
             return None
         results = {**found.results, **self._others(values, who), **self._own(values)}
-        kept = {
-            resolved(limit.key, results, what="key"): self._excess(limit, results, side, JUDGE) <= 0
-            for limit, side in self._limits()
-        }
+        kept: dict[str, bool] = {}
+        for limit, side in self._limits():
+            key = resolved(limit.key, results, what="key")
+            kept[key] = kept.get(key, True) and self._excess(limit, results, side, JUDGE) <= 0
         wanted = [resolved(each.key, results, what="key") for each in self.study.objectives]
         return Member(
             dict(values),

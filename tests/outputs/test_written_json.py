@@ -22,7 +22,7 @@ THIRDS = (
     "readout.ridges=[2]",
 )
 RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
-    "make": ("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01"),
+    "make": ("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01", "--no-advice"),
     "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
     "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
     "circuit again": ("circuit", "transimpedance", "--set", "sweep.points=50"),

@@ -97,6 +97,17 @@ def test_a_better_judge_has_the_last_word() -> None:
     assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
 
 
+def test_a_number_may_have_a_limit_on_either_side() -> None:
+    both = [{"key": "all_touch_force", "at_least": 0.05, "at_most": 3.0}]
+    goal = [{"key": "all_touch_force", "goal": "min"}]
+    (best,) = optimise(study(objectives=goal, constraints=both)).front
+    force, kept = best.constraints["all_touch_force_N"]
+    assert kept
+    assert (force.lower or 0.0) >= 0.05
+    impossible = [{"key": "all_touch_force", "at_least": 3.0, "at_most": 1.0}]
+    assert not optimise(study(objectives=goal, constraints=impossible, evaluations=30)).feasible
+
+
 def test_what_nothing_keeps_is_said_with_the_nearest() -> None:
     none = optimise(study(constraints=[{"key": "all_touch_force", "at_most": 0.01}], evaluations=40))
     assert not none.feasible
