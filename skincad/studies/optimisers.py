@@ -94,7 +94,7 @@ class Cma:
         }
         self._inner = cma.CMAEvolutionStrategy(middle * self._levels, NEAR if known else SPREAD, options)
         self._lagrangian = cma.ConstrainedFitnessAL(
-            lambda x: self._at(x)[0], lambda x: self._at(x)[1], archives=()
+            lambda x: self._at(x)[0], lambda x: self._at(x)[1], archives=(), logging=False
         )
         self._runs += 1
 
