@@ -93,8 +93,10 @@ class Cma:
             "tolx": 1e-6,
         }
         self._inner = cma.CMAEvolutionStrategy(middle * self._levels, NEAR if known else SPREAD, options)
+        # the library's own way to let it write no logs into the working directory
+        cma.constraints_handler._Logger = cma.logger.LoggerDummy
         self._lagrangian = cma.ConstrainedFitnessAL(
-            lambda x: self._at(x)[0], lambda x: self._at(x)[1], archives=(), logging=False
+            lambda x: self._at(x)[0], lambda x: self._at(x)[1], archives=()
         )
         self._runs += 1
 
