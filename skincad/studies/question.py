@@ -21,6 +21,7 @@ from skincad.scenes.scene import Scene
 from skincad.studies.measures import measures
 from skincad.studies.subject import Subject, Value, changed, fingerprint
 
+ECHOED = ("force_N", "friction")  # what a check was asked: no results that could be wanted
 Kind = Literal["check", "make", "simulate", "circuit"]
 
 
@@ -107,7 +108,8 @@ def told_by(
     """Return the evaluation that a result's JSON tells."""
     refused = refused or told.get("beyond_range") or ""
     tier = told.get("tier", "")
-    return Evaluation(key, dict(values), measures(told), told.get("passed"), refused, tier, seconds, when)
+    results = {name: found for name, found in measures(told).items() if name not in ECHOED}
+    return Evaluation(key, dict(values), results, told.get("passed"), refused, tier, seconds, when)
 
 
 def key_of(subject: Subject, values: Mapping[str, Value], question: Question) -> str:

@@ -30,7 +30,7 @@ from skincad.studies.subject import Subject
 MOST_ROWS = 100_000
 DEFAULT: dict[str, dict[str, Goal]] = {"check": {"all_touch_force": "min"}}  # if no ranking is asked
 RANKED_BY = ("linear", "winkler")  # the first that takes the design: ranks mean something by one model
-INPUTS = ("passed", "force_N", "friction", "ridges")  # said of a row elsewhere, or by its values
+INPUTS = ("passed", "ridges")  # said of a row elsewhere, or by its values
 UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a design
 
 
