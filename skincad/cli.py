@@ -31,7 +31,8 @@ def main() -> None:
         _leave(str(failure), 2)
     except _USAGE_ERROR as failure:
         text = failure.format_message() if hasattr(failure, "format_message") else str(failure)
-        _leave(f"{text} (see skincad --help)", 2)
+        context = getattr(failure, "ctx", None)
+        _leave(f"{text} (see {context.command_path if context else 'skincad'} --help)", 2)
     except BrokenPipeError:  # the reader of our output has had enough
         _drop(sys.stdout)
         status = 0
