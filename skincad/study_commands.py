@@ -90,7 +90,7 @@ def solve(
     all values in its range are found; with several those with the least change.
     """
     from skincad.base.freshfile import checked_fresh, fresh
-    from skincad.studies.knobs import texts
+    from skincad.studies.knobs import knobs, texts
     from skincad.studies.subject import load_subject
 
     for path, suffix, key in ((copy, ".toml", "copy"), (picture, ".png", "picture")):
@@ -99,6 +99,8 @@ def solve(
     wishes = {key: _number(key, text) for key, text in texts(target, "target").items()}
     varied = texts(vary, "vary")
     subject = load_subject(source, settings, printer=printer, silicones=silicones)
+    if picture is not None and (len(varied) > 1 or knobs(subject, varied)[0].choices):
+        raise InputError("picture", "is drawn of one key with a range", remedy="leave it out")
     with stage_bar(8) as progress:
         found = skincad.solve(
             subject,
@@ -173,7 +175,6 @@ def sweep(
     from skincad.outputs.delivery import ready
     from skincad.outputs.sweeps import COMMAND, names
     from skincad.studies.knobs import texts
-    from skincad.studies.log import NAME
     from skincad.studies.subject import load_subject
     from skincad.studies.sweeping import points_of
 
@@ -182,8 +183,6 @@ def sweep(
     count = len(points_of(subject, varied, sample))
     target = folder or Path("out") / subject.name
     ready(target, COMMAND, names())
-    if fresh:
-        (target / NAME).unlink(missing_ok=True)
     with step_bar(count) as tick:
         found = skincad.sweep(
             subject,
@@ -194,6 +193,7 @@ def sweep(
             tol=tol,
             force=force,
             folder=target,
+            fresh=fresh,
             workers=workers,
             dask=dask,
             tick=tick,
@@ -219,15 +219,12 @@ def optimise(
     """
     from skincad.outputs.delivery import ready
     from skincad.outputs.optimisations import COMMAND, names
-    from skincad.studies.log import NAME
 
     study = skincad.load_study(source, settings)
     target = folder or Path("out") / study.name
     ready(target, COMMAND, names())
-    if fresh:
-        (target / NAME).unlink(missing_ok=True)
     with step_bar(study.evaluations) as tick:
-        found = skincad.optimise(study, folder=target, workers=workers, dask=dask, tick=tick)
+        found = skincad.optimise(study, folder=target, fresh=fresh, workers=workers, dask=dask, tick=tick)
     deliver(found, as_json, skincad.write(found, target))
     raise typer.Exit(0 if found.feasible else 1)
 

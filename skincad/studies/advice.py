@@ -9,13 +9,12 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.climb import mesh_tolerance, outgrown
-from skincad.mechanics.tiers.table import able
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.crests import summits
 from skincad.studies.asking import Asking
 from skincad.studies.knobs import knob
-from skincad.studies.question import Question, key_of, told_by
+from skincad.studies.question import Question, first_able, key_of, told_by
 from skincad.studies.roots import UNSURE
 from skincad.studies.solving import TIERS, crossings
 from skincad.studies.subject import changed, value_of
@@ -69,8 +68,7 @@ def advise(design: Design, found: ContactCheck, *, progress: Progress | None = N
         return found
     rough = found
     if found.tier not in TIERS:
-        tier = next(name for name in TIERS if not able(name, design, False))
-        rough = check(design, force=found.force, tier=tier, progress=progress)
+        rough = check(design, force=found.force, tier=first_able(TIERS, design), progress=progress)
     changes = (_change(design, lever, found, rough, progress) for lever in LEVERS)
     return replace(found, cause=cause(design, found), changes=tuple(each for each in changes if each))
 

@@ -67,6 +67,11 @@ class Log:
                 raise
         self.evaluations[found.key] = found
 
+    def skip(self) -> None:
+        """Leave out what the file has now: those evaluations are asked anew, and their lines stay."""
+        if self.path.exists():
+            self._read = self.path.stat().st_size
+
     def read(self) -> None:
         """Take in what was appended since, by other runs too; raises InputError for a file that is no log."""
         if not self.path.exists():

@@ -20,7 +20,6 @@ from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Tick
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import able
 from skincad.scenes.scene import Scene
 from skincad.studies.asking import GUIDE
 from skincad.studies.knobs import Knob, knobs
@@ -28,13 +27,13 @@ from skincad.studies.log import Log
 from skincad.studies.measures import resolved, slack
 from skincad.studies.optimisation import Member, Optimisation
 from skincad.studies.optimisers import Told, Tried, levels, minimise, optimiser
-from skincad.studies.question import Evaluation, Question, question_of
+from skincad.studies.question import Evaluation, Question, first_able, question_of
 from skincad.studies.ranking import ranking
 from skincad.studies.running import Run, Values, Workers
 from skincad.studies.running import workers as working
 from skincad.studies.study import Limit, Objective, Study
 from skincad.studies.subject import SKIN, Subject
-from skincad.studies.sweeping import SweepResult
+from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in
 
 MAPPED, ROUNDS = 3, 2  # searches of the closed form and of the model, each judged
 COARSE = 600  # evaluations of the closed form in a search
@@ -43,13 +42,13 @@ DIFFERENCES = ("margin_N",)  # numbers that may be 0: two models of them differ 
 JUDGED = 6  # designs of a front that are judged, spread along it
 OTHERS = {"make", "check"}  # results beside the searching one's, before whose keys their name stands
 JUDGE = ""  # in the place of a tier: numbers that are taken as they are
-SEARCHING = ("linear", "winkler")  # the first that takes the design
 
 
 def optimise(
     study: Study,
     *,
     folder: Path | str | None = None,
+    fresh: bool = False,
     workers: int = 1,
     dask: Any = None,
     tick: Tick | None = None,
@@ -57,14 +56,14 @@ def optimise(
     """Return the best designs of a study, each judged by the model that it names.
 
     With a `folder` each finished evaluation goes into its log at once; asked again, an interrupted study goes
-    on where it was. `workers` and `dask` are those of `sweep`. Raises InputError for keys and ranges that
-    can't be used.
+    on where it was, unless `fresh`. `workers` and `dask` are those of `sweep`. Raises InputError for keys and
+    ranges that can't be used.
     """
     began = perf_counter()
     subject = study.subject()
     varied = knobs(subject, dict(study.vary))
     question = _searching(subject, study.tier)
-    log = None if folder is None else Log(Path(folder))
+    log = log_in(folder, fresh=fresh)
     hunt = _Hunt(study, subject, varied, log, tick)
     with working(workers, dask) as who:
         start = hunt.judged({}, question, who)
@@ -96,7 +95,7 @@ def optimise(
 
 def _searching(subject: Subject, tier: str | None) -> Question:
     if isinstance(subject, Design) and tier is None:
-        tier = next(name for name in SEARCHING if not able(name, subject, False))
+        tier = first_able(RANKED_BY, subject)
     return question_of(subject, tier=tier)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from time import perf_counter
@@ -15,7 +15,7 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import tier_of
+from skincad.mechanics.tiers.table import able, tier_of
 from skincad.mechanics.touching import check, require_force
 from skincad.scenes.scene import Scene
 from skincad.studies.measures import measures
@@ -79,6 +79,11 @@ def question_of(
             what = "a scene" if isinstance(subject, Scene) else "a circuit"
             raise InputError(name, f"is for a design, and {subject.name} is {what}", given, "leave it out")
     return Question("simulate", tol=tol) if isinstance(subject, Scene) else Question("circuit")
+
+
+def first_able(tiers: Sequence[str], design: Design) -> str:
+    """Return the first of these tiers that can judge a design; the last ones of all lists take any."""
+    return next(name for name in tiers if not able(name, design, False))
 
 
 def evaluate(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:

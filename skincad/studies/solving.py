@@ -15,12 +15,12 @@ from skincad.base.arguments import require_number
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
-from skincad.mechanics.tiers.table import able
+from skincad.inputs.design import Design
 from skincad.studies.asking import Asking, scaled, short
 from skincad.studies.knobs import Knob, Told, knobs, nearest_silicone
 from skincad.studies.least_change import least_change
 from skincad.studies.measures import slack
-from skincad.studies.question import Evaluation, question_of
+from skincad.studies.question import Evaluation, first_able, question_of
 from skincad.studies.roots import Search, search
 from skincad.studies.solution import Solution, Solved
 from skincad.studies.subject import Subject, Value
@@ -58,8 +58,8 @@ def solve(
     smooth = tuple(knob for knob in varied if knob not in stepped)
     lists = [knob.values() for knob in stepped]
     asked = question_of(subject, tier=tier, force=force)
-    if asked.kind == "check" and tier is None:
-        asked = replace(asked, tier=next(name for name in TIERS if not able(name, subject, False)))  # type: ignore[arg-type]
+    if isinstance(subject, Design) and tier is None:
+        asked = replace(asked, tier=first_able(TIERS, subject))
     asking = Asking(subject, asked, target, progress)
     if asking.guided:
         asking.guide({})  # names the wishes, or refuses them, before anything costs time

@@ -21,7 +21,7 @@ from skincad.mechanics.tiers.table import TIERS, able, expected
 from skincad.studies.knobs import Knob, Told, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded
-from skincad.studies.question import Evaluation, Question, question_of
+from skincad.studies.question import Evaluation, Question, first_able, question_of
 from skincad.studies.ranking import Goal, Ranking, ranking, require_goal
 from skincad.studies.running import Run, Values
 from skincad.studies.running import workers as working
@@ -147,6 +147,7 @@ def sweep(
     tol: float | None = None,
     force: float | None = None,
     folder: Path | str | None = None,
+    fresh: bool = False,
     workers: int = 1,
     dask: Any = None,
     tick: Tick | None = None,
@@ -156,7 +157,8 @@ def sweep(
     `vary` is by key: (low, high, count), a list of choices or "all"; their grid is taken, or with `sample`
     that many Sobol points of the ranges. Checks are by one `tier`, `linear` if None, and ranked by `rank`,
     a result's key and "min" or "max", if nothing is said by the smallest all-touch force. With a `folder`
-    each finished evaluation goes into its log at once, and what that has already is not asked again. Rows
+    each finished evaluation goes into its log at once, and what that has already is not asked again, unless
+    `fresh`. Rows
     come from `workers` processes of this machine (a script that asks for more than one needs the usual
     `if __name__ == "__main__":`), or from the `dask` cluster of an address or a client. Raises InputError for
     keys, ranges and options that can't be used; rows that are refused say why.
@@ -165,9 +167,9 @@ def sweep(
     varied = knobs(subject, vary)
     points = points_of(subject, vary, sample)
     question = question_of(subject, tier=tier, tol=tol, force=force)
-    if question.kind == "check" and tier is None:
-        question = replace(question, tier=_tier(subject))
-    run = Run(subject, question, None if folder is None else Log(Path(folder)))
+    if isinstance(subject, Design) and tier is None:
+        question = replace(question, tier=first_able(RANKED_BY, subject))
+    run = Run(subject, question, log_in(folder, fresh=fresh))
     wanted: dict[str, Goal] = dict(rank) if rank else dict(DEFAULT.get(question.kind, {}))
     for goal in wanted.values():
         require_goal(goal)
@@ -206,8 +208,14 @@ def _best(done: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
     return "evaluating"
 
 
-def _tier(subject: Any) -> str:
-    return next(name for name in RANKED_BY if not able(name, subject, False))
+def log_in(folder: Path | str | None, *, fresh: bool) -> Log | None:
+    """Return the log of a study's folder, to be gone on with, or with `fresh` from its end; None without."""
+    if folder is None:
+        return None
+    log = Log(Path(folder))
+    if fresh:
+        log.skip()
+    return log
 
 
 def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = None) -> list[Values]:

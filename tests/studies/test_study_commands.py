@@ -127,6 +127,20 @@ def test_a_sweep_of_refused_rows_alone_is_status_1(
     assert "2 refused" in text
 
 
+def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["sweep", "yamada-2002", "--vary", "skin.length=8:14:4", "-o", str(tmp_path / "out")]
+    said(capsys, *asked, "--tier", "winkler")
+    log = tmp_path / "out" / "evaluations.jsonl"
+    before = log.read_bytes()
+    for wrong in (["--tier", "lineer"], ["--tier", "winkler", "--force", "-1"], ["--rank", "x=least"]):
+        with pytest.raises(InputError):
+            run([*asked, "--fresh", *wrong])
+        assert log.read_bytes() == before
+    said(capsys, *asked, "--tier", "winkler", "--fresh")
+    assert log.read_bytes().startswith(before)  # asked anew, and nothing that was finished is lost
+    assert len(log.read_bytes().splitlines()) == 8
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -135,6 +149,10 @@ def test_a_sweep_of_refused_rows_alone_is_status_1(
         (["--target", "all_touch_force=nan", *RADIUS], "must be finite"),
         (["--target", "approach=1", "--vary", "skin.length"], "vary: must be KEY=LOW:HIGH"),
         (["--target", "approach=1", "--vary", "skin.lenth=8:12"], "did you mean 'length'"),
+        (
+            ["--target", "approach=1", "--vary", "material.name=all", "--picture", "x.png"],
+            "one key with a range",
+        ),
     ],
 )
 def test_bad_input_is_one_line(arguments: list[str], says: str) -> None:
