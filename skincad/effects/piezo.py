@@ -13,10 +13,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
@@ -39,6 +39,25 @@ MOST_LEAD = 20_000_000  # of noise before its record begins
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
 
+LONGEST = 4096  # letters of a path
+
+
+def _circuit(given: Any) -> Circuit:
+    """The circuit of a name or a file, or of tables that a scene has in its place."""
+    if isinstance(given, Circuit):
+        return given
+    if isinstance(given, dict):
+        return Circuit(**given)
+    if not isinstance(given, str):
+        raise InputError("", "must be a circuit, or the name of a template or TOML file", given)
+    if len(given) > LONGEST:
+        raise InputError("", f"must have at most {LONGEST} characters", given)
+    try:
+        return load_circuit(given)
+    except InputError as failure:
+        raise InputError("", f"{failure.key}: {failure.rule}", failure.value, failure.remedy) from None
+
+
 @dataclass(frozen=True)
 class Electrode:
     """Areas in mm2: what lies in the skin gives charge, the whole with its lead has capacitance."""
@@ -52,7 +71,9 @@ class Piezo(Reader):
 
     needs: ClassVar[tuple[str, ...]] = ("film",)
 
-    circuit: str = Field(description="a circuit's template, or a TOML file beside the scene", max_length=4096)
+    circuit: Annotated[Circuit, BeforeValidator(_circuit)] = Field(
+        description="a circuit's template, or a TOML file beside the scene"
+    )
     noise_seed: int | None = Field(
         default=None, ge=0, description="seed of the noise of film and amplifier; no noise if not given"
     )
@@ -64,19 +85,13 @@ class Piezo(Reader):
         """Raise InputError for a skin without films or with dead ones, or an unusable circuit."""
         if design.film is None or design.slot is None:
             raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
-        try:
-            circuit = load_circuit(self.circuit)
-        except InputError as failure:
-            raise InputError(
-                "circuit", f"{failure.key}: {failure.rule}", failure.value, failure.remedy
-            ) from None
         if not any((design.film.d31, design.film.d32, design.film.d33)):
             raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")
-        constants(fitted(circuit, design))
+        constants(fitted(self.circuit, design))
 
     def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
         """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it."""
-        circuit = fitted(load_circuit(self.circuit), watched.design)
+        circuit = fitted(self.circuit, watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None
         recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
         film = circuit.film

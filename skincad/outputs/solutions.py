@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.result import Writer
 from skincad.outputs.delivery import picture, text
 from skincad.outputs.designcopy import write_copy
-from skincad.scenes.scene import Scene
 from skincad.studies.asking import short
 from skincad.studies.knobs import Knob
 from skincad.studies.measures import worded
 from skincad.studies.solution import Solution, Solved
-from skincad.studies.subject import SKIN
+from skincad.studies.subject import owner
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
@@ -123,6 +122,6 @@ def write_solution(found: Solution, path: Path, source: str) -> None:
     """
     values = found.solutions[0].values
     said = {key: f"solved for {_wishes(found)}" for key in values if not key.rpartition(".")[2].isdigit()}
-    if any(key.startswith(SKIN) for key in values) and isinstance(found.subject, Scene):
-        said = {}  # the skin's own tables come in place of its name
+    if any(owner(found.subject, key)[0] is not found.subject for key in values):
+        said = {}  # a skin's or a circuit's own tables come in place of its name
     write_copy(path, source, found.solved, said)

@@ -14,8 +14,7 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Ranged, unit_of
 from skincad.inputs.process import processes
 from skincad.inputs.silicone import silicones
-from skincad.scenes.scene import Scene
-from skincad.studies.subject import SKIN, Subject, Value, field_of, kinds, value_of
+from skincad.studies.subject import Subject, Value, field_of, kinds, owner, value_of
 
 ALL = "all"
 DIGITS = 5  # of a value that is tried: finer than any tolerance, and a design reads well
@@ -172,19 +171,16 @@ def _count(key: str, number: float | None) -> int:
 
 
 def _unit(subject: Subject, key: str) -> str:
-    model: Any = type(subject)
-    if isinstance(subject, Scene) and key.startswith(SKIN):
-        model, key = type(subject.design), key.removeprefix(SKIN)
-    return unit_of(model, tuple(key.split(".")))
+    whose, own = owner(subject, key)
+    return unit_of(type(whose), tuple(own.split(".")))
 
 
 def _catalogue(subject: Subject, key: str, field: Any, *, must: bool = True) -> tuple[Value, ...]:
     """All that a key may be, where it is one of names; raises InputError where it is none and `must` be."""
-    design = subject.design if isinstance(subject, Scene) else subject
-    plain = key.removeprefix(SKIN) if isinstance(subject, Scene) else key
-    if plain == "material.name":
+    design, own = owner(subject, key)
+    if own == "material.name":
         return tuple(sorted(silicones(getattr(design, "silicones", None))))
-    if plain in ("mold.process", "mold.end_plate_process", "mold.lid_process"):
+    if own in ("mold.process", "mold.end_plate_process", "mold.lid_process"):
         return tuple(sorted(processes(getattr(design, "printer", None))))
     named = [each for each in kinds(field) if isinstance(each, str)]  # of a Literal
     if must and not named:
@@ -207,8 +203,8 @@ def texts(given: Sequence[str], option: str) -> dict[str, str]:
 
 def nearest_silicone(subject: Subject, key: str, value: Value) -> str | None:
     """Return the silicone of the catalogue whose modulus is nearest, by ratio, to one of this value."""
-    design = subject.design if isinstance(subject, Scene) else subject
-    if key.removeprefix(SKIN) != "material.young_modulus" or isinstance(value, str):
+    design, own = owner(subject, key)
+    if own != "material.young_modulus" or isinstance(value, str):
         return None
     known = silicones(getattr(design, "silicones", None))
     return min(known, key=lambda name: abs(math.log(known[name].young_modulus.value / value)))

@@ -24,7 +24,7 @@ from skincad.scenes.scene import Scene, load_scene
 
 Subject = Design | Scene | Circuit
 Value = float | int | str
-SKIN = "skin."  # before a design's keys in a scene
+SKIN, CIRCUIT = "skin.", "circuit."  # before the keys of a scene's design, and of its amplifier's circuit
 NOT_GIVEN: dict[str, Value] = {"ridge.levelling": 0.0}  # what keys mean that a design need not give
 
 
@@ -52,25 +52,68 @@ def load_subject(
     return load_circuit(source, settings)
 
 
+def owner(subject: Subject, key: str) -> tuple[Subject, str]:
+    """Return whose key it is, and its name there: of a scene, `skin.` stands before its design's keys, and
+    `circuit.` before those of its amplifier's circuit.
+
+    Raises InputError for a circuit's key in a scene without one.
+    """
+    if isinstance(subject, Scene) and key.startswith(SKIN):
+        return subject.design, key.removeprefix(SKIN)
+    if isinstance(subject, Scene) and key.startswith(CIRCUIT):
+        return subject.parts[_behind(subject, key)].circuit, key.removeprefix(CIRCUIT)  # type: ignore[attr-defined]
+    return subject, key
+
+
+def _behind(scene: Scene, key: str) -> str:
+    """The name of the effect with the scene's circuit."""
+    found = [
+        name for name, part in scene.parts.items() if isinstance(getattr(part, "circuit", None), Circuit)
+    ]
+    if not found:
+        raise InputError(key, "needs an amplifier, which this scene has not", remedy="add [effects.piezo]")
+    return found[0]
+
+
 def changed(subject: Subject, values: Mapping[str, Value]) -> Subject:
     """Return a copy with these keys' values, checked anew; raises InputError for the rules that they break.
 
     A key is its tables' names and its own, joined by dots; a number at its end counts a list's entries from
-    1, as ridges count. In a scene, `skin.` stands before a design's own.
+    1, as ridges count. In a scene, `skin.` stands before a design's own, `circuit.` before a circuit's.
     """
     if isinstance(subject, Scene):
-        inner = {key.removeprefix(SKIN): value for key, value in values.items() if key.startswith(SKIN)}
-        outer = {key: value for key, value in values.items() if not key.startswith(SKIN)}
-        try:
-            skin = changed(subject.design, inner) if inner else subject.skin
-        except InputError as failure:
-            raise failure.under("skin") from None
-        tables = {**_tables(subject), "skin": skin}
-        return Scene(**{**overridden(tables, _settings(tables, outer)), "skin": skin})
+        return _changed_scene(subject, values)
     tables = _tables(subject)
     if isinstance(subject, Design):
         values = {key: _spread(subject, key, value) for key, value in values.items()}
     return type(subject)(**overridden(tables, _settings(tables, values)))
+
+
+def _changed_scene(scene: Scene, values: Mapping[str, Value]) -> Scene:
+    """The scene with what is changed of its design and its circuit in the place of their names."""
+    inner: dict[str, dict[str, Value]] = {SKIN: {}, CIRCUIT: {}}
+    outer = dict[str, Value]()
+    for key, value in values.items():
+        _, own = owner(scene, key)
+        before = key.removesuffix(own)
+        (inner[before] if before else outer)[own] = value
+    found: dict[str, Any] = {}
+    for before, own_values in inner.items():
+        if own_values:
+            try:
+                found[before] = changed(owner(scene, before)[0], own_values)
+            except InputError as failure:
+                raise failure.under(before.removesuffix(".")) from None
+    tables = overridden({**_tables(scene), "skin": scene.skin}, _settings(_tables(scene), outer))
+    if SKIN in found:
+        tables["skin"] = found[SKIN]
+    if CIRCUIT in found:
+        name = _behind(scene, CIRCUIT)
+        tables["effects"] = {
+            **tables["effects"],
+            name: {**tables["effects"][name], "circuit": found[CIRCUIT]},
+        }
+    return Scene(**tables)
 
 
 def _tables(subject: Subject) -> dict[str, Any]:
@@ -114,8 +157,7 @@ def _spread(design: Design, key: str, value: Value) -> Any:
 
 def value_of(subject: Subject, key: str) -> Value | None:
     """Return what a key is now; None where it is not given and has no default."""
-    if isinstance(subject, Scene) and key.startswith(SKIN):
-        return value_of(subject.design, key.removeprefix(SKIN))
+    subject, key = owner(subject, key)
     if key == "material.young_modulus" and isinstance(subject, Design):
         return silicone(subject).young_modulus.value
     table, _, last = key.rpartition(".")
@@ -127,11 +169,12 @@ def value_of(subject: Subject, key: str) -> Value | None:
 
 def field_of(subject: Subject, key: str) -> FieldInfo:
     """Return the field of a key; raises InputError, with the nearest name, for one that there is not."""
-    if isinstance(subject, Scene) and key.startswith(SKIN):
+    whose, own = owner(subject, key)
+    if whose is not subject:
         try:
-            return field_of(subject.design, key.removeprefix(SKIN))
+            return field_of(whose, own)
         except InputError as failure:
-            raise failure.under("skin") from None
+            raise failure.under(key.removesuffix(own).removesuffix(".")) from None
     parts = [part for part in key.split(".") if part] or [key]
     model: type[BaseModel] = type(subject)
     field: FieldInfo | None = None

@@ -216,7 +216,7 @@ def test_a_circuit_lies_beside_its_scene(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(scene)
     found = load_scene(tmp_path / "scene.toml").parts["piezo"]
     assert isinstance(found, Piezo)
-    assert found.circuit == str(tmp_path / "mine.toml")
+    assert found.circuit == load_circuit("transimpedance")
 
 
 def test_a_bad_constant_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
