@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar, step_bar
+from skincad.base.bars import one_by_one, stage_bar, step_bar
 from skincad.base.errors import InputError
 from skincad.options import (
     AdviceOption,
@@ -21,10 +22,17 @@ from skincad.options import (
     SetOption,
     SiliconesOption,
     deliver,
+    say,
     show,
     source_argument,
 )
 from skincad.study_commands import optimise, solve, sweep
+
+if TYPE_CHECKING:
+    from skincad.inputs.design import Design
+    from skincad.mechanics.verdict import ContactCheck
+
+ADVICE_STAGES = 9  # of its bar at first: checks and searches for them, about two or three a change
 
 app = typer.Typer(
     name="skincad",
@@ -142,10 +150,13 @@ def make(
     ready(target, COMMAND, of_formats(names(design), formats))
     with stage_bar(len(STAGES)) as progress:
         found = skincad.make(design, strict=strict, progress=progress)
-        if advice:
-            found = replace(found, check=skincad.advise(design, found.check, progress=progress))
         written = skincad.write(found, target, formats=formats, progress=progress)
-    deliver(found, as_json, written)
+    if not as_json:
+        deliver(found, False, written)
+    if advice:
+        found = replace(found, check=_advised(design, found.check, as_json))
+    if as_json:
+        deliver(found, True, written)
     raise typer.Exit(0 if found.passed else 1)
 
 
@@ -214,19 +225,33 @@ def check(
             measured=measured,
             progress=progress,
         )
-        if advice and budget is None and measured is None:
-            found = skincad.advise(design, found, progress=progress)
         films = None
         if stress is not None:
             films = skincad.film_stress(design, found.force, tangential, progress=progress)
             (draw,) = films.files().values()
             with fresh(stress, "stress") as staging:
                 draw(staging)
-    if films is None:
-        deliver(found, as_json)
-    else:
-        show(found.as_json() | films.as_json(), as_json, f"{found}\n{films}\n  picture        {stress}")
+    if not as_json:
+        say(str(found) if films is None else f"{found}\n{films}\n  picture        {stress}")
+    if advice and budget is None and measured is None:
+        found = _advised(design, found, as_json)
+    if as_json:
+        show(found.as_json() | (films.as_json() if films else {}), True, "")
     raise typer.Exit(0 if found.passed else 1)
+
+
+def _advised(design: Design, found: ContactCheck, quiet: bool) -> ContactCheck:
+    """Return a verdict with its advice, each line of which is printed when it is known, unless `quiet`."""
+    from skincad.outputs.checks import advice_lines
+    from skincad.studies.advice import advising
+
+    told, printed = found, 0
+    for told in one_by_one(ADVICE_STAGES, partial(advising, design, found)):
+        lines = advice_lines(told)[printed:]
+        printed += len(lines)
+        if lines and not quiet:
+            say("\n".join(lines))
+    return told
 
 
 @app.command()

@@ -65,6 +65,11 @@ AdviceOption = Annotated[
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 
+def say(text: str) -> None:
+    """Print lines. A reader who has had enough, as `head`, does not change a command's status."""
+    _print("\n".join(shown(line) for line in text.split("\n")))
+
+
 def deliver(found: Result, as_json: bool, written: Written | None = None) -> None:
     """Print a result, and what was written of it."""
     data = found.as_json()
@@ -78,9 +83,15 @@ def deliver(found: Result, as_json: bool, written: Written | None = None) -> Non
 
 
 def show(data: dict[str, Any], as_json: bool, text: str) -> None:
-    """Print a command's result. A reader who has had enough, as `head`, does not change its status."""
-    lines = [shown(line) for line in text.split("\n")]
+    """Print a command's result."""
+    if as_json:
+        _print(strict_json(data))
+    else:
+        say(text)
+
+
+def _print(text: str) -> None:
     try:
-        print(strict_json(data) if as_json else "\n".join(lines), flush=True)
+        print(text, flush=True)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

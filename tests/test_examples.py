@@ -12,6 +12,7 @@ import pytest
 import skincad
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples").glob("*.ipynb"))
+WALK = "wish-to-skin"  # the one that writes
 
 
 def code(notebook: Path) -> list[dict[str, Any]]:
@@ -26,7 +27,25 @@ def test_a_notebook_runs(notebook: Path, tmp_path: Path, monkeypatch: pytest.Mon
     names: dict[str, Any] = {}
     for number, cell in enumerate(code(notebook)):
         exec(compile("".join(cell["source"]), f"{notebook.name}, code cell {number}", "exec"), names)
-    assert not list(tmp_path.iterdir())  # computing writes nothing
+    # computing writes nothing
+    assert [path.name for path in tmp_path.iterdir()] == (["out"] if notebook.stem == WALK else [])
+    if notebook.stem == WALK:
+        keeps_its_word(names, tmp_path / "out/fingertip")
+
+
+def keeps_its_word(names: dict[str, Any], folder: Path) -> None:
+    """A wish becomes a part that can be cast, with its verdict, gain and lead time."""
+    verdict, made, told = names["verdict"], names["made"], names["told"]
+    assert verdict.passed
+    assert verdict.all_touch_force.error > 0
+    assert verdict.all_touch_force.upper < verdict.force
+    assert made.passed
+    assert json.loads((folder / "make.json").read_text())["passed"]
+    assert {"skin.step", "mold.3mf", "casting-sheet.md"} <= {path.name for path in folder.iterdir()}
+    assert names["gain"].slopes.below.value == pytest.approx(20, abs=0.1)  # dB/dec: the rate
+    # what is noticed behind the amplifier is noticed after it began
+    noticed = {ridge: lead for ridge, lead in told["lead_time_s"].items() if lead is not None}
+    assert 0 < noticed["3"] < 1e-3 * told["slip_lead_ms"]["3"]
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)

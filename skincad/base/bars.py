@@ -3,22 +3,41 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 from skincad.base.stopwatch import Progress, Tick, clock
 
 LATE = "longer than expected"
 WIDTH = 40
 
+T = TypeVar("T")
+
 
 @contextmanager
 def stage_bar(stages: int) -> Iterator[Progress | None]:
     """Show a bar while the block runs: by the seconds left where they are told, else by its stages."""
+    with _stages(stages) as (_, told):
+        yield told
+
+
+def one_by_one(stages: int, found: Callable[[Progress | None], Iterable[T]]) -> Iterator[T]:
+    """Yield what is found under a stage bar, which leaves the terminal meanwhile: there one may print."""
+    with _stages(stages) as (bar, told):
+        for each in found(told):
+            if bar:
+                bar.stop()
+            yield each
+            if bar:
+                bar.start()
+
+
+@contextmanager
+def _stages(stages: int) -> Iterator[tuple[Any, Progress | None]]:
     if not sys.stderr.isatty():
-        yield None
+        yield None, None
         return
     from rich.progress import TextColumn, TimeElapsedColumn
 
@@ -30,7 +49,7 @@ def stage_bar(stages: int) -> Iterator[Progress | None]:
             done = bar.tasks[task].completed + 1
             bar.update(task, description=stage, completed=done, total=max(stages, done) + 1, **ends)
 
-        yield told
+        yield bar, told
 
 
 @contextmanager

@@ -37,6 +37,11 @@ def verdict(check: ContactCheck) -> str:
 
 def lines(check: ContactCheck) -> list[str]:
     """Return what `check` prints."""
+    return [*verdict_lines(check), *advice_lines(check)]
+
+
+def verdict_lines(check: ContactCheck) -> list[str]:
+    """Return what is known before any advice is."""
     shares = "  ".join(f"{share.value:.3f}" for share in check.ridge_force)
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [
@@ -46,7 +51,6 @@ def lines(check: ContactCheck) -> list[str]:
         f"  ridge forces   {shares} (± {error:.1g}) N",
         *_model_lines(check),
         *_manufacture_lines(check),
-        *_advice_lines(check),
         *(f"  note           {warning}" for warning in check.warnings),
     ]
 
@@ -86,12 +90,13 @@ def _manufacture_lines(check: ContactCheck) -> list[str]:
     ]
 
 
-def _advice_lines(check: ContactCheck) -> list[str]:
-    if check.changes is None:
-        return []
-    single = " or ".join(str(change) for change in check.changes)
-    told = f"{single}: each alone, by the same model" if single else "no single change that was tried"
-    return [f"  cause          {check.cause}", f"  would pass     {told}"]
+def advice_lines(check: ContactCheck) -> list[str]:
+    """Return why the design fails and what would pass, as far as it is known: more only adds lines."""
+    changes = [f"{change} alone" for change in check.changes or ()]
+    if check.changes == ():
+        changes = ["no single change that was tried"]
+    causes = [f"  cause          {check.cause}"] if check.cause else []
+    return causes + [f"  would pass     {change}" for change in changes]
 
 
 def manifest(check: ContactCheck) -> dict[str, Any]:

@@ -29,11 +29,12 @@ def lines(result: MakeResult) -> list[str]:
         for p in result.parts
     ]
     return [
-        *checks.lines(result.check),
+        *checks.verdict_lines(result.check),
         "Parts:",
         *rows,
         *(str(finding) for finding in result.findings),
         f"{result.name}: {'passed' if result.passed else 'FAILED'}",
+        *checks.advice_lines(result.check),
     ]
 
 

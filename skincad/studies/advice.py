@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from skincad.base.errors import InputError, RefusedError
@@ -62,15 +63,35 @@ def advise(design: Design, found: ContactCheck, *, progress: Progress | None = N
     one to three checks a change. A verdict that passes, or is none, stays as it is. Raises InputError for a
     verdict on another design.
     """
+    *_, told = advising(design, found, progress)
+    return told
+
+
+def advising(design: Design, found: ContactCheck, progress: Progress | None = None) -> Iterator[ContactCheck]:
+    """Yield the verdict with what `advise` adds to it as far as that is known: the cause, which takes no
+    time, then each change."""
     if found.name != design.name or found.ridges != design.ridge.count:
         raise InputError("found", f"is the verdict on {found.name}, not on {design.name}")
     if found.passed or found.beyond:
-        return found
+        yield found
+        return
+    told = replace(found, cause=cause(design, found))
+    yield told
     rough = found
     if found.tier not in TIERS:
-        rough = check(design, force=found.force, tier=first_able(TIERS, design), progress=progress)
-    changes = (_change(design, lever, found, rough, progress) for lever in LEVERS)
-    return replace(found, cause=cause(design, found), changes=tuple(each for each in changes if each))
+        _tell(progress, "a simpler model")
+        rough = check(design, force=found.force, tier=first_able(TIERS, design))
+    for lever in LEVERS:
+        if change := _change(design, lever, found, rough, progress):
+            told = replace(told, changes=(*(told.changes or ()), change))
+            yield told
+    if told.changes is None:
+        yield replace(told, changes=())
+
+
+def _tell(progress: Progress | None, stage: str) -> None:
+    if progress:
+        progress(stage)
 
 
 def cause(design: Design, found: ContactCheck) -> str:
@@ -114,6 +135,7 @@ def _change(
         try:
             better = changed(design, {lever.key: value})
             finest = mesh_tolerance(found.tier, None)
+            _tell(progress, f"{lever.key.rpartition('.')[2]} {value:g} by {found.tier}")
             then = check(better, force=found.force, tier=found.tier, tol=finest)  # type: ignore[arg-type]
         except (InputError, RefusedError):
             return None

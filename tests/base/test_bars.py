@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import sys
+from collections.abc import Iterator
 
 import pytest
 
-from skincad.base.bars import LATE, left_in_words, stage_bar, step_bar
-from skincad.base.stopwatch import clock
+from skincad.base.bars import LATE, left_in_words, one_by_one, stage_bar, step_bar
+from skincad.base.stopwatch import Progress, clock
 
 
 class Terminal(io.StringIO):
@@ -52,3 +53,33 @@ def test_on_a_terminal_the_stage_and_the_time_left_are_shown(monkeypatch: pytest
     assert "20/50" in text
     assert "1:05 left" in text
     assert "solids" in text
+
+
+def found(progress: Progress | None) -> Iterator[str]:
+    for name in ("first", "second"):
+        if progress:
+            progress(f"looking for the {name}")
+        yield name
+
+
+def test_a_bar_is_off_the_terminal_while_lines_are_printed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is printed goes to stdout, between a bar that is erased and one that is drawn anew."""
+    monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys, "stderr", shown := Terminal())
+    monkeypatch.setattr(sys, "stdout", out := io.StringIO())
+    ends = []
+    for name in one_by_one(2, found):
+        print(name)
+        ends.append(len(shown.getvalue()))
+    assert out.getvalue() == "first\nsecond\n"
+    bars = shown.getvalue()
+    for name, end in zip(("first", "second"), ends, strict=True):
+        drawn, _, after = bars[:end].rpartition(f"looking for the {name}")
+        assert drawn
+        assert after.endswith("\x1b[1A\x1b[2K")  # up to the bar's line, which is erased
+    assert "looking for the second" in bars[ends[0] :]
+
+
+def test_off_a_terminal_what_is_found_comes_without_a_bar() -> None:
+    assert list(one_by_one(2, found)) == ["first", "second"]

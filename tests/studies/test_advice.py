@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import json
+from itertools import pairwise
+from pathlib import Path
+
 import pytest
 
 import skincad
-from skincad import check
+from skincad import Estimate, check
 from skincad.base.errors import InputError
+from skincad.cli import run
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.verdict import Change, ContactCheck
-from skincad.studies.advice import advise, cause
+from skincad.outputs.checks import advice_lines, lines, verdict_lines
+from skincad.studies.advice import LEVERS, advise, advising, cause
 from skincad.studies.subject import changed
 from tests.mechanics.designs import SHORT, reference
 
@@ -107,3 +113,74 @@ def test_advice_is_for_designs_that_fail() -> None:
     assert (found.passed, found.changes, found.cause) == (True, None, "")
     with pytest.raises(InputError, match="not on plain-ridges"):
         advise(design, check(skincad.load("yamada-2002"), tier="winkler"))
+
+
+def test_advice_is_told_line_by_line() -> None:
+    found = check(plain(), tier="winkler")
+    steps = list(advising(plain(), found))
+    assert [len(each.changes or ()) for each in steps] == [0, 1, 2, 3, 4]
+    assert steps[-1] == advise(plain(), found)
+    told = [advice_lines(each) for each in steps]
+    for earlier, later in pairwise(told):
+        assert later[: len(earlier)] == earlier
+        assert len(later) == len(earlier) + 1
+    assert lines(steps[-1]) == [*verdict_lines(steps[-1]), *told[-1]]
+    assert told[-1][0].startswith("  cause          the lowest crest")
+    assert told[-1][1] == f"  would pass     {(steps[-1].changes or ())[0]} alone"
+
+
+def test_that_nothing_would_pass_is_told_last() -> None:
+    first, last = advising(plain(0.01), check(plain(0.01), tier="winkler"))
+    assert (first.changes, last.changes) == (None, ())
+    assert len(advice_lines(first)) == 1
+    assert advice_lines(last)[1:] == ["  would pass     no single change that was tried"]
+
+
+FAILING = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0", "--set", "contact.force=0.01")
+COMMANDS = {
+    "check": ("check", *FAILING, "--tier", "winkler"),
+    "make": ("make", *FAILING, "--format", "dxf"),
+}
+
+
+@pytest.fixture
+def printed(
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> list[str]:
+    """What a command prints until it looks for each change, of which the first is found, and at its end."""
+    parts = []
+
+    def look(design: Design, lever: object, *_: object) -> Change | None:
+        parts.append(capsys.readouterr().out)
+        return Change("ridge.levelling", 0.0, 0.5, Estimate(0.01, 0.0, "N")) if lever is LEVERS[0] else None
+
+    monkeypatch.setattr("skincad.studies.advice._change", look)
+    monkeypatch.chdir(tmp_path)
+    assert run([*request.param]) == 1
+    return [*parts, capsys.readouterr().out]
+
+
+@pytest.mark.parametrize("printed", COMMANDS.values(), ids=COMMANDS, indirect=True)
+def test_the_verdict_does_not_wait_for_advice(printed: list[str]) -> None:
+    first, second, *later = printed
+    *verdict, why = first.splitlines()
+    assert verdict[0].startswith("FAILS")
+    assert any("ridge forces" in line for line in verdict)
+    assert any("FAILED" in line for line in verdict) == ("Parts:" in verdict)  # all that `make` says
+    assert why.startswith("  cause          the lowest crest")
+    assert second == "  would pass     ridge.levelling 0 -> 0.5 alone\n"
+    assert later == [""] * 3
+
+
+JSON = {command: (*arguments, "--json") for command, arguments in COMMANDS.items()}
+
+
+@pytest.mark.parametrize("printed", JSON.values(), ids=JSON, indirect=True)
+def test_json_is_one_object_with_the_advice(printed: list[str]) -> None:
+    assert printed[:-1] == [""] * 4
+    data = json.loads(printed[-1])
+    assert [change["after"] for change in data.get("check", data)["changes"]] == [0.5]
+    assert data["passed"] is False
