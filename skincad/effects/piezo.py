@@ -36,6 +36,7 @@ FINE = 0.1  # of the low-pass's time: a step of the network; straight lines betw
 MOST_STEPS = 200  # of the network in one of the march
 MOST_SAMPLES = 2_000_000
 MOST_LEAD = 20_000_000  # of noise before its record begins
+SIDES = ("S1", "S2")  # of a pair
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
 
@@ -90,7 +91,8 @@ class Piezo(Reader):
         constants(fitted(self.circuit, design))
 
     def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
-        """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it."""
+        """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it; the
+        largest output is either strip's, by which an amplifier is driven to its limits, or is not."""
         circuit = fitted(self.circuit, watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None
         recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
@@ -109,6 +111,9 @@ class Piezo(Reader):
             told[str(ridge)] = {"S1": one.tolist(), "S2": other.tolist(), "pair": (one - other).tolist()}
         return {
             "output_V": told,
+            "largest_output_V": max(
+                (abs(v) for each in told.values() for s in SIDES for v in each[s]), default=0.0
+            ),
             "circuit": circuit.name,
             "sampling_Hz": recorder,
             "film_capacitance_F": capacitance(film.area, film.thickness, film.permittivity),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -14,6 +14,7 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
+from skincad.effects.kinds import Reader
 from skincad.effects.omitted import Omitted
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.climb import Climbed, climb, differential
@@ -143,22 +144,57 @@ def simulate(
     With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
     another resource does not suffice for the coarsest mesh.
     """
+    return read_out(scene, marched(scene, tol=tol, budget=budget, tick=tick, partial=partial))
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """What was marched, the march that counts, and the seconds that both took, by stage."""
+
+    on: Marching
+    climbed: Climbed
+    seconds: dict[str, float]
+
+
+def marched(
+    scene: Scene,
+    *,
+    tol: float | None = None,
+    budget: float | None = None,
+    tick: Tick | None = None,
+    partial: bool = False,
+) -> Marched:
+    """Return a scene's march, as `simulate` asks for it; nothing has read it yet."""
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = Marching(scene, piece_for(scene, seconds), tick, partial)
     found = climb(on, tol, budget, began, seconds)
-    return _told(on, found, began, seconds)
+    return Marched(on, found, {"total": perf_counter() - began, **seconds})
+
+
+def read_out(scene: Scene, found: Marched) -> Simulation:
+    """Return what a scene's readers tell of a march: its own, or that of a scene which differs in its readers
+    and its band alone (`marching` is the same)."""
+    return _told(replace(found.on, scene=scene), found.climbed, dict(found.seconds))
+
+
+def marching(scene: Scene) -> Scene:
+    """Return the scene as its march knows it: without what only reads it."""
+    readers = {name: None for name, part in scene.parts.items() if isinstance(part, Reader)}
+    return scene.with_(effects=readers, readout={"bandwidth_Hz": None})
 
 
 def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
     on = Marching(scene, piece_for(scene, seconds), tick)
-    return _told(on, Climbed(march_on(level, on, seconds), None, []), began, seconds)
+    found = Climbed(march_on(level, on, seconds), None, [])
+    return _told(on, found, {"total": perf_counter() - began, **seconds})
 
 
-def _told(on: Marching, climbed: Climbed, began: float, seconds: dict[str, float]) -> Simulation:
+def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulation:
     """What is told of the last march that counts."""
+    began = perf_counter()
     scene, found, notes = on.scene, climbed.march, climbed.short
     raw, width = differential(on.piece, scene, found), scene.readout.bandwidth_Hz
     slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
@@ -181,6 +217,6 @@ def _told(on: Marching, climbed: Climbed, began: float, seconds: dict[str, float
         slips.gross,
         left_out,
         told,
-        {"total": perf_counter() - began, **seconds},
+        {**seconds, "total": seconds["total"] + perf_counter() - began},
         (*notes, *remarks, *(entry.warning for entry in left_out if entry.change > MATTERS)),
     )

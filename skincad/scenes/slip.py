@@ -196,13 +196,14 @@ def report(
     runs: Sequence[Sequence[Sequence[int]]],
     gross: int | None,
 ) -> dict[str, Any]:
-    """Return the keys `events`, `lead_time_s` and `event_score` of a march's outputs by ridge, S1 and S2.
+    """Return the keys `events`, `lead_time_s`, the longest of these and `event_score` of a march's outputs by
+    ridge, S1 and S2.
 
     `noise` V rms of one strip; `runs` by ridge from 1.
     """
     names = list(outputs)
     if not names or time.size < 2:
-        return {"events": [], "lead_time_s": {}, "event_score": None}
+        return {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
     d = detector(1 / float(time[1] - time[0]), bandwidth, math.sqrt(2) * noise)
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
     events, _ = fed(d, at_rest(d, len(names)), values)
@@ -218,5 +219,6 @@ def report(
             for event in events
         ],
         "lead_time_s": {**dict(zip(names, found.lead, strict=True)), "all": found.gross_lead},
+        "longest_lead_time_s": max((lead for lead in found.lead if lead is not None), default=None),
         "event_score": {"hits": found.hits, "missed": found.missed, "false": found.false},
     }

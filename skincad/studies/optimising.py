@@ -60,7 +60,7 @@ def optimise(
     began = perf_counter()
     subject = study.subject()
     varied = knobs(subject, dict(study.vary))
-    question = _searching(subject, study.tier)
+    question = _searching(study, subject)
     log = log_in(folder, fresh=fresh)
     hunt = _Hunt(study, subject, question, varied, log, tick, Weighing(study))
     with working(workers, dask) as who:
@@ -89,10 +89,13 @@ def optimise(
     return Optimisation(study, subject, found, closest, start, rows, len(members), asked, reused, seconds)
 
 
-def _searching(subject: Subject, tier: str | None) -> Question:
+def _searching(study: Study, subject: Subject) -> Question:
+    """What is asked of each design; of a scene a model is that of the checks beside, if there are any."""
+    tier = study.tier
     if isinstance(subject, Design) and tier is None:
         tier = first_able(RANKED_BY, subject)
-    return question_of(subject, tier=tier)
+    beside = isinstance(subject, Scene) and "check" in Weighing(study).others()
+    return question_of(subject, tier=None if beside else tier)
 
 
 def _spread(front: Sequence[Told], most: int) -> list[Told]:
@@ -118,6 +121,7 @@ class _Hunt:
     seen: list[Evaluation] = field(default_factory=list)
     tried: list[tuple[Array, Results | None]] = field(default_factory=list)
     asking: Optimiser | None = None
+    aims: dict[Any, Any] = field(default_factory=dict)
 
     def values(self, place: Array) -> Values:
         """Return the values at a place of the unit cube."""
@@ -157,9 +161,20 @@ class _Hunt:
 
     def searched(self, start: Array, most: int, who: Workers) -> list[Told]:
         """Return the front of all that the searching model was asked, in about `most` evaluations of this
-        study so far; `start` is where the search begins, the first time."""
-        self.asking = self.asking or self._optimiser(start)
+        study so far.
+
+        One objective is searched anew from its best place where the judge has moved it, since CMA-ES has
+        settled by then; `start` is where the first search begins.
+        """
+        aims = dict(self.weighing.differs)
+        if self.asking is None or (len(self.study.objectives) == 1 and aims != self.aims):
+            known = self._front()
+            self.asking = self._optimiser(known[0].place if known and known[0].there else start)
+        self.aims = aims
         self._minimised("search", self.asking, max(most - len(self.seen), 1), who)
+        return self._front()
+
+    def _front(self) -> list[Told]:
         return Tried([self.weighing.told(*each, "search") for each in self.tried]).front
 
     def judged(self, values: Values, who: Workers) -> Member | None:
@@ -189,7 +204,7 @@ class _Hunt:
     def _optimiser(self, start: Array) -> Optimiser:
         study = self.study
         name = study.optimiser or ("cma" if len(study.objectives) == 1 else "nsga2")
-        return optimiser(name, self.knobs, len(study.objectives), study.seed, start)
+        return optimiser(name, self.knobs, len(study.objectives), study.seed + len(self.tried), start)
 
     def _minimised(self, model: Model, asking: Optimiser, most: int, who: Workers) -> Tried:
         def function(places: list[Array]) -> list[Told]:

@@ -24,7 +24,7 @@ from skincad.outputs.simulations import write_table
 from skincad.scenes import climb
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, simulate
+from skincad.scenes.simulation import Marched, Simulation, marched, marching, read_out, simulate
 from skincad.shape.cross_section import area
 from tests.conftest import run_skincad
 
@@ -159,11 +159,16 @@ def test_one_entry_is_at_rest() -> None:
 
 
 @cache
-def pressed() -> Simulation:
+def march() -> Marched:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(climb, "LEVELS", (replace(LEVELS[0]),))
         settings = ["effects.piezo.circuit=transimpedance", "history.steps=12", "readout.bandwidth_Hz=50.0"]
-        return simulate(load_scene("yamada-2002-press", settings))
+        return marched(load_scene("yamada-2002-press", settings))
+
+
+@cache
+def pressed() -> Simulation:
+    return read_out(march().on.scene, march())
 
 
 def test_a_mirrored_press_leaves_nothing_in_the_middle_pair() -> None:
@@ -230,3 +235,46 @@ def test_a_bad_constant_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
     assert done.stderr.startswith("skincad: effects.piezo.circuit: amplifier.gain: must be greater than 0")
     assert done.stderr.count("\n") == 1
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml", "s.toml"]
+
+
+def test_a_circuits_tables_may_stand_in_the_scene() -> None:
+    own = load_circuit("transimpedance").with_(amplifier={"feedback_resistance": 2e8})
+    scene = load_scene(SLIP, ["effects.piezo.circuit=transimpedance"])
+    found = scene.with_(effects={"piezo": {"circuit": own.model_dump(exclude_none=True)}}).parts["piezo"]
+    assert isinstance(found, Piezo)
+    assert found.circuit == own
+    with pytest.raises(InputError, match=r"effects.piezo.circuit: must be a circuit, or the name"):
+        load_scene(SLIP, ["effects.piezo.circuit=3"])
+    with pytest.raises(InputError, match=r"effects.piezo.circuit.amplifier.gian: unknown key"):
+        load_scene(
+            SLIP, ["effects.piezo.circuit=transimpedance", "effects.piezo.circuit={amplifier={gian=1}}"]
+        )
+
+
+def test_the_largest_output_is_any_strips() -> None:
+    outputs = pressed().read["output_V"]
+    largest = max(np.abs(each[side]).max() for each in outputs.values() for side in ("S1", "S2"))
+    assert pressed().read["largest_output_V"] == pytest.approx(largest, rel=1e-12)
+    doubled = load_circuit("transimpedance").with_(amplifier={"feedback_resistance": 2e8})
+    again = read_out(
+        pressed().scene.with_(effects={"piezo": {"circuit": doubled.model_dump(exclude_none=True)}}), march()
+    )
+    # the amplifier's finite gain and the film's capacitance: a part in 1e5
+    assert again.read["largest_output_V"] == pytest.approx(2 * largest, rel=1e-3)
+    assert again.raw[3] == pytest.approx(pressed().raw[3], abs=0.0)
+
+
+def test_a_march_read_by_another_circuit_is_as_if_marched_anew() -> None:
+    other = pressed().scene.with_(
+        effects={"piezo": {"circuit": "charge-amplifier"}}, readout={"bandwidth_Hz": 80.0}
+    )
+    assert marching(other) == marching(pressed().scene)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(climb, "LEVELS", (replace(LEVELS[0]),))
+        anew = simulate(other).as_json()
+    told = read_out(other, march()).as_json()
+    assert {k: v for k, v in told.items() if k != "seconds"} == {
+        k: v for k, v in anew.items() if k != "seconds"
+    }
+    assert marching(other.with_(readout={"ridges": [2]})) != marching(other)
+    assert marching(other.with_(effects={"friction": {"coefficient": 0.4}})) != marching(other)

@@ -219,8 +219,9 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     assert found["event_score"] == {"hits": 2, "missed": 0, "false": 0}
     assert found["lead_time_s"]["2"] == pytest.approx((599 - found["events"][0]["step"]) / RATE)
     assert set(found["lead_time_s"]) == {"2", "3", "all"}
+    assert found["longest_lead_time_s"] == found["lead_time_s"]["2"]
     empty = report(TIME[:1], {}, NOISE, WIDTH, runs, None)
-    assert empty == {"events": [], "lead_time_s": {}, "event_score": None}
+    assert empty == {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
 
 
 @pytest.mark.parametrize(("noise", "threshold"), [(0.0, 5.0), (math.nan, 5.0), (1.0, 0.0), (1.0, math.inf)])

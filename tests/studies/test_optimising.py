@@ -12,9 +12,13 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.cli import run
+from skincad.scenes import simulation
+from skincad.scenes.scene import Scene
+from skincad.studies import question
 from skincad.studies.optimisation import Optimisation
 from skincad.studies.optimising import optimise
 from skincad.studies.study import Study
+from skincad.studies.subject import value_of
 from skincad.studies.sweeping import sweep
 
 VARY = {"ridge.levelling": "0:0.6", "skin.thickness": "6:10", "skin.curvature_radius": "90:200"}
@@ -158,6 +162,65 @@ def test_the_command_writes_designs_table_pictures_and_a_page(
     assert best.ridge.levelling == data["front"][0]["values"]["ridge.levelling"]
     assert run(["optimise", str(file), "-o", str(tmp_path / "out")]) == 0
     assert capsys.readouterr().out.startswith("try: the best design that was found for approach small.")
+
+
+class Led:
+    """A simulation that takes no time: the lead is longest at 1e8 ohm and a radius of 80 mm."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.resistance = value_of(scene, "circuit.amplifier.feedback_resistance")
+        self.radius = scene.design.skin.curvature_radius
+
+    def as_json(self) -> dict[str, Any]:
+        off = np.log10(float(self.resistance or 0.0) / 1e8) ** 2 + (self.radius / 80 - 1) ** 2
+        return {"longest_lead_time_s": 1e-3 * np.exp(-off)}
+
+
+@pytest.mark.parametrize("judge", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
+def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a scene's result, with a limit of the check beside it, which the judge has the last word on."""
+    monkeypatch.setitem(question._ASKED, "simulate", lambda scene, _: Led(scene))
+    vary = {"skin.skin.curvature_radius": "40:200", "circuit.amplifier.feedback_resistance": "1e6:1e10"}
+    found = optimise(
+        study(
+            about="steady-pull",
+            vary=vary,
+            judge=judge,
+            evaluations=120,
+            objectives=[{"key": "longest_lead_time", "goal": "max"}],
+            constraints=[{"key": "check.margin", "at_least": 1.0}],
+        )
+    )
+    (best,) = found.front
+    margin, kept = best.constraints["check.margin_N"]
+    scene = found.design()
+    assert isinstance(scene, Scene)
+    assert kept
+    assert margin.value == pytest.approx(skincad.check(scene.design, tier=judge).margin, rel=1e-12)
+    # 80 mm has too little left of 4 N, so that the radius ends where the limit is just kept: within what a
+    # third of the evaluations leave after the judge has moved it last
+    assert margin.value == pytest.approx(1.0, abs=0.1)
+    assert float(value_of(scene, "circuit.amplifier.feedback_resistance") or 0) == pytest.approx(
+        1e8, rel=0.15
+    )
+
+
+def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    marches: list[Scene] = []
+    monkeypatch.setattr(question, "_LAST", {})
+    monkeypatch.setattr(simulation, "marched", lambda scene, **_: marches.append(scene))
+    monkeypatch.setattr(simulation, "read_out", lambda scene, _: Led(scene))
+    vary = {"circuit.amplifier.feedback_resistance": "1e6:1e10", "readout.bandwidth_Hz": "1000:20000"}
+    goals = [{"key": "longest_lead_time", "goal": "max"}]
+    found = optimise(
+        study(about="steady-pull", vary=vary, evaluations=20, tier=None, objectives=goals, constraints=[])
+    )
+    assert found.feasible
+    assert len(marches) == 1
+    evaluate = question.evaluate
+    again = evaluate(found.subject, {"history.steps": 500}, question.Question("simulate"))
+    assert again.results
+    assert len(marches) == 2
 
 
 def test_a_misspelt_key_is_told_at_once() -> None:

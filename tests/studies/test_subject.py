@@ -9,11 +9,12 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.material import silicone
-from skincad.studies.subject import Subject, changed, fingerprint, load_subject, value_of
+from skincad.studies.subject import Subject, changed, field_of, fingerprint, load_subject, value_of
 
 DESIGN = skincad.load_design("yamada-2002")
 SCENE = skincad.load_scene("yamada-2002-press")
 CIRCUIT = skincad.load_circuit("transimpedance")
+FELT = skincad.load_scene("yamada-2002-slip", ["effects.piezo.circuit=transimpedance"])
 
 
 def test_a_name_or_a_file_is_known_by_its_kind(tmp_path: Path) -> None:
@@ -48,6 +49,8 @@ def test_a_name_or_a_file_is_known_by_its_kind(tmp_path: Path) -> None:
         (SCENE, "effects.friction.coefficient", 0.3),
         (SCENE, "history.normal_force_N.2", 3.5),
         (CIRCUIT, "amplifier.feedback_resistance", 2e8),
+        (FELT, "circuit.amplifier.feedback_resistance", 2e8),
+        (FELT, "circuit.cable.capacitance", 2e-11),
     ],
 )
 def test_a_changed_key_has_its_value_and_nothing_else_is_changed(
@@ -96,3 +99,31 @@ def test_the_hash_is_of_what_would_answer_otherwise(tmp_path: Path) -> None:
     before = fingerprint(felt)
     own.write_text(CIRCUIT.with_(amplifier={"gain": 1e4}).to_toml())
     assert fingerprint(felt) != before  # the file's text counts, not its name
+
+
+def test_a_scenes_skin_circuit_and_own_keys_change_together() -> None:
+    values = {
+        "skin.ridge.height": 0.45,
+        "circuit.amplifier.feedback_resistance": 3e7,
+        "circuit.name": "own",
+        "readout.bandwidth_Hz": 3000.0,
+    }
+    found = changed(FELT, values)
+    assert {key: value_of(found, key) for key in values} == values
+    assert found.effects["piezo"].keys() == FELT.effects["piezo"].keys()  # type: ignore[union-attr]
+
+
+def test_a_changed_scene_is_written_and_read_back(tmp_path: Path) -> None:
+    found = changed(FELT, {"circuit.amplifier.feedback_resistance": 3e7, "skin.ridge.height": 0.45})
+    path = tmp_path / "scene.toml"
+    path.write_text(found.to_toml())  # type: ignore[union-attr]
+    assert fingerprint(load_subject(path)) == fingerprint(found)
+
+
+def test_a_circuits_keys_need_an_amplifier() -> None:
+    with pytest.raises(InputError, match=r"circuit.amplifier.gain: needs an amplifier.*effects.piezo"):
+        field_of(SCENE, "circuit.amplifier.gain")
+    with pytest.raises(InputError, match=r"circuit.amplifier.gian: unknown key; did you mean 'gain'"):
+        field_of(FELT, "circuit.amplifier.gian")
+    with pytest.raises(InputError, match=r"circuit.amplifier.gain: must be greater than 0"):
+        changed(FELT, {"circuit.amplifier.gain": -1.0})
