@@ -99,11 +99,11 @@ def test_places_without_a_result_are_left() -> None:
 
 
 @pytest.mark.slow
-def test_the_front_of_zdt1_is_found_to_two_percent() -> None:
-    """1.6 % is what 6000 evaluations leave; one percent takes twice as many, and minutes."""
-    found = minimise(zdt1, optimiser("nsga2", UNIT, 2, 1, None), 6000)
+def test_the_front_of_zdt1_is_found_to_one_percent() -> None:
+    """3000 evaluations leave 0.3 %, by two seeds."""
+    found = minimise(zdt1, optimiser("nsga2", UNIT, 2, 1, None), 3000)
     exact = 1.1 * 1.1 - 1 / 3  # all but what lies under the front, whose integral is 1/3
-    assert hypervolume(found) >= 0.98 * exact
+    assert hypervolume(found) >= 0.99 * exact
 
 
 def test_the_same_is_asked_for_again() -> None:
