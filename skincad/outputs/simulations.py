@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
+MOST_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
 
@@ -59,14 +60,7 @@ def _slips(found: Simulation) -> str:
 
 def _felt_lines(found: Simulation) -> list[str]:
     """By how much slip is told ahead, as it is and as the detector feels it, and the signals' error."""
-    leads = {ridge: lead for ridge, lead in found.lead.items() if lead is not None}
-    told = [
-        f"  lead           ridge {r} slips {lead:.3g} ms before all ridges do" for r, lead in leads.items()
-    ]
-    told += [
-        f"  error          {error:.1g} MPa in ridge {ridge}'s differential stress, from the mesh"
-        for ridge, error in (found.error or {}).items()
-    ]
+    told = _lead_lines(found)
     told += [
         f"  felt           {ridge_name(event['ridge'] or 'all')}: {event['kind']} at step {event['step']}"
         for event in found.read.get("events", ())
@@ -74,6 +68,32 @@ def _felt_lines(found: Simulation) -> list[str]:
     for ridge, ahead in found.read.get("lead_time_s", {}).items():
         if ahead is not None:
             told.append(f"  warned         {1e3 * ahead:.3g} ms before gross slip by {ridge_name(ridge)}")
+    if score := found.read.get("event_score"):
+        told += [f"  false alarms   {score['false']}"] * bool(score["false"])
+    return told
+
+
+def _lead_lines(found: Simulation) -> list[str]:
+    """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
+    leads = {ridge: lead for ridge, lead in found.lead.items() if lead is not None}
+    errors = found.error or {}
+    if max(len(leads), len(errors)) <= MOST_LINES:
+        told = [
+            f"  lead           ridge {r} slips {lead:.3g} ms before all ridges do"
+            for r, lead in leads.items()
+        ]
+        return told + [
+            f"  error          {error:.1g} MPa in ridge {ridge}'s differential stress, from the mesh"
+            for ridge, error in errors.items()
+        ]
+    each = ", ".join(f"{ridge} {lead:.3g}" for ridge, lead in leads.items())
+    told = [f"  lead           ms from a ridge's slip to that of all: ridge {each}"] * bool(leads)
+    if errors:
+        worst = max(errors, key=errors.__getitem__)
+        told.append(
+            f"  error          at most {errors[worst]:.1g} MPa in a differential stress (ridge {worst}), "
+            "from the mesh"
+        )
     return told
 
 
