@@ -94,6 +94,9 @@ def verdict(tree: Path, tests: Sequence[str], limit: float | None) -> str | None
     ]
     limited = ["sh", "-c", f'ulimit -v {MEMORY}; exec "$@"', "sh"]
     environment = {"PYTHONPATH": str(tree), "TMPDIR": str(tree.parent), "OPENBLAS_NUM_THREADS": "1"}
+    environment["PYTHONDONTWRITEBYTECODE"] = (
+        "1"  # a change within a second and of the same length would be missed
+    )
     process = subprocess.Popen(
         [*limited, sys.executable, *pytest, *tests],
         cwd=tree,

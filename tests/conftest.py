@@ -16,10 +16,11 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
+import typer
 
 import skincad
 from skincad.fabrication.making import MakeResult, PartReport
@@ -32,6 +33,14 @@ def _no_users_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test reads or writes what the user's own machine took."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SKINCAD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_command_line() -> Iterator[None]:
+    """The parser of the command line is built once for all that is run in this process, not for each."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
         yield
 
 
@@ -109,9 +118,13 @@ def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 
 def pytest_configure() -> None:
-    """Started in the background of a script, the tests' processes would inherit that Ctrl-C is ignored."""
+    """Started in the background of a script, the tests' processes would inherit that Ctrl-C is ignored; of a
+    container, that no bytecode is kept, so that each of some hundred processes would compile skincad anew."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
+    gc.disable()  # until all tests are collected: no import leaves garbage worth looking for
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -134,6 +147,7 @@ def pytest_collection_finish() -> None:
     """What is imported stays until the end: no collection of garbage need look through it again."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

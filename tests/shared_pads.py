@@ -10,7 +10,7 @@ import pytest
 from skincad.mechanics.bodies import mesh
 from skincad.mechanics.film import sliding
 
-triangles = lru_cache(maxsize=8)(mesh.triangles)
+triangles = lru_cache(maxsize=32)(mesh.triangles)
 condensed = lru_cache(maxsize=8)(sliding.sliding)
 
 

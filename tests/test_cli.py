@@ -51,7 +51,7 @@ def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path)
 
 
 def test_check_prints_the_contracts_json(tmp_path: Path) -> None:
-    done = skincad_process("check", "yamada-2002", "--json", "--tier", "winkler", cwd=tmp_path)
+    done = skincad_process("check", "yamada-2002", "--json", "--tier", "winkler", "--no-advice", cwd=tmp_path)
     result = json.loads(done.stdout)
     assert result.keys() >= CHECK_KEYS
     assert result["all_touch_force_N"].keys() == {"value", "error"}

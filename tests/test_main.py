@@ -21,7 +21,8 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.outputs.delivery import ready
 from skincad.outputs.newfile import write_new
 
-CHECK = "check plain-ridges --tier winkler"  # numpy alone: no library that takes long to load
+# no library that takes long to load: advice is sought with scipy
+CHECK = "check plain-ridges --tier winkler --no-advice"
 FAILS = f"{CHECK} --force 1"
 SKINCAD = f"{sys.executable} -m skincad"
 

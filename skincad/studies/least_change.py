@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import lsq_linear, minimize
-from scipy.stats import qmc
 
 from skincad.base.arrays import Array
 
@@ -87,6 +86,8 @@ def _first(ask: Function, start: Array) -> tuple[Array, Array | None]:
     """The start, or the nearest of some places that has values."""
     if (told := ask(start)) is not None:
         return start, told
+    from scipy.stats import qmc  # half a second, which most commands need not wait for
+
     places = qmc.Sobol(len(start), scramble=False).random(STARTS)
     for place in sorted(places, key=lambda each: float(np.linalg.norm(each - start))):
         if (told := ask(place)) is not None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from scipy.stats import qmc
 
 from skincad.base.arguments import require_number
 from skincad.base.errors import InputError
@@ -237,6 +236,8 @@ def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = N
     rule = f"must be from 1 to {MOST_ROWS}"
     require_number("sample", sample, lambda value: 1 <= value <= MOST_ROWS and value == int(value), rule)
     size = math.ceil(math.log2(max(sample, 2)))
+    from scipy.stats import qmc  # half a second, which most commands need not wait for
+
     places = qmc.Sobol(len(varied), scramble=False).random_base2(size)[:sample]
     return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
 

@@ -1,4 +1,4 @@
-"""Ridges of unlike height as others read them: levelled yamada-2002 with its mold, and back from STEP."""
+"""Ridges of unlike height as others read them: a levelled pad with its mold, and back from STEP."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from tests.conftest import Made, files_into
 from tests.consumers import gmsh
 
 CLOSE = 1e-6  # mm, asked; STEP has 15 digits
+FIVE = ("ridge.count=5", "skin.width=7.0", "contact.force=2.2")  # three heights each other's mirror images
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
 # every arc gets a point in its middle, which is a crown's summit
 _SCRIPT = """SetFactory("OpenCASCADE");
@@ -31,7 +32,7 @@ Transfinite Curve{{:}} = 3;
 
 @pytest.fixture(scope="module")
 def levelled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Design, Made]:
-    design = skincad.load("yamada-2002", ["ridge.levelling=0.7"])
+    design = skincad.load("yamada-2002", ["ridge.levelling=0.7", *FIVE])
     return design, files_into(design, tmp_path_factory.mktemp("levelled") / design.name, ("step",))
 
 

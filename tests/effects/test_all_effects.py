@@ -179,7 +179,7 @@ def test_zero_force_at_rest(name: str, table: dict[str, Any]) -> None:
 def test_energy(name: str, table: dict[str, Any]) -> None:
     """Work is stored, moves or is lost: 1e-3 of it, the issue's. Pressed, dragged through gross slip."""
     skin, terms = built(name, table)
-    count = 120
+    count = 80
     drives = [
         Drive(1.2 * min(1.0, 2 * i / count), travel=1.0 * max(0.0, 2 * i / count - 1))
         for i in range(count + 1)

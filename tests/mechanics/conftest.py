@@ -1,4 +1,4 @@
-"""Shared by the tests of this room: how many BLAS threads they take."""
+"""Shared by the tests of this room: how many BLAS threads they take, and triangles of the same pad."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from collections.abc import Iterator
 import pytest
 
 from skincad.base.blas import one_blas_thread
+from skincad.mechanics.bodies import meshed
+from skincad.mechanics.film import rungs
+from skincad.mechanics.tiers import friction, linear
+from tests.shared_pads import triangles
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -14,4 +18,13 @@ def _one_blas_thread() -> Iterator[None]:
     """As every solver of the product has it: what a test calls inside a solver is small and dense, and two
     workers with two threads each mostly wait for each other."""
     with one_blas_thread():
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _same_triangles() -> Iterator[None]:
+    """A pad that was meshed with these sizes is not meshed again: a quarter of the time here is netgen's."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (meshed, rungs, friction, linear):
+            patch.setattr(module, "triangles", triangles)
         yield

@@ -17,6 +17,7 @@ from skincad.mechanics.tiers import finite_strain
 from tests.mechanics.designs import filleted
 
 COARSE = 0.25  # fineness of CalculiX's mesh
+pytestmark = pytest.mark.xdist_group("calculix")  # pressed() is shared
 
 
 @pytest.mark.slow
@@ -24,8 +25,7 @@ COARSE = 0.25  # fineness of CalculiX's mesh
 @pytest.mark.parametrize("tier", ["linear", "finite-strain"])
 def test_calculix_gives_the_same_shares(tier: str) -> None:
     pad = pad_of(filleted())
-    start = None if tier == "linear" else SOFTER * own(pad, "linear", 0.5, 2).approach
-    theirs, ours = calculix.press(pad, COARSE, FORCE, start), own(pad, tier, 0.5, 3)
+    theirs, ours = pressed(None, large=tier != "linear"), own(pad, tier, 0.5, 3)
     # 0.01 N of a mean share of 0.44: the coarse mesh is off by 0.0025 N, large strain shifts shares by 0.02
     assert np.abs(theirs.shares - ours.shares).max() <= 0.01
     assert theirs.shares.sum() == pytest.approx(FORCE, rel=1e-3)  # CalculiX's own convergence
@@ -36,8 +36,7 @@ def test_calculix_gives_the_same_shares(tier: str) -> None:
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
 def test_calculix_on_the_half_gives_the_same_shares() -> None:
     """0.001 N: on another mesh its shares are 0.0004 N off (coarse, linear)."""
-    pad = pad_of(filleted())
-    half, whole = (calculix.press(pad, COARSE, FORCE, whole=all_of_it) for all_of_it in (False, True))
+    half, whole = calculix.press(pad_of(filleted()), COARSE, FORCE, whole=False), pressed(None, large=False)
     assert half.unknowns < 0.6 * whole.unknowns
     assert np.abs(half.shares - whole.shares).max() <= 1e-3
     assert half.approach == pytest.approx(whole.approach, rel=1e-4)
@@ -61,11 +60,16 @@ def test_calculix_gives_the_same_shares_by_ogdens_law(law: Ogden) -> None:
 
 
 @cache
-def calculixs(law: Ogden | None) -> np.ndarray:
-    """CalculiX's approach, mm, and shares, N."""
+def pressed(law: Ogden | None, *, large: bool) -> calculix.Pressed:
+    """CalculiX's contact, at small or at large strain."""
     pad = pad_of(filleted())
-    start = SOFTER * own(pad, "linear", 0.5, 2).approach
-    found = calculix.press(replace(pad, law=law), COARSE, FORCE, start)
+    start = SOFTER * own(pad, "linear", 0.5, 2).approach if large else None
+    return calculix.press(replace(pad, law=law), COARSE, FORCE, start)
+
+
+def calculixs(law: Ogden | None) -> np.ndarray:
+    """CalculiX's approach, mm, and shares, N, at large strain."""
+    found = pressed(law, large=True)
     return np.array([found.approach, *found.shares])
 
 

@@ -76,7 +76,8 @@ def solid_under_bent_gaps(design: Design, radius: float, force: float) -> tuple[
 
 @pytest.mark.parametrize("radius", [20.0, *(pytest.param(r, marks=pytest.mark.slow) for r in (60.0, 1e3))])
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow) if n in ("long", "thin") else n for n in VARIANTS]
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow) if n in ("long", "thin", "thick") else n for n in VARIANTS],
 )
 def test_solid_lies_inside_the_model_error(name: str, radius: float) -> None:
     assert_solid_inside(reference().with_(**VARIANTS[name]), radius, 4.0)

@@ -63,6 +63,7 @@ def test_a_law_that_stiffens_gives_way_less(law: Rubber) -> None:
     assert three(law).approach < 0.9995 * three(None).approach
 
 
+@pytest.mark.slow
 def test_a_scene_without_friction_is_the_tiers_state() -> None:
     """Silicone in the slots has the law too. 1e-8: Newton's residual of both."""
     law = Gent(mu=1.0, j_m=2.0)

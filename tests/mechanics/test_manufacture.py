@@ -83,6 +83,7 @@ def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
     assert force[1:] / force[0] - 1 == pytest.approx([0.32, 0.65], abs=0.02)
 
 
+@pytest.mark.slow
 def test_share_of_failing_reference_parts() -> None:
     """27 % of parts need more than 4 N at crest errors of sigma 0.02 mm, 45 % at 0.03 mm.
 

@@ -231,15 +231,16 @@ def test_bad_constants_are_told(noise: float, threshold: float) -> None:
     assert THRESHOLD > 0
 
 
-def felt(scene: str, *settings: str) -> dict[str, Any]:
+def felt(level: int, scene: str, *settings: str) -> dict[str, Any]:
     asked = ["effects.piezo.circuit=transimpedance", "readout.ridges=[2, 3]", *settings]
-    return at_level(load_scene(scene, asked), LEVELS[1]).as_json()
+    return at_level(load_scene(scene, asked), LEVELS[level]).as_json()
 
 
-@pytest.mark.parametrize("seed", [pytest.param(None, marks=pytest.mark.slow), 1])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [None, 1])
 def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> None:
     """With and without noise; ridge 2 slips from step 186 to 200 and sticks again, which is told too."""
-    found = felt("yamada-2002-slip", *([] if seed is None else [f"effects.piezo.noise_seed={seed}"]))
+    found = felt(1, "yamada-2002-slip", *([] if seed is None else [f"effects.piezo.noise_seed={seed}"]))
     assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0}
     # ridges 2 and 3 slip 0.73 and 0.62 ms before all do; an alarm may take a window of 0.15 ms
     assert found["lead_time_s"]["2"] > 0.55e-3
@@ -248,6 +249,6 @@ def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> No
 
 
 def test_a_hold_is_no_slip() -> None:
-    found = felt("hold", "history.steps=100", "readout.bandwidth_Hz=80.0", "effects.piezo.noise_seed=1")
+    found = felt(0, "hold", "history.steps=100", "readout.bandwidth_Hz=80.0", "effects.piezo.noise_seed=1")
     assert found["events"] == []
     assert found["event_score"] == {"hits": 0, "missed": 0, "false": 0}

@@ -105,9 +105,9 @@ def stored(small: Chained) -> int:
 
 
 def test_what_a_chain_stores_grows_with_the_ridges() -> None:
-    """Between 15, 30 and 60 ridges as much is added for each: the ends cancel, netgen's scatter remains."""
-    few, some, many = (stored(chained(system_of("", 2, ridges))) for ridges in (15, 30, 60))
-    assert (many - some) / 30 == pytest.approx((some - few) / 15, rel=0.1)
+    """Between 6, 12 and 24 ridges as much is added for each: the ends cancel, netgen's scatter remains."""
+    few, some, many = (stored(chained(system_of("", 2, ridges))) for ridges in (6, 12, 24))
+    assert (many - some) / 12 == pytest.approx((some - few) / 6, rel=0.1)
 
 
 def test_three_times_the_ridges_do_not_take_twice_the_solves(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -207,10 +207,10 @@ def test_inner_ridges_of_a_long_flat_pad_carry_the_same() -> None:
     """Far from the ends every ridge sees the same neighbours, if the skin is compressible: a rubber between
     plate and back has nowhere to go but to the ends. What the mesh breaks of it is its own error, and no
     joint between slabs is to be seen."""
-    design = wide(51).with_(skin={"curvature_radius": 1e8}, material={"poisson_ratio": 0.3})
+    design = wide(31).with_(skin={"curvature_radius": 1e8}, material={"poisson_ratio": 0.3})
     pad = pad_of(design)
     found = plane_level.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
-    assert len(found.ridges.flexibility.slabs) == 10  # type: ignore[union-attr]
+    assert len(found.ridges.flexibility.slabs) == 6  # type: ignore[union-attr]
     assert found.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-12)
     inner = found.ridge_force[12:-12]
     assert inner == pytest.approx(np.full(inner.size, inner.mean()), rel=5e-3)

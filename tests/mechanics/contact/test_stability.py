@@ -105,7 +105,7 @@ def force_of(what: Pressed, share: float) -> float:
     return share if what.body.odd.size == 0 else share / 2
 
 
-@pytest.mark.parametrize("count", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3))])
 def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The half and the whole are refused at the same force, also where every ridge tips to the same side."""
     found = []

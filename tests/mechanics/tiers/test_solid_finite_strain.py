@@ -179,6 +179,7 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
     assert np.abs(held.values[2 * body.displacements // 3 : body.displacements]).max() <= 1e-9  # u_y
 
 
+@pytest.mark.slow
 def test_half_is_the_whole() -> None:
     """On two meshes, which differ by 0.5 % at this order (test_solid.py); finite strain's change less."""
     pad = pad_of(reference().with_(**SMALL))
@@ -239,6 +240,7 @@ def test_newton_converges_quadratically() -> None:
     assert before > here
 
 
+@pytest.mark.slow
 def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
     """Why a part of the bulk modulus acts on the swelling itself: without it 2 N have no stable state."""
     pad = pad_of(reference().with_(**SMALL))
