@@ -72,7 +72,7 @@ class Piezo(Reader):
 
     needs: ClassVar[tuple[str, ...]] = ("film",)
 
-    circuit: Annotated[Circuit, BeforeValidator(_circuit)] = Field(
+    circuit: Annotated[str | Circuit, BeforeValidator(_circuit)] = Field(
         description="a circuit's template, or a TOML file beside the scene"
     )
     noise_seed: int | None = Field(
@@ -82,18 +82,24 @@ class Piezo(Reader):
         "Hz", "of the recorder; the circuit's if not given", gt=0.0, le=1e9, default=None
     )
 
+    @property
+    def loaded(self) -> Circuit:
+        """The circuit, whether the scene names it or has its tables."""
+        assert isinstance(self.circuit, Circuit)  # as it is validated
+        return self.circuit
+
     def check(self, design: Design) -> None:
         """Raise InputError for a skin without films or with dead ones, or an unusable circuit."""
         if design.film is None or design.slot is None:
             raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
         if not any((design.film.d31, design.film.d32, design.film.d33)):
             raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")
-        constants(fitted(self.circuit, design))
+        constants(fitted(self.loaded, design))
 
     def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
         """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it; the
         largest output is either strip's, by which an amplifier is driven to its limits, or is not."""
-        circuit = fitted(self.circuit, watched.design)
+        circuit = fitted(self.loaded, watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None
         recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
         film = circuit.film

@@ -119,6 +119,8 @@ def schema_of(kind: Kind | shipped.Table) -> str:
         from skincad.effects import EFFECTS, effect
 
         tables = {name: effect(name).model_json_schema() for name in EFFECTS}
+        for each in tables.values():
+            schema["$defs"] |= each.pop("$defs", {})  # where their references look
         schema["properties"]["effects"] = {
             "type": "object",
             "properties": tables,

@@ -10,7 +10,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-
 from skincad.base.arguments import require_number
 from skincad.base.errors import InputError
 from skincad.base.result import Result
