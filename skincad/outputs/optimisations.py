@@ -82,6 +82,7 @@ def files(found: Optimisation) -> dict[str, Writer]:
     """Return the writers of the front's designs, the table, the page and the pictures."""
     count = min(SHOWN, len(found.front))
     designs = {_design(n): text(found.design(n).to_toml) for n in range(1, count + 1)}
-    page = text(lambda: sweeps.sweep_page(found.rows, lines(found)))
+    aims = found.aims
+    page = text(lambda: sweeps.sweep_page(found.rows, lines(found), title=found.name, aims=aims))
     pictures = {name: picture(draw) for name, draw in figures(found).items()}
     return {**designs, TABLE: text(lambda: sweeps.sweep_csv(found.rows)), PAGE: page, **pictures}

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -132,23 +132,31 @@ def _write_parquet(found: SweepResult, path: Path) -> None:
     parquet.write_table(pyarrow.table(columns), path)
 
 
-def sweep_page(found: SweepResult, words: list[str] | None = None) -> str:
-    """Return the page of all rows, with each one's design to copy, under `words`, the sweep's if None."""
+def sweep_page(
+    found: SweepResult, words: list[str] | None = None, *, title: str = "", aims: Sequence[str] = ()
+) -> str:
+    """Return the page of all rows, with each one's design to copy, under `words`, the sweep's if None.
+
+    Columns of what is varied come first, then of `aims`, of a sweep what it is ranked by; columns without
+    anything are left out.
+    """
     from skincad.pictures.study_page import page
 
     head, rows = table(found)
-    keep = [i for i, name in enumerate(head) if not name.endswith(".error")]
-    shown = [head[i] for i in keep]
-    ranked = found.rankings[0].key if found.rankings else ""
+    first = ["row", *(knob.key for knob in found.knobs), *(aims or [each.key for each in found.rankings])]
+    shown = [name for name in dict.fromkeys([*first, *head]) if name in head and not name.endswith(".error")]
+    shown = [name for name in shown if any(row[head.index(name)] not in (None, "") for row in rows)]
+    plotted = [name for name in first[1:] if name in shown]
     data = {
         "head": shown,
-        "rows": [[row[i] for i in keep] for row in rows],
+        "rows": [[row[head.index(name)] for name in shown] for row in rows],
         "refused": [bool(row.refused) for row in found.rows],
         "designs": [_design(found, row) for row in found.rows],
         "x": shown.index(found.knobs[0].key),
-        "y": shown.index(ranked if ranked in shown else found.knobs[0].key),
+        "y": shown.index(plotted[min(len(found.knobs), len(plotted) - 1)]),
     }
-    return page(f"{found.name}: {len(found.rows)} rows", "\n".join(words or lines(found)), data)
+    title = f"{title or found.name}: {len(found.rows)} rows"
+    return page(title, "\n".join(words or lines(found)), data)
 
 
 def _design(found: SweepResult, row: Evaluation) -> str:

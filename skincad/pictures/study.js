@@ -53,38 +53,56 @@ function draw(parent, name, attributes, text = '') {
   return element
 }
 
-function ends(values) {
+// Round numbers from a little below the least to a little above the largest value, some five of them.
+function ticks(values) {
   const low = Math.min(...values), high = Math.max(...values)
-  const margin = 0.05 * ((high - low) || Math.abs(low) || 1)
-  return [low - margin, high + margin]
+  const wide = (high - low) || Math.abs(low) || 1, size = 10 ** Math.floor(Math.log10(wide / 4))
+  const step = size * [1, 2, 5, 10].find(n => n * size >= wide / 5)
+  const first = Math.floor((low - 0.02 * wide) / step), last = Math.ceil((high + 0.02 * wide) / step)
+  return Array.from({ length: last - first + 1 }, (_, k) => (first + k) * step)
+}
+
+// From blue over grey to orange, which the colour-blind tell apart too.
+function colourOf(share) {
+  const mix = (from, to, part) => from.map((c, k) => Math.round(c + (to[k] - c) * part))
+  const [blue, grey, orange] = [[31, 95, 168], [200, 200, 200], [230, 120, 20]]
+  return `rgb(${share < 0.5 ? mix(blue, grey, 2 * share) : mix(grey, orange, 2 * share - 1)})`
 }
 
 function plot() {
-  const picture = get('plot'), across = +get('x').value, up = +get('y').value
+  const picture = get('plot'), [across, up, third] = ['x', 'y', 'colour'].map(axis => +get(axis).value)
   picture.replaceChildren()
-  const shown = order.filter(i => [across, up].every(c => typeof data.rows[i][c] === 'number'))
+  const coloured = third >= 0
+  const shown = order.filter(i =>
+    [across, up, ...(coloured ? [third] : [])].every(c => typeof data.rows[i][c] === 'number'))
   if (!shown.length) return
-  const [left, right] = ends(shown.map(i => data.rows[i][across]))
-  const [low, high] = ends(shown.map(i => data.rows[i][up]))
-  const x = value => 60 + 480 * (value - left) / (right - left)
-  const y = value => 300 - 280 * (value - low) / (high - low)
-  for (let k = 0; k <= 4; k++) {
-    const u = left + (right - left) * k / 4, v = low + (high - low) * k / 4
-    draw(picture, 'text', { x: x(u), y: 316, 'font-size': 10, 'text-anchor': 'middle' }, word(u))
-    draw(picture, 'text', { x: 55, y: y(v) + 3, 'font-size': 10, 'text-anchor': 'end' }, word(v))
-    draw(picture, 'line', { x1: 60, x2: 540, y1: y(v), y2: y(v), stroke: '#eee' })
+  const [u, v] = [across, up].map(c => ticks(shown.map(i => data.rows[i][c])))
+  const x = value => 80 + 480 * (value - u[0]) / (u[u.length - 1] - u[0])
+  const y = value => 300 - 280 * (value - v[0]) / (v[v.length - 1] - v[0])
+  for (const value of u)
+    draw(picture, 'text', { x: x(value), y: 316, 'font-size': 10, 'text-anchor': 'middle' }, word(value))
+  for (const value of v) {
+    draw(picture, 'text', { x: 74, y: y(value) + 3, 'font-size': 10, 'text-anchor': 'end' }, word(value))
+    draw(picture, 'line', { x1: 80, x2: 560, y1: y(value), y2: y(value), stroke: '#eee' })
   }
-  draw(picture, 'text', { x: 300, y: 334, 'font-size': 11, 'text-anchor': 'middle' }, data.head[across])
+  draw(picture, 'text', { x: 320, y: 338, 'font-size': 11, 'text-anchor': 'middle' }, data.head[across])
   draw(picture, 'text',
-    { x: -160, y: 12, 'font-size': 11, 'text-anchor': 'middle', transform: 'rotate(-90)' }, data.head[up])
+    { x: -160, y: 14, 'font-size': 11, 'text-anchor': 'middle', transform: 'rotate(-90)' }, data.head[up])
+  const told = coloured ? shown.map(i => data.rows[i][third]) : [0]
+  const least = Math.min(...told), most = Math.max(...told)
   for (const i of shown) {
+    const share = coloured ? (data.rows[i][third] - least) / ((most - least) || 1) : 0
     const point = draw(picture, 'circle', {
       cx: x(data.rows[i][across]), cy: y(data.rows[i][up]), r: i === chosen ? 7 : 4,
-      fill: i === chosen ? '#c1531f' : data.refused[i] ? '#bbb' : '#1f5fa8', 'fill-opacity': 0.75,
+      fill: i === chosen ? '#c1531f' : data.refused[i] ? '#bbb' : colourOf(share), 'fill-opacity': 0.85,
+      stroke: i === chosen ? '#222' : 'none',
     })
     draw(point, 'title', {}, 'row ' + data.rows[i][0])
     point.onclick = () => choose(i)
   }
+  if (coloured)
+    draw(picture, 'text', { x: 560, y: 12, 'font-size': 10, 'text-anchor': 'end' },
+      `blue ${word(least)} to orange ${word(most)}`)
 }
 
 data.head.forEach((name, number) => {
@@ -93,15 +111,11 @@ data.head.forEach((name, number) => {
   head.onclick = () => sortBy(number)
   get('head').append(head)
   if (!data.rows.some(row => typeof row[number] === 'number')) return
-  for (const axis of ['x', 'y']) {
-    const option = document.createElement('option')
-    option.value = number
-    option.textContent = name
-    get(axis).append(option)
-  }
+  for (const axis of ['x', 'y', 'colour']) get(axis).append(new Option(name, number))
 })
-for (const axis of ['x', 'y']) {
-  get(axis).value = data[axis]
+get('colour').prepend(new Option('one for all', -1))
+for (const axis of ['x', 'y', 'colour']) {
+  get(axis).value = axis === 'colour' ? -1 : data[axis]
   get(axis).onchange = plot
 }
 get('copy').onclick = () => { get('design').select(); document.execCommand('copy') }

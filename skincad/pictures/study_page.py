@@ -32,8 +32,9 @@ def page(title: str, words: str, data: dict[str, Any]) -> str:
 <pre>{escape(words)}</pre>
 <div class="row">
 <div class="column">
-<p><label>across <select id="x"></select></label><label>up <select id="y"></select></label></p>
-<svg id="plot" width="560" height="340" viewBox="0 0 560 340"></svg>
+<p><label>across <select id="x"></select></label><label>up <select id="y"></select></label>
+<label>colour <select id="colour"></select></label></p>
+<svg id="plot" width="580" height="350" viewBox="0 0 580 350"></svg>
 </div>
 <div class="column">
 <p><b id="which">Click a row or a point for its design</b> <button id="copy">copy</button></p>

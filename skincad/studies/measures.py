@@ -1,8 +1,8 @@
 """What a result says, as numbers by key: any number of its JSON, with its error where it has one.
 
 Lists are counted from 1, as ridges are, or by their entries' names: `ridge_force_N.3`,
-`parts.cavity.volume_mm3`; a list of plain numbers has `.min`, `.max` and `.last` too. A key may leave its
-unit out: `all_touch_force`, `ridge_force.3`.
+`parts.cavity.volume_mm3`; a list of plain numbers has `.min`, `.max` and `.last` too, any other `.count`. A
+key may leave its unit out: `all_touch_force`, `ridge_force.3`.
 """
 
 from __future__ import annotations
@@ -57,6 +57,8 @@ def _entries(data: list[Any], at: str) -> Iterator[tuple[str, Estimate]]:
         for number, each in enumerate(data[:LONGEST_LIST], 1):
             name = next((each[k] for k in NAMES if k in each), number) if isinstance(each, dict) else number
             yield from _leaves(each, f"{at}.{name}")
+    if not numbers and not any(isinstance(each, Mapping) and "value" in each for each in data):
+        yield f"{at}.count", Estimate(float(len(data)), 0.0, "")
     if numbers and len(numbers) == len(data):
         for name, value in (("min", min(numbers)), ("max", max(numbers)), ("last", numbers[-1])):
             yield f"{at}.{name}", Estimate(value, None, unit_of_key(at))

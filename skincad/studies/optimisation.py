@@ -70,6 +70,12 @@ class Optimisation(Result):
         """Whether a design keeps all constraints."""
         return bool(self.front)
 
+    @property
+    def aims(self) -> list[str]:
+        """The keys of objectives and constraints, as results have them."""
+        told = next(iter([*self.front, *filter(None, [self.closest, self.start])]), None)
+        return [] if told is None else [*told.objectives, *told.constraints]
+
     def design(self, number: int = 1) -> Subject:
         """Return a member of the front as a design, scene or circuit; InputError where there is none."""
         if not 1 <= number <= len(self.front):

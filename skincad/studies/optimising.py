@@ -194,7 +194,11 @@ class _Hunt:
 
     def rows(self) -> SweepResult:
         """Return what the searching model was asked, as the rows of a sweep."""
-        unique = {each.key: each for each in self.seen}
+        aims = self.study.aims
+        unique = {
+            found.key: replace(found, results={**found.results, **_aimed_at(aims, results or {}, found)})
+            for found, (_, results) in zip(self.seen, self.tried, strict=True)
+        }
         rows = tuple(unique.values())
         known = {key for row in rows for key in row.results}
         wanted = [(each, _known(each.key, known)) for each in self.study.objectives]
@@ -275,8 +279,15 @@ class _Hunt:
         }
 
 
+def _aimed_at(aims: Sequence[str], results: Results, found: Evaluation) -> Results:
+    """What a study is about among the numbers of other results than the searching one's."""
+    beside = {key: each for key, each in results.items() if key not in {**found.results, **found.values}}
+    keys = [_known(key, beside) for key in aims]
+    return {key: beside[key] for key in keys if key is not None}
+
+
 def _known(key: str, known: Collection[str]) -> str | None:
-    """The key of a row's result that an objective means; None for a varied key and another result's."""
+    """The key among these that an objective or a limit means, None where it means none of them."""
     try:
         return resolved(key, known)
     except InputError:

@@ -100,6 +100,11 @@ class Study(Document):
             raise InputError("optimiser", "must be nsga2 or sobol for several objectives", "cma")
         return self
 
+    @property
+    def aims(self) -> list[str]:
+        """The keys of objectives and constraints."""
+        return [each.key for each in self.objectives] + [each.key for each in self.constraints]
+
     def subject(self) -> Subject:
         """Return what the study starts from."""
         return load_subject(self.about, list(self.settings))

@@ -47,9 +47,7 @@ class Weighing:
 
     def others(self) -> list[Kind]:
         """Return the names of the other results that objectives and limits are about."""
-        study = self.study
-        keys = [each.key for each in study.objectives] + [each.key for each in study.constraints]
-        return [kind for kind in OTHERS if any(key.startswith(f"{kind}.") for key in keys)]
+        return [kind for kind in OTHERS if any(key.startswith(f"{kind}.") for key in self.study.aims)]
 
     def told(self, place: Array, results: Results | None, model: Model) -> Told:
         """Return losses and limits at a place by what the judge would say; limits of numbers that the closed

@@ -37,6 +37,13 @@ def test_lists_count_from_one_and_long_ones_are_told_by_their_ends() -> None:
     assert GAIN["gain_dB.last"].value == gain[-1]
 
 
+def test_lists_of_anything_else_are_counted() -> None:
+    found = measures({"findings": [{"rule": "detail", "measured": 1.0}, {"rule": "reach"}], "warnings": []})
+    assert found["findings.count"].value == 2
+    assert found["warnings.count"].value == 0
+    assert not any(key.startswith("ridge_force") and key.endswith("count") for key in CHECK)
+
+
 def test_an_error_beside_a_number_is_its_own() -> None:
     found = measures({"yield": 0.9, "yield_error": 0.01, "parts": [{"name": "cavity", "volume_mm3": 3.0}]})
     assert found["yield"] == Estimate(0.9, 0.01, "")

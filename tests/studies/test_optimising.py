@@ -193,6 +193,8 @@ def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.
     )
     (best,) = found.front
     margin, kept = best.constraints["check.margin_N"]
+    assert found.aims == ["longest_lead_time_s", "check.margin_N"]
+    assert all(set(found.aims) <= set(row.results) for row in found.rows.rows)
     scene = found.design()
     assert isinstance(scene, Scene)
     assert kept

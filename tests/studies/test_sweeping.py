@@ -146,6 +146,16 @@ def test_the_page_needs_nothing_else_and_has_every_design(swept: SweepResult) ->
     assert "length = 8.0" in data["designs"][0]
     assert data["designs"][1].startswith("# ridge.count: at most 2 ridges")
     assert data["head"][data["y"]] == "all_touch_force_N"
+    varied = [knob.key for knob in swept.knobs]
+    assert data["head"][: len(varied) + 2] == ["row", *varied, "all_touch_force_N"]  # what counts, first
+    for column in zip(*data["rows"], strict=True):
+        assert any(value not in (None, "") for value in column)
+    aimed = sweep_page(swept, ["words"], title="other", aims=["approach_mm"])
+    assert "<title>other: 16 rows</title>" in aimed
+    assert (
+        json.loads(aimed.partition('id="data">')[2].partition("</script>")[0])["head"][len(varied) + 1]
+        == "approach_mm"
+    )
 
 
 def test_a_front_is_what_nothing_beats() -> None:
