@@ -93,6 +93,7 @@ def test_a_varied_key_may_be_an_objective() -> None:
     assert float(best.values["skin.curvature_radius"]) < 120.0  # lab-bench's own
 
 
+@pytest.mark.slow
 def test_a_better_judge_has_the_last_word() -> None:
     """Judged by another model than the one that searches: its numbers, and its limit kept."""
     judged = optimise(study(judge="linear", evaluations=60))
@@ -228,3 +229,16 @@ def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch
 def test_a_misspelt_key_is_told_at_once() -> None:
     with pytest.raises(InputError, match="did you mean 'approach'"):
         optimise(study(objectives=[{"key": "aproach"}]))
+
+
+@pytest.mark.slow
+def test_process_a_finds_an_amplifier_that_warns_without_a_false_alarm() -> None:
+    """The template on the paper's skin, whose own settings begin with a false alarm."""
+    found = optimise(skincad.load_study("amplifier-for-slip"))
+    (best,) = found.front
+    assert found.start is not None
+    assert not found.start.allowed
+    lead = best.objectives["longest_lead_time_s"].value or 0.0
+    assert 1.0e-3 < lead < 1.3e-3  # ridge 2 slips 1.29 ms before all do
+    assert best.constraints["event_score.false"][0].value == 0
+    assert found.evaluations > 60
