@@ -21,6 +21,7 @@ from skincad.options import (
     PrinterOption,
     SetOption,
     SiliconesOption,
+    TierOption,
     deliver,
     say,
     show,
@@ -132,6 +133,11 @@ def make(
         ),
     ] = [],  # noqa: B006
     strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
+    checked: Annotated[
+        bool, typer.Option("--check/--no-check", help="Ask whether all ridges touch, or leave that out.")
+    ] = True,
+    tier: TierOption = "auto",
+    budget: BudgetOption = None,
     advice: AdviceOption = True,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
@@ -149,11 +155,13 @@ def make(
     target = folder or Path("out") / design.name
     ready(target, COMMAND, of_formats(names(design), formats))
     with stage_bar(len(STAGES)) as progress:
-        found = skincad.make(design, strict=strict, progress=progress)
+        found = skincad.make(
+            design, strict=strict, checked=checked, tier=tier, budget=budget, progress=progress
+        )
         written = skincad.write(found, target, formats=formats, progress=progress)
     if not as_json:
         deliver(found, False, written)
-    if advice:
+    if advice and found.check is not None and budget is None:
         found = replace(found, check=_advised(design, found.check, as_json))
     if as_json:
         deliver(found, True, written)
@@ -175,14 +183,7 @@ def check(
     measured: Annotated[
         Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
     ] = None,
-    tier: Annotated[
-        str,
-        typer.Option(
-            "--tier",
-            help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
-            "solid-finite-strain; auto: the cheapest that meets --tol or settles the verdict.",
-        ),
-    ] = "auto",
+    tier: TierOption = "auto",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     stress: Annotated[

@@ -58,6 +58,14 @@ BudgetOption = Annotated[
     float | None,
     typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they allow."),
 ]
+TierOption = Annotated[
+    str,
+    typer.Option(
+        "--tier",
+        help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
+        "solid-finite-strain; auto: the cheapest that meets --tol or settles the verdict.",
+    ),
+]
 AdviceOption = Annotated[
     bool,
     typer.Option("--advice/--no-advice", help="Look for changes with which a design that fails would pass."),

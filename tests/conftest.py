@@ -16,7 +16,7 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -95,11 +95,7 @@ def make_into(design: Design, folder: Path) -> Made:
 def files_into(design: Design, folder: Path, formats: Iterable[str] = ()) -> Made:
     """The same for who looks at files: the verdict that stands in them is by the closed form, not by
     seconds of finite elements."""
-    from skincad.mechanics import touching
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(touching, "check", partial(touching.check, tier="winkler"))
-        result = skincad.make(design)
+    result = skincad.make(design, tier="winkler")
     return Made(result, skincad.write(result, folder, formats=formats))
 
 

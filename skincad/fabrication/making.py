@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from skincad.base.errors import RefusedError
+from skincad.base.arguments import require_goals
+from skincad.base.errors import InputError, RefusedError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
+from skincad.mechanics.tiers.table import tier_of
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PartRole
 
@@ -80,7 +82,7 @@ class Job:
     meshes: dict[str, Any]
     skin: tuple[Any, Any]  # solid and mesh as designed; in `solids` and `meshes` it is as poured
     findings: tuple[Finding, ...]
-    check: ContactCheck
+    check: ContactCheck | None  # None where nobody asked for the verdict
 
     @cached_property
     def laid(self) -> dict[str, Any]:
@@ -104,14 +106,15 @@ class MakeResult(Result):
     strict: bool
     parts: tuple[PartReport, ...]
     findings: tuple[Finding, ...]
-    check: ContactCheck
+    check: ContactCheck | None  # None where nobody asked for the verdict
     cavity_volume: float  # mm3, of what cures to the skin: larger by the shrinkage
     seconds: dict[str, float]
     job: Job | None = field(default=None, compare=False)
 
     @property
     def passed(self) -> bool:
-        """Whether all ridges touch, and no finding is an error, nor with `strict` a warning."""
+        """Whether all ridges touch, if that was asked, and no finding is an error, nor with `strict` a
+        warning."""
         return passes(self.check, self.findings, self.strict)
 
     def built(self) -> Job:
@@ -131,30 +134,58 @@ class MakeResult(Result):
             "parts": [part.as_json() for part in self.parts],
             "cavity_volume_mm3": self.cavity_volume,
             "findings": [finding.as_json() for finding in self.findings],
-            "check": self.check.as_json(),
+            "check": self.check and self.check.as_json(),
             "seconds": self.seconds,
         }
 
 
-def make(design: Design, *, strict: bool = False, progress: Progress | None = None) -> MakeResult:
+def make(
+    design: Design,
+    *,
+    strict: bool = False,
+    checked: bool = True,
+    tier: str = "auto",
+    budget: float | None = None,
+    progress: Progress | None = None,
+) -> MakeResult:
     """Build a design's skin and mold, measure and judge them; `skincad.write` writes the files.
 
-    `passed` is false when the contact verdict fails, a part is not valid, watertight or free, or (with
-    `strict`) any finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
+    `tier` and `budget` s are those of `check`; without `checked` nobody asks whether all ridges touch.
+    `passed` is false when they don't, a part is not valid, watertight or free, or (with `strict`) any finding
+    is a warning. Raises InputError for bad input, KernelError for a bad solid.
     """
+    _check_asked(checked, tier, budget)
     closed = mold(design)  # bad input is told before the CAD kernel loads
     _import_everything()
     watch = Stopwatch(progress)
-    job, reports = _build(design, closed, watch)
+    verdict = None
+    if checked:
+        from skincad.mechanics.touching import check
+
+        with watch.stage("contact check"):
+            verdict = check(design, tier=tier, budget=budget)
+    job, reports = _build(design, closed, verdict, watch)
     volume = job.closed.first(PartRole.SKIN).volume
     found = tuple(reports), job.findings, job.check, volume, watch.seconds(), job
     return MakeResult(design.name, strict, *found)
 
 
-def passes(check: ContactCheck, findings: tuple[Finding, ...], strict: bool) -> bool:
-    """Return whether all ridges touch, and no finding is an error, nor with `strict` a warning."""
+def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:
+    """Return whether all ridges touch, if that was asked, and no finding is an error, nor with `strict` a
+    warning."""
     bad = {"error", "warning"} if strict else {"error"}
-    return check.passed and not any(finding.severity in bad for finding in findings)
+    touching = check is None or check.passed
+    return touching and not any(finding.severity in bad for finding in findings)
+
+
+def _check_asked(checked: bool, tier: str, budget: float | None) -> None:
+    """Raise InputError for a tier or a budget of a check that is left out, and for one that there is not."""
+    for key, given in (("tier", None if tier == "auto" else tier), ("budget", budget)):
+        if given is not None and not checked:
+            raise InputError(key, "is the check's, which is left out", given, "leave one of them out")
+    if tier != "auto":
+        tier_of(tier)
+    require_goals(None, budget, "0.05")
 
 
 def _import_everything() -> None:
@@ -164,14 +195,15 @@ def _import_everything() -> None:
     import skincad.mechanics.tiers.linear  # noqa: F401
 
 
-def _build(design: Design, closed: ClosedMold, watch: Stopwatch) -> tuple[Job, list[PartReport]]:
+def _build(
+    design: Design, closed: ClosedMold, verdict: ContactCheck | None, watch: Stopwatch
+) -> tuple[Job, list[PartReport]]:
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import FINER, interference
     from skincad.fabrication.meshes import mesh
     from skincad.fabrication.strip_rules import strip_findings
     from skincad.inputs.process import processes
-    from skincad.mechanics.touching import check
     from skincad.solids.occ import workplane
     from skincad.solids.skin import skin_part
 
@@ -180,8 +212,6 @@ def _build(design: Design, closed: ClosedMold, watch: Stopwatch) -> tuple[Job, l
     makers = {choice.process, choice.end_plate_process, choice.lid_process}
     asked = min(known[name].chord for name in makers if name)
     chord = asked / (1 + 1 / FINER)  # the reference mesh's own error is added to it
-    with watch.stage("contact check"):
-        verdict = check(design)
     with watch.stage("solids"):
         solids = {part.name: workplane(part) for part in closed.parts}
         solid = workplane(designed)

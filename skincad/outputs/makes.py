@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
 
 COMMAND = "make"
+UNCHECKED = "Not checked whether all ridges touch."
 
 
 def lines(result: MakeResult) -> list[str]:
@@ -29,12 +30,12 @@ def lines(result: MakeResult) -> list[str]:
         for p in result.parts
     ]
     return [
-        *checks.verdict_lines(result.check),
+        *(checks.verdict_lines(result.check) if result.check else [UNCHECKED]),
         "Parts:",
         *rows,
         *(str(finding) for finding in result.findings),
         f"{result.name}: {'passed' if result.passed else 'FAILED'}",
-        *checks.advice_lines(result.check),
+        *(checks.advice_lines(result.check) if result.check else []),
     ]
 
 
@@ -48,7 +49,7 @@ def manifest(result: MakeResult) -> dict[str, Any]:
     return {
         "name": result.name,
         "passed": result.passed,
-        "all_touch_force_N": result.check.all_touch_force.as_json(),
+        "all_touch_force_N": result.check and result.check.all_touch_force.as_json(),
         "findings": [finding.as_json() for finding in result.findings],
     }
 
@@ -171,13 +172,15 @@ def _sheet(job: Job) -> str:
     from skincad.fabrication.sheet import casting_sheet
 
     measures = inspection(job.design, job.closed.first(PartRole.SKIN), _allowed_drops(job.check))
-    found, said = list(job.findings), checks.verdict(job.check)
+    found, said = list(job.findings), checks.verdict(job.check) if job.check else UNCHECKED
     passed = passes(job.check, job.findings, strict=False)
     return casting_sheet(job.design, job.closed, found, said, passed, measures)
 
 
-def _allowed_drops(check: ContactCheck) -> tuple[float, ...]:
+def _allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
     """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    if check is None:
+        return ()
     made, margin = check.manufacture, check.margin
     if made is None or margin is None or not check.passed:
         return ()

@@ -19,6 +19,7 @@ BAR = "extension_mm,force_N\n" + "\n".join(f"{i / 10},{i}" for i in range(12))
 PAD = BAR.replace("extension", "approach")
 WITH = {  # what a command needs beside the option to come as far as to look at it
     "check": ["yamada-2002"],
+    "make": ["yamada-2002"],
     "simulate": ["yamada-2002-slip"],
     "accuracy": ["yamada-2002"],
     "fit-material": ["bar.csv"],
@@ -51,7 +52,7 @@ def test_the_search_finds_them_all() -> None:
     assert sorted(numeric()) == [
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
         ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
-        ("fit-material", "--up-to"), ("optimise", "--workers"), ("simulate", "--at"),
+        ("fit-material", "--up-to"), ("make", "--budget"), ("optimise", "--workers"), ("simulate", "--at"),
         ("simulate", "--budget"), ("simulate", "--tol"), ("solve", "--evaluations"), ("solve", "--force"),
         ("solve", "--tol"), ("sweep", "--force"), ("sweep", "--sample"), ("sweep", "--tol"),
         ("sweep", "--workers"),

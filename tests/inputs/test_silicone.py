@@ -2,7 +2,6 @@
 
 import json
 import tomllib
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,6 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.shipped import table_text
 from skincad.inputs.silicone import silicones
-from skincad.mechanics import touching
 from skincad.mechanics.climb import spread_of
 from skincad.mechanics.touching import check
 from skincad.scenes.scene import load_scene
@@ -281,11 +279,10 @@ def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
     assert not [f for f in design_findings(design) if f.rule == "silicone"]
 
 
-def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(touching, "check", partial(touching.check, tier="winkler"))  # for make
+def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path) -> None:
     chosen = ("--silicones", str(lab), "--set", "material.name=lab-10", "--set", "ridge.count=1")
     out = ("--format", "toml", "-o", str(tmp_path / "made"))
-    made = run_skincad("make", "lab-bench", *chosen, *out, "--json", cwd=tmp_path)
+    made = run_skincad("make", "lab-bench", *chosen, *out, "--tier", "winkler", "--json", cwd=tmp_path)
     assert made.returncode in (0, 1), made.stderr
     lab.unlink()
     assert silicone(skincad.load(tmp_path / "made" / "design.toml")).young_modulus.value == 0.25

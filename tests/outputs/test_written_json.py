@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ import typer
 
 from skincad import cli
 from skincad.ladders import circuit
-from skincad.mechanics import touching
 from tests.small_scene import small_scene
 
 WRITING = ("make", "simulate", "circuit", "accuracy")  # the commands that write into a folder
@@ -25,7 +23,17 @@ THIRDS = (
     "readout.ridges=[2]",
 )
 RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
-    "make": ("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01", "--no-advice"),
+    "make": (
+        "make",
+        *SMALL,
+        "--format",
+        "dxf",
+        "--set",
+        "contact.force=0.01",
+        "--tier",
+        "winkler",
+        "--no-advice",
+    ),
     "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
     "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
     "circuit again": ("circuit", "transimpedance", "--set", "sweep.points=50"),
@@ -89,7 +97,6 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tupl
     )
     said = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(touching, "check", partial(touching.check, tier="winkler"))
         patch.setattr(circuit, "PER_PERIOD", circuit.PER_PERIOD[:2])
         for name, arguments in RUNS.items():
             into = ("-o", str(out)) if arguments[0] in WRITING else ()
