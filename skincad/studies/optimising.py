@@ -24,7 +24,7 @@ from skincad.scenes.scene import Scene
 from skincad.studies.asking import GUIDE
 from skincad.studies.knobs import Knob, knobs
 from skincad.studies.log import Log
-from skincad.studies.measures import resolved
+from skincad.studies.measures import resolved, worded
 from skincad.studies.optimisation import Member, Optimisation
 from skincad.studies.optimisers import Optimiser, Told, Tried, levels, minimise, optimiser
 from skincad.studies.question import Evaluation, Kind, Question, first_able, question_of
@@ -121,6 +121,7 @@ class _Hunt:
     seen: list[Evaluation] = field(default_factory=list)
     tried: list[tuple[Array, Results | None]] = field(default_factory=list)
     asking: Optimiser | None = None
+    best: float | None = None  # loss of the first objective
     aims: dict[Any, Any] = field(default_factory=dict)
 
     def values(self, place: Array) -> Values:
@@ -170,9 +171,16 @@ class _Hunt:
         if self.asking is None or (len(self.study.objectives) == 1 and aims != self.aims):
             known = self._front()
             self.asking = self._optimiser(known[0].place if known and known[0].there else start)
-        self.aims = aims
+        self.aims, self.best = aims, _better(None, self._front())
         self._minimised("search", self.asking, max(most - len(self.seen), 1), who)
         return self._front()
+
+    def _so_far(self) -> str:
+        """What the bar says: the best of the first objective that keeps all limits, by its worse end."""
+        objective = self.study.objectives[0]
+        if self.best is None:
+            return "none allowed so far"
+        return f"best {worded(objective.key, self.best * (1 if objective.goal == 'min' else -1))}"
 
     def _front(self) -> list[Told]:
         return Tried([self.weighing.told(*each, "search") for each in self.tried]).front
@@ -217,11 +225,13 @@ class _Hunt:
             if model == "search":
                 self.seen += [found for found, _ in answers]
                 self.tried += zip(places, results, strict=True)
-                if self.tick is not None:
-                    self.tick("searching", len(self.seen))
-            return [
+            told = [
                 self.weighing.told(place, each, model) for place, each in zip(places, results, strict=True)
             ]
+            if model == "search" and self.tick is not None:
+                self.best = _better(self.best, told)
+                self.tick(self._so_far(), len(self.seen))
+            return told
 
         return minimise(function, asking, most)
 
@@ -277,6 +287,12 @@ class _Hunt:
             for key, value in values.items()
             if not isinstance(value, str)
         }
+
+
+def _better(best: float | None, found: Sequence[Told]) -> float | None:
+    """The least first loss of what breaks no limit, and of what was the least before."""
+    allowed = [float(each.losses[0]) for each in found if each.broken <= 0]
+    return min(allowed if best is None else [best, *allowed], default=None)
 
 
 def _aimed_at(aims: Sequence[str], results: Results, found: Evaluation) -> Results:

@@ -144,6 +144,20 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     assert half.evaluations == len(lines) - len(lines) // 2
 
 
+def test_the_bar_tells_the_best_so_far() -> None:
+    said: list[tuple[str, int]] = []
+    found = optimise(study(evaluations=40), tick=lambda stage, step, _=None, /: said.append((stage, step)))
+    assert [step for _, step in said] == sorted(step for _, step in said)
+    last = float(said[-1][0].removeprefix("best approach "))
+    assert last == pytest.approx(found.front[0].objectives["approach_mm"].upper, rel=1e-3)  # as shown
+    none = optimise(
+        study(evaluations=10, constraints=[{"key": "all_touch_force", "at_most": 0.001}]),
+        tick=lambda stage, step, _=None, /: said.append((stage, step)),
+    )
+    assert not none.feasible
+    assert said[-1][0] == "none allowed so far"
+
+
 def test_json_has_the_contracts_keys(found: Optimisation) -> None:
     data = json.loads(json.dumps(found.as_json(), allow_nan=False))
     assert {"front", "evaluations", "reused", "seconds"} <= data.keys()
