@@ -193,9 +193,10 @@ class _Hunt:
 
     def correct(self, member: Member | None, who: Workers) -> None:
         """Take from a judged design how the judge differs from the cheaper models."""
+        if member is None:
+            return
         models: list[Model] = ["search", "guide"] if self.question.kind == "check" else ["search"]
-        for model in models if member is not None else ():
-            assert member is not None
+        for model in models:
             ((_, results),) = self._told([member.values], model, who)
             if results is not None:
                 self.weighing.correct(member, results, model)
