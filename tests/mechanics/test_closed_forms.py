@@ -33,6 +33,11 @@ Array = np.ndarray
 STRAIN = np.array([[0.3, 0.7], [0.7, -0.9]])
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _same_triangles() -> None:
+    """Meshes are refined in place here, so none is another test's."""
+
+
 @dataclass(frozen=True)
 class Row:
     """What the elements give, what is exact, how far apart they may be (relative to the largest), and why."""
