@@ -69,12 +69,10 @@ def optimise(
         place, members = hunt.coarse(who)
         for number in range(ROUNDS):
             front = hunt.searched(place, (number + 1) * study.evaluations // ROUNDS, who)
-            for told in _spread(front, JUDGED):
-                values = hunt.values(told.place)
-                member = hunt.judged(values, who)
-                if member is not None and member.values not in [each.values for each in members]:
-                    members.append(member)
-            hunt.correct(next(iter(hunt.weighing.ordered(members)), None), who)
+            judged = [hunt.judged(hunt.values(told.place), who) for told in _spread(front, JUDGED)]
+            there = [member for member in judged if member is not None]
+            members += [each for each in there if each.values not in [m.values for m in members]]
+            hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
     if log is not None:
         log.close()
     allowed = [each for each in hunt.weighing.ordered(members) if each.allowed]
