@@ -98,10 +98,13 @@ def _changed_scene(scene: Scene, values: Mapping[str, Value]) -> Scene:
         before = key.removesuffix(own)
         (inner[before] if before else outer)[own] = value
     found: dict[str, Any] = {}
+    named = {key: value for key, value in outer.items() if key == "skin" or key.endswith(".circuit")}
+    # a name that is varied too is the one that the keys within it belong to
+    chosen = _changed_scene(scene, named) if named and any(inner.values()) else scene
     for before, own_values in inner.items():
         if own_values:
             try:
-                found[before] = changed(owner(scene, before)[0], own_values)
+                found[before] = changed(owner(chosen, before)[0], own_values)
             except InputError as failure:
                 raise failure.under(before.removesuffix(".")) from None
     tables = overridden({**_tables(scene), "skin": scene.skin}, _settings(_tables(scene), outer))

@@ -127,3 +127,13 @@ def test_a_circuits_keys_need_an_amplifier() -> None:
         field_of(FELT, "circuit.amplifier.gian")
     with pytest.raises(InputError, match=r"circuit.amplifier.gain: must be greater than 0"):
         changed(FELT, {"circuit.amplifier.gain": -1.0})
+
+
+def test_a_key_within_a_circuit_or_a_skin_that_is_chosen_too_is_that_ones() -> None:
+    both = {"effects.piezo.circuit": "charge-amplifier", "circuit.amplifier.feedback_resistance": 3e7}
+    found = changed(FELT, both)
+    assert value_of(found, "circuit.name") == "charge-amplifier"
+    assert value_of(found, "circuit.amplifier.feedback_resistance") == 3e7
+    tilted = changed(FELT, {"skin": "yamada-2002-tilted", "skin.skin.thickness": 4.5})
+    assert value_of(tilted, "skin.name") == "yamada-2002-tilted"
+    assert value_of(tilted, "skin.skin.thickness") == 4.5
