@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import skincad
-from skincad.base.bars import one_by_one, stage_bar, step_bar
+from skincad.base.bars import stage_bar, step_bar
 from skincad.base.errors import InputError
+from skincad.live_command import live
+from skincad.make_commands import advised, make, watch
 from skincad.options import (
     AdviceOption,
     BudgetOption,
@@ -30,10 +30,7 @@ from skincad.options import (
 from skincad.study_commands import optimise, solve, sweep
 
 if TYPE_CHECKING:
-    from skincad.inputs.design import Design
-    from skincad.mechanics.verdict import ContactCheck
-
-ADVICE_STAGES = 9  # of its bar at first: checks and searches for them, about two or three a change
+    pass
 
 app = typer.Typer(
     name="skincad",
@@ -119,53 +116,8 @@ def new(
     show({}, False, "\n".join(map(str, write_new(file, template))))
 
 
-@app.command()
-def make(
-    source: DesignArgument,
-    settings: SetOption = [],  # noqa: B006
-    folder: OutOption = None,
-    formats: Annotated[
-        list[str],
-        typer.Option(
-            "--format",
-            metavar="KIND",
-            help="Only files of this kind, as step, stl or 3mf; repeat for several.",
-        ),
-    ] = [],  # noqa: B006
-    strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
-    checked: Annotated[
-        bool, typer.Option("--check/--no-check", help="Ask whether all ridges touch, or leave that out.")
-    ] = True,
-    tier: TierOption = "auto",
-    budget: BudgetOption = None,
-    advice: AdviceOption = True,
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Make skin and mold, check both, and write all files.
-
-    STEP, STL, 3MF, DXF, SVG, a picture and a casting sheet appear in the output folder, all of them or none.
-    """
-    from skincad.fabrication.making import STAGES
-    from skincad.outputs.delivery import of_formats, ready
-    from skincad.outputs.makes import COMMAND, names
-
-    design = skincad.load(source, settings, printer=printer, silicones=silicones)
-    target = folder or Path("out") / design.name
-    ready(target, COMMAND, of_formats(names(design), formats))
-    with stage_bar(len(STAGES)) as progress:
-        found = skincad.make(
-            design, strict=strict, checked=checked, tier=tier, budget=budget, progress=progress
-        )
-        written = skincad.write(found, target, formats=formats, progress=progress)
-    if not as_json:
-        deliver(found, False, written)
-    if advice and found.check is not None and budget is None:
-        found = replace(found, check=_advised(design, found.check, as_json))
-    if as_json:
-        deliver(found, True, written)
-    raise typer.Exit(0 if found.passed else 1)
+app.command()(make)
+app.command()(watch)
 
 
 @app.command()
@@ -235,24 +187,10 @@ def check(
     if not as_json:
         say(str(found) if films is None else f"{found}\n{films}\n  picture        {stress}")
     if advice and budget is None and measured is None:
-        found = _advised(design, found, as_json)
+        found = advised(design, found, as_json)
     if as_json:
         show(found.as_json() | (films.as_json() if films else {}), True, "")
     raise typer.Exit(0 if found.passed else 1)
-
-
-def _advised(design: Design, found: ContactCheck, quiet: bool) -> ContactCheck:
-    """Return a verdict with its advice, each line of which is printed when it is known, unless `quiet`."""
-    from skincad.outputs.checks import advice_lines
-    from skincad.studies.advice import advising
-
-    told, printed = found, 0
-    for told in one_by_one(ADVICE_STAGES, partial(advising, design, found)):
-        lines = advice_lines(told)[printed:]
-        printed += len(lines)
-        if lines and not quiet:
-            say("\n".join(lines))
-    return told
 
 
 @app.command()
@@ -435,3 +373,4 @@ def fit_material(
 app.command()(solve)
 app.command()(sweep)
 app.command()(optimise)
+app.command()(live)

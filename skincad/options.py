@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from skincad.base.errors import shown
+from skincad.base.errors import InputError, shown
 from skincad.base.strictjson import strict_json
 
 if TYPE_CHECKING:
     from skincad.base.result import Result
+    from skincad.inputs.design import Design
     from skincad.outputs.delivery import Written
+    from skincad.scenes.simulation import Simulation
 
 
 def _names(kind: str) -> Any:
@@ -70,7 +72,32 @@ AdviceOption = Annotated[
     bool,
     typer.Option("--advice/--no-advice", help="Look for changes with which a design that fails would pass."),
 ]
+ScenesOption = Annotated[
+    list[str],
+    typer.Option(
+        "--scene",
+        metavar="SCENE",
+        help="A scene's template or TOML file, run with this skin for report.html; repeat for several.",
+        autocompletion=_names("scenes"),
+    ),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+
+
+def simulated(sources: list[str], design: Design, preview: bool = False) -> list[Simulation]:
+    """Return scenes as they run with a design's skin; all are read before the first one is run. A preview
+    takes none."""
+    import skincad
+    from skincad.base.bars import step_bar
+
+    if sources and preview:
+        raise InputError("scenes", "are for the report, which --preview leaves out", remedy="leave one out")
+
+    found = []
+    for scene in [skincad.load_scene(source, skin=design) for source in sources]:
+        with step_bar(scene.history.steps) as tick:
+            found.append(skincad.simulate(scene, tick=tick))
+    return found
 
 
 def say(text: str) -> None:

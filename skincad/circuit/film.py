@@ -6,14 +6,39 @@ film is thick); piezoelectric charge D3 = d31 T1 + d32 T2 + d33 T3 (IEEE Std 176
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import epsilon_0
 
+from skincad.inputs.design import Design
+
 MM, MM2 = 1e-3, 1e-6  # m, m2
 PICO = 1e-12
+
+
+@dataclass(frozen=True)
+class Electrode:
+    """Areas in mm2: what lies in the skin gives charge, the whole with its lead has capacitance."""
+
+    inside: float
+    whole: float
+
+
+def electrode(design: Design) -> Electrode:
+    """Return a strip's electrode, mm2, as the cutting pattern draws it: bare at its edges and its far end.
+
+    The lead's own cut corner (half the depth, shorter) is left out: the capacitance of a strip is that of the
+    electrode in the skin and of `film.lead` beyond it.
+    """
+    assert design.film is not None
+    assert design.slot is not None
+    margin = design.film.electrode_margin
+    across = design.slot.depth - 2 * margin
+    inside = (design.skin.length - margin) * across
+    return Electrode(inside, inside + max(0.0, design.film.lead - margin) * across)
 
 
 def capacitance(area: float, thickness: float, permittivity: float) -> float:

@@ -22,7 +22,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
 from skincad.circuit.elements import Network
-from skincad.circuit.film import capacitance, charge
+from skincad.circuit.film import capacitance, charge, electrode
 from skincad.circuit.low_pass import band_limited, corner, delay
 from skincad.circuit.model import Circuit, circuit_network, constants, load_circuit
 from skincad.circuit.noise import noise_samples, total_density
@@ -57,14 +57,6 @@ def _circuit(given: Any) -> Circuit:
         return load_circuit(given)
     except InputError as failure:
         raise InputError("", f"{failure.key}: {failure.rule}", failure.value, failure.remedy) from None
-
-
-@dataclass(frozen=True)
-class Electrode:
-    """Areas in mm2: what lies in the skin gives charge, the whole with its lead has capacitance."""
-
-    inside: float
-    whole: float
 
 
 class Piezo(Reader):
@@ -127,20 +119,6 @@ class Piezo(Reader):
             "signal_to_noise_dB": ratio,
             "warnings": _warnings(circuit.name, recorder, watched),
         }
-
-
-def electrode(design: Design) -> Electrode:
-    """Return a strip's electrode, mm2, as the cutting pattern draws it: bare at its edges and its far end.
-
-    The lead's own cut corner (half the depth, shorter) is left out: the capacitance of a strip is that of the
-    electrode in the skin and of `film.lead` beyond it.
-    """
-    assert design.film is not None
-    assert design.slot is not None
-    margin = design.film.electrode_margin
-    across = design.slot.depth - 2 * margin
-    inside = (design.skin.length - margin) * across
-    return Electrode(inside, inside + max(0.0, design.film.lead - margin) * across)
 
 
 def fitted(circuit: Circuit, design: Design) -> Circuit:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -20,24 +21,25 @@ if TYPE_CHECKING:
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
-STAGES = ("contact check", "solids", "meshes", "measuring", "interference", "files", "picture")
+STAGES = ("contact check", "meshes", "solids", "measuring", "interference", "files", "picture")
 FINEST_CHORD = 1e-4  # mm; finer ones cost memory and show nothing
 INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that are tested for interference
 
 
 @dataclass(frozen=True)
 class PartReport:
-    """A part as built: exact solid and print mesh; mm, mm2, mm3."""
+    """A part as built: exact solid and print mesh; mm, mm2, mm3. A preview leaves None what it has not
+    measured, and takes the volume by formula."""
 
     name: str
     volume: float
-    area: float
-    faces: int
-    valid: bool
     watertight: bool
-    self_intersections: int
-    deviation: float
     asked_deviation: float
+    area: float | None = None
+    faces: int | None = None
+    valid: bool | None = None
+    self_intersections: int | None = None
+    deviation: float | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the part under the contract's keys."""
@@ -66,7 +68,7 @@ def mesh_findings(parts: list[PartReport]) -> list[Finding]:
         if part.self_intersections:
             count = float(part.self_intersections)
             found.append(Finding("self-intersection", part.name, count, 0.0, "faces", "error", remedy))
-        if part.deviation > part.asked_deviation:
+        if part.deviation is not None and part.deviation > part.asked_deviation:
             deviation = part.deviation, part.asked_deviation
             found.append(Finding("deviation", part.name, *deviation, "mm", "error", remedy))
     return found
@@ -78,11 +80,25 @@ class Job:
 
     design: Design
     closed: ClosedMold
-    solids: dict[str, Any]
     meshes: dict[str, Any]
-    skin: tuple[Any, Any]  # solid and mesh as designed; in `solids` and `meshes` it is as poured
+    skin: Any  # mesh as designed; in `meshes` it is as poured
     findings: tuple[Finding, ...]
     check: ContactCheck | None  # None where nobody asked for the verdict
+    scenes: tuple[Result, ...] = ()  # simulated with this skin
+    _solids: dict[Part, Any] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def kept(self) -> dict[str, Any]:
+        """What several files have, by name, made once by whoever writes the first of them."""
+        return {}
+
+    def solid(self, part: Part) -> Any:
+        """Return a part's exact solid, built when it is first asked for; raises KernelError for a bad one."""
+        if part not in self._solids:
+            from skincad.solids.occ import workplane
+
+            self._solids[part] = workplane(part)
+        return self._solids[part]
 
     @cached_property
     def laid(self) -> dict[str, Any]:
@@ -109,7 +125,10 @@ class MakeResult(Result):
     check: ContactCheck | None  # None where nobody asked for the verdict
     cavity_volume: float  # mm3, of what cures to the skin: larger by the shrinkage
     seconds: dict[str, float]
+    preview: bool = False
+    solids: bool = True  # whether there are exact ones, and so the files that show them
     job: Job | None = field(default=None, compare=False)
+    scenes: tuple[Result, ...] = field(default=(), compare=False)
 
     @property
     def passed(self) -> bool:
@@ -131,10 +150,12 @@ class MakeResult(Result):
         return {
             "name": self.name,
             "passed": self.passed,
+            "preview": self.preview,
             "parts": [part.as_json() for part in self.parts],
             "cavity_volume_mm3": self.cavity_volume,
             "findings": [finding.as_json() for finding in self.findings],
             "check": self.check and self.check.as_json(),
+            "scenes": [scene.as_json() for scene in self.scenes],
             "seconds": self.seconds,
         }
 
@@ -146,17 +167,25 @@ def make(
     checked: bool = True,
     tier: str = "auto",
     budget: float | None = None,
+    preview: bool = False,
+    solids: bool = False,
+    scenes: Sequence[Result] = (),
     progress: Progress | None = None,
 ) -> MakeResult:
     """Build a design's skin and mold, measure and judge them; `skincad.write` writes the files.
 
     `tier` and `budget` s are those of `check`; without `checked` nobody asks whether all ridges touch.
-    `passed` is false when they don't, a part is not valid, watertight or free, or (with `strict`) any finding
-    is a warning. Raises InputError for bad input, KernelError for a bad solid.
+    `preview` makes meshes and findings alone: no check, nothing measured on the meshes, and no exact solid,
+    nor the files that show one, unless `solids` asks for them.
+    `scenes` are what `simulate` found of this skin: `load_scene(name, skin=design)`; the report shows them.
+    `passed` is false when ridges don't touch, a part is not valid, watertight or free, or (with `strict`) any
+    finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
     """
+    checked, solids = checked and not preview, solids or not preview
     _check_asked(checked, tier, budget)
+    _check_scenes(design, scenes)
     closed = mold(design)  # bad input is told before the CAD kernel loads
-    _import_everything()
+    _import_everything(solids, not preview)
     watch = Stopwatch(progress)
     verdict = None
     if checked:
@@ -164,9 +193,11 @@ def make(
 
         with watch.stage("contact check"):
             verdict = check(design, tier=tier, budget=budget)
-    job, reports = _build(design, closed, verdict, watch)
+    job, reports = _build(design, closed, verdict, watch, solids, not preview)
+    job = replace(job, scenes=tuple(scenes))
     volume = job.closed.first(PartRole.SKIN).volume
-    found = tuple(reports), job.findings, job.check, volume, watch.seconds(), job
+    made = preview, solids, job, job.scenes
+    found = tuple(reports), job.findings, job.check, volume, watch.seconds(), *made
     return MakeResult(design.name, strict, *found)
 
 
@@ -188,15 +219,38 @@ def _check_asked(checked: bool, tier: str, budget: float | None) -> None:
     require_goals(None, budget, "0.05")
 
 
-def _import_everything() -> None:
+def _check_scenes(design: Design, scenes: Sequence[Result]) -> None:
+    """Raise InputError for what is no simulated scene, or one of another skin."""
+    names = set[str]()
+    for found in scenes:
+        scene = getattr(found, "scene", None)
+        if scene is None:
+            raise InputError("scenes", "must be what simulate returns", found, "skincad.simulate(scene)")
+        if scene.design != design:
+            remedy = "skincad.load_scene(name, skin=design)"
+            raise InputError("scenes", "must be of the skin that is made", scene.name, remedy)
+        if scene.name in names:
+            raise InputError("scenes", "must have names of their own", scene.name, "rename one of them")
+        names.add(scene.name)
+
+
+def _import_everything(solids: bool, checked: bool) -> None:
     """Import before the clock starts: `seconds` is the work, not the libraries' loading."""
-    import skincad.solids.occ  # isort: skip  # names the system libraries that miss, so it comes first
+    if solids:
+        import skincad.solids.occ  # isort: skip  # names the system libraries that miss, so it comes first
     import skincad.fabrication.measures
-    import skincad.mechanics.tiers.linear  # noqa: F401
+
+    if checked:
+        import skincad.mechanics.tiers.linear  # noqa: F401
 
 
 def _build(
-    design: Design, closed: ClosedMold, verdict: ContactCheck | None, watch: Stopwatch
+    design: Design,
+    closed: ClosedMold,
+    verdict: ContactCheck | None,
+    watch: Stopwatch,
+    solids: bool,
+    measured: bool,
 ) -> tuple[Job, list[PartReport]]:
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
@@ -204,29 +258,37 @@ def _build(
     from skincad.fabrication.meshes import mesh
     from skincad.fabrication.strip_rules import strip_findings
     from skincad.inputs.process import processes
-    from skincad.solids.occ import workplane
     from skincad.solids.skin import skin_part
 
-    made, designed = [part for part in closed.parts if part.made == "made"], skin_part(design)
+    designed = skin_part(design)
     known, choice = processes(design.printer), design.mold
     makers = {choice.process, choice.end_plate_process, choice.lid_process}
     asked = min(known[name].chord for name in makers if name)
     chord = asked / (1 + 1 / FINER)  # the reference mesh's own error is added to it
-    with watch.stage("solids"):
-        solids = {part.name: workplane(part) for part in closed.parts}
-        solid = workplane(designed)
     with watch.stage("meshes"):
         meshes = {part.name: mesh(part, chord) for part in closed.parts}
-        skin = solid, mesh(designed, chord)
-    with watch.stage("measuring"):
-        reports = [_report(designed, skin[0].val(), skin[1], chord, asked)]
-        reports += [_report(part, solids[part.name].val(), meshes[part.name], chord, asked) for part in made]
+        skin = mesh(designed, chord)
+    job = Job(design, closed, meshes, skin, (), verdict)
+    made = [(designed, skin), *((part, meshes[part.name]) for part in closed.parts if part.made == "made")]
+    if solids:
+        with watch.stage("solids"):
+            for part in (designed, *closed.parts):
+                job.solid(part)
+    if measured:
+        with watch.stage("measuring"):
+            reports = [_report(part, job.solid(part).val(), shape, chord, asked) for part, shape in made]
+    else:
+        reports = [PartReport(part.name, part.volume, _closed(shape), asked) for part, shape in made]
     with watch.stage("interference"):
         gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
         findings = [*design_findings(design, closed), *mesh_findings(reports), *interference(closed, fine)]
         findings += [*filling_findings(design, closed), *strip_findings(design)]
-    return Job(design, closed, solids, meshes, skin, tuple(findings), verdict), reports
+    return replace(job, findings=tuple(findings)), reports
+
+
+def _closed(mesh: Any) -> bool:
+    return bool(mesh.is_watertight and mesh.is_winding_consistent)
 
 
 def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> PartReport:

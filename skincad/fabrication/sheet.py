@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
-from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, leave_steps, screws
+from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
-from skincad.fabrication.strip_steps import filled_slowly, freed, laid_in, to_buy
+from skincad.fabrication.opening import opening_steps
+from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
 from skincad.fabrication.void import alone, perforated, void
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -21,7 +22,6 @@ from skincad.solids.plan import bores, own
 from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part
-from skincad.solids.undercut import split_ridges
 
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
@@ -183,11 +183,7 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
         "Lay the mold level to cure. Top up the reservoir over the vent: it makes up for shrinkage and "
         "for bubbles that rise.",
     ]
-    leave = [
-        *freed(design),
-        *(_taken_off(design) if design.skin.curvature_radius_y is None else leave_steps()),
-        *_out(design, closed),
-    ]
+    leave = [step.words for step in opening_steps(design, closed)]
     steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
     return ["## In this order", "", *steps, ""]
 
@@ -199,35 +195,6 @@ def _closed_up(design: Design, back: str) -> list[str]:
     return [
         "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if design.slot is not None else "."),
         *(_by_syringe if gate(design) else _open)(design, back),
-    ]
-
-
-def _taken_off(design: Design) -> list[str]:
-    """How end plates and cover come off."""
-    return [
-        (
-            "Take the clamps off and all bolts out. "
-            if is_clamped(poured(design))
-            else "Take all bolts out, the cover's first. "
-        )
-        + ("Cut the sprue at the gate, take" if gate(design) else "Take")
-        + " the end plates off along y, with a screwdriver in the notches at their sides.",
-        "Lift the cover where it overhung the end plates; the silicone in the reservoir and the bleeds tears "
-        "off, or is cut flush.",
-    ]
-
-
-def _out(design: Design, closed: ClosedMold) -> list[str]:
-    """How the skin and its cavity part."""
-    pulls = bores(closed.first(PartRole.CARRIER), CutRole.PULL)
-    grip = "by two M3 screws in its blind holes" if pulls else "from its two ends"
-    if not split_ridges(design):
-        return [f"Pull the carrier up {grip}; the skin comes out of the cavity with it. Cut the flash there."]
-    return [
-        f"Hold the carrier {grip} and draw the base plate off downward. Tilt the two outer pieces of the "
-        "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
-        "its own ridges. Cut the flash at the carrier; that on the split crowns must be thin: wipe it off, "
-        "don't cut into a crown.",
     ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
@@ -45,6 +46,7 @@ from skincad.mechanics.validity import (
     tipping,
 )
 from skincad.mechanics.verdict import (
+    AskedTier,
     ContactCheck,
     before_refusal,
     decided,
@@ -61,6 +63,7 @@ LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
 # of an asked tolerance, what `auto` leaves to the mesh, and where the model leaves nothing out
 MESH_SHARE, LAST_SHARE = 0.3, 0.5
 FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
+Told = Callable[[ContactCheck], object]  # is given each tier's verdict as it is known
 
 
 class Climb:
@@ -73,13 +76,14 @@ class Climb:
         drops: tuple[float, ...],
         notes: tuple[str, ...],
         progress: Progress | None,
+        told: Told | None = None,
     ) -> None:
         self.design, self.force, self.drops, self.notes = design, force, drops, notes
-        self.progress = progress
+        self.progress, self.told = progress, told
         self.began, self.sampling = perf_counter(), 0.0
         self.done: dict[str, Answer] = {}
         self.known: dict[str, Answer] = {}  # with friction and what the model leaves out
-        self.climbed: list[tuple[str, Estimate, float]] = []
+        self.climbed: list[AskedTier] = []
         self.tiers = [name for name in AUTO if not able(name, design, bool(drops))]
         self.friction = PlateFriction(design, force, drops)
 
@@ -195,7 +199,9 @@ class Climb:
         bounds = self._bounds(name, found)
         self.known[name] = known = with_model(found, bounds, self.force)
         verdict = self._verdict(name, known, bounds)
-        self.climbed.append((name, verdict.all_touch_force, self._spent() - started))
+        self.climbed.append(AskedTier(name, verdict.all_touch_force, self._spent() - started, found.unknowns))
+        if self.told:
+            self.told(verdict)
         return verdict
 
     def _with_yield(self, found: ContactCheck) -> ContactCheck:
@@ -214,6 +220,7 @@ class Climb:
             found,
             passed=found.passed and not beyond,
             beyond=beyond,
+            deformed=self.done["linear"].deformed if "linear" in self.done else (),
             manufacture=None if beyond else made,
             seconds={**found.seconds, "total": self._spent(), **self._sampled(known)},
             warnings=(*found.warnings, *failed),

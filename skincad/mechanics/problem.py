@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
@@ -149,13 +149,26 @@ class Request:
     must_fit: bool = False
 
 
+@dataclass(frozen=True, eq=False)
+class DeformedLoop:
+    """A closed loop of the section's boundary at rest and `moved` `(n, 2)` mm, x and z of the design's frame,
+    and the plate's `pressure` `(n,)` MPa on it."""
+
+    rest: Array
+    moved: Array
+    pressure: Array
+
+
+DeformedPiece = tuple[DeformedLoop, ...]  # of the section: its outer loop and its holes, in any order
+
+
 @dataclass(frozen=True)
 class Answer:
     """What a tier found at `force` N: estimates with their error of discretisation, work and residual.
 
     `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form; `fault`
     says what goes through each other or the plate unseen, "" where nothing does; `took` s is what the tier's
-    own part took, without what it builds on.
+    own part took, without what it builds on; `deformed` is the section under the force, to be drawn.
     """
 
     touching: int
@@ -169,6 +182,7 @@ class Answer:
     fault: str = ""
     parts: RidgeModel | None = None
     took: float = 0.0
+    deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False, repr=False)
 
     def widened(self, threshold: float, approach: float, share: float) -> Answer:
         """Return the answer with larger errors: by parts of F9 and of the approach, and by `share` N."""

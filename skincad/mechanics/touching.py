@@ -8,7 +8,7 @@ from skincad.base.arguments import require_goals, require_number
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.climb import Climb
+from skincad.mechanics.climb import Climb, Told
 from skincad.mechanics.problem import (
     Request,
 )
@@ -42,6 +42,7 @@ def check(
     tier: str = "auto",
     measured: Path | str | None = None,
     progress: Progress | None = None,
+    told: Told | None = None,
 ) -> ContactCheck:
     """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
 
@@ -49,8 +50,9 @@ def check(
     all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget` in seconds, no
     further than it may last. A tier that refuses ends the climb at the one before. With a tier named, `tol`
     and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights (columns ridge,
-    crest_mm), to judge that part. Passed means: all touch, and the all-touch force with its error still lies
-    at or below the force. Raises InputError for a force, tolerance, budget or tier out of range.
+    crest_mm), to judge that part. `told` is given each tier's verdict as it is known. Passed means: all
+    touch, and the all-touch force with its error still lies at or below the force. Raises InputError for a
+    force, tolerance, budget or tier out of range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -62,7 +64,7 @@ def check(
     drops = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(drops, design), *material_warnings(design))
     notes += (trouble,) if (trouble := kept().trouble) else ()
-    climb = Climb(design, asked, drops, notes, progress)
+    climb = Climb(design, asked, drops, notes, progress, told)
     if tier == "auto":
         return climb.auto(tol, budget)
     tier_of(tier)

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
-from skincad.mechanics.problem import FLOOR, Answer, Manufacture
+from skincad.mechanics.problem import FLOOR, Answer, DeformedPiece, Manufacture
+
+
+class AskedTier(NamedTuple):
+    """A tier asked on the way: its all-touch force, the seconds on top of those before, and its unknowns."""
+
+    tier: str
+    all_touch_force: Estimate
+    seconds: float
+    unknowns: int
 
 
 @dataclass(frozen=True)
@@ -39,7 +48,7 @@ class ContactCheck(Result):
 
     Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
     model's, by effect. `residual` is the largest relative violation of contact and equilibrium. `climbed`
-    holds the tiers before with their F9 and seconds, `next_tier` the next with the seconds expected.
+    holds the tiers before, `next_tier` the next with the seconds expected.
     """
 
     shown_by = "skincad.outputs.checks"
@@ -57,7 +66,7 @@ class ContactCheck(Result):
     seconds: dict[str, float]
     warnings: tuple[str, ...]
     left_out: tuple[LeftOut, ...] = ()
-    climbed: tuple[tuple[str, Estimate, float], ...] = ()
+    climbed: tuple[AskedTier, ...] = ()
     next_tier: tuple[str, float] | None = None
     manufacture: Manufacture | None = None
     plate: str = "flat"
@@ -66,6 +75,7 @@ class ContactCheck(Result):
     cause: str = ""  # why it fails, where that was asked
     changes: tuple[Change, ...] | None = None  # single ones with which it would pass; None: not looked for
     friction: float | None = None  # the plate's coefficient; None where it is not known
+    deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False)  # by the linear tier, if it solved
 
     @property
     def margin(self) -> float | None:
@@ -99,8 +109,13 @@ class ContactCheck(Result):
             "ridge_force_N": [f.as_json() for f in self.ridge_force],
             "tier": self.tier,
             "climbed": [
-                {"tier": name, "all_touch_force_N": force.as_json(), "seconds": seconds}
-                for name, force, seconds in self.climbed
+                {
+                    "tier": asked.tier,
+                    "all_touch_force_N": asked.all_touch_force.as_json(),
+                    "seconds": asked.seconds,
+                    "unknowns": asked.unknowns,
+                }
+                for asked in self.climbed
             ],
             "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
             "unknowns": self.unknowns,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
 
 COMMAND = "check"
+UNCHECKED = "Not checked whether all ridges touch."  # what a job says that leaves the check out
 
 
 def verdict(check: ContactCheck) -> str:
@@ -33,6 +35,16 @@ def verdict(check: ContactCheck) -> str:
         if needed.value is None
         else f"{some}; all need {needed}."
     )
+
+
+def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
+    """Return by how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    if check is None:
+        return ()
+    made, margin = check.manufacture, check.margin
+    if made is None or margin is None or not check.passed:
+        return ()
+    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
 
 
 def lines(check: ContactCheck) -> list[str]:
@@ -71,7 +83,10 @@ def _margin_lines(check: ContactCheck) -> list[str]:
 
 def _model_lines(check: ContactCheck) -> list[str]:
     lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
-    lines += [f"  tried first    {tier}: {force}, {spent:.2f} s" for tier, force, spent in check.climbed]
+    lines += [
+        f"  tried first    {asked.tier}: {asked.all_touch_force}, {asked.seconds:.2f} s"
+        for asked in check.climbed
+    ]
     if check.next_tier:
         tier, seconds = check.next_tier
         lines.append(f"  finer          --tier {tier} would take about {seconds:.2g} s more")

@@ -7,29 +7,28 @@ from __future__ import annotations
 
 import math
 import uuid
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from threading import Lock
 from typing import TYPE_CHECKING
 
-import ezdxf
 import numpy as np
 import trimesh
-from ezdxf import units as dxf_units
 
-from skincad.fabrication.pattern import Line, StripPattern, pattern_notes, strip_patterns
+from skincad.fabrication.pattern import StripPattern, pattern_notes, strip_patterns
 from skincad.inputs.design import Design
+from skincad.outputs.dxf import write_dxf
 from skincad.outputs.stepfile import make_deterministic
+from skincad.pictures.flat_dimensions import section_dimensions, section_margin, strip_dimensions
+from skincad.pictures.marks import Dimension, Mark, Words, line
+from skincad.pictures.sheet_svg import parted, svg_row, svg_style
 from skincad.shape.cross_section import section
-from skincad.shape.curves import Loop
+from skincad.shape.curves import Loop, Point
 
 if TYPE_CHECKING:
     import cadquery as cq
 
     from skincad.solids.mold import ClosedMold
 
-_ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
+ABOVE = 13.0  # mm over the strips, for their dimensions
 
 
 def write_step(solid: cq.Workplane, path: Path) -> None:
@@ -93,18 +92,28 @@ def _uuid(name: str, kind: str) -> str:
 
 
 def write_section_dxf(design: Design, path: Path) -> None:
-    """Write the section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS."""
+    """Write the section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS, and
+    DIMENSIONS, to be switched off for cutting."""
     shape = section(design)
-    _write_dxf([("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)], [], path)
+    rows = [("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)]
+    dimensions, scale = section_dimensions(design)
+    write_dxf(path, dimensions, scale, rows)
 
 
 def write_strips_dxf(design: Design, path: Path) -> None:
     """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), ELECTRODE, LEAD, and
-    MARK: where tabs are cut off, ridge and side, + sign, draw axis."""
+    MARK: where tabs are cut off, ridge and side, + sign, draw axis; DIMENSIONS, to be switched off."""
     strips = strip_patterns(design)
     rows = [row for strip in strips for row in _strip_rows(strip)]
-    marks = [line for strip in strips for line in strip.cut_off]
-    _write_dxf(rows, _strip_texts(design, strips), path, marks)
+    dimensions, scale = strip_dimensions(strips)
+
+    def on(point: Point) -> tuple[float, float]:
+        return scale * point.x, scale * point.z
+
+    marks: list[Mark] = [line(on(a), on(b), "MARK") for strip in strips for a, b in strip.cut_off]
+    for text, x, z in _strip_texts(design, strips):
+        marks.append(Words(text, on(Point(x, z)), scale, "MARK"))
+    write_dxf(path, [*marks, *dimensions], scale, rows)
 
 
 def _strip_rows(strip: StripPattern) -> list[tuple[str, Loop]]:
@@ -126,7 +135,7 @@ def write_strips_svg(design: Design, path: Path) -> None:
     texts = _strip_texts(design, strips)
     corners = [s.start for strip in strips for s in strip.cut]
     left, foot = min(x for _, x, _ in texts) - 1, min(z for _, _, z in texts) - 1
-    right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + 1
+    right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + ABOVE
     right = max(right, left + 0.6 * max(len(text) for text, _, _ in texts))
     outlines = [(layer.lower(), loop) for strip in strips for layer, loop in _strip_rows(strip)]
     shapes = [f'  <path class="{name}" d="{_svg_path(outline)}"/>' for name, outline in outlines]
@@ -136,6 +145,7 @@ def write_strips_svg(design: Design, path: Path) -> None:
         for a, b in strip.cut_off
     ]
     shapes += [f'  <text x="{x:.9g}" y="{-z:.9g}">{text}</text>' for text, x, z in texts]
+    shapes.append(_dimensions(*strip_dimensions(strips)))
     style = (
         "path{fill:none;stroke:#333;stroke-width:.03}.electrode{fill:#d8d8c8}.lead{fill:#c8a860}"
         ".mark{stroke:#c00}text{font:1px sans-serif}"
@@ -143,50 +153,25 @@ def write_strips_svg(design: Design, path: Path) -> None:
     _write_svg((left, -top, right - left, top - foot), style, shapes, path)
 
 
-def _write_dxf(
-    rows: Iterable[tuple[str, Loop]],
-    labels: list[tuple[str, float, float]],
-    path: Path,
-    lines: Iterable[Line] = (),
-) -> None:
-    with _no_clock():
-        document = ezdxf.new("R2010", units=dxf_units.MM)
-        space = document.modelspace()
-        for layer, outline in rows:
-            corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
-            space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
-        for start, end in lines:
-            space.add_line(start, end, dxfattribs={"layer": "MARK"})
-        for text, x, y in labels:
-            space.add_text(text, height=1.0, dxfattribs={"layer": "MARK"}).set_placement((x, y))
-        for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
-            document.classes.add_class(kind)
-        document.saveas(path)
-
-
-@contextmanager
-def _no_clock() -> Iterator[None]:
-    """Have the DXF library write constant times and identifiers, in here only."""
-    with _ONE_AT_A_TIME:
-        before = ezdxf.options.write_fixed_meta_data_for_testing
-        ezdxf.options.write_fixed_meta_data_for_testing = True
-        try:
-            yield
-        finally:
-            ezdxf.options.write_fixed_meta_data_for_testing = before
-
-
 def write_section_svg(design: Design, path: Path) -> None:
     """Write the section with true arcs as SVG, mm, z up."""
     shape = section(design)
-    half, top, margin = design.skin.width / 2, shape.top, 1.0
-    box = (-half - margin, -top - margin, 2 * (half + margin), top + 2 * margin)
+    half, top, (margin, over) = design.skin.width / 2, shape.top, section_margin(design)
+    box = (-half - margin, -top - over, 2 * (half + margin), top + over + margin)
     curves = [
         f'  <path class="{name}" d="{_svg_path(outline)}"/>'
         for name, outline in [("outline", shape.outline), *(("slot", s.loop()) for s in shape.slots)]
     ]
     style = "path{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}"
-    _write_svg(box, style, curves, path)
+    _write_svg(box, style, [*curves, _dimensions(*section_dimensions(design))], path)
+
+
+def _dimensions(marks: list[Dimension], scale: float) -> str:
+    """Dimensions as a group of an SVG of the part's own millimetres, z up."""
+    rows = "\n".join(svg_row(mark, 0.0) for mark in parted(marks))
+    return (
+        f'  <g class="dimensions" transform="scale({1 / scale:g})" {svg_style("DIMENSIONS")}>\n{rows}\n  </g>'
+    )
 
 
 def _write_svg(box: tuple[float, float, float, float], style: str, shapes: list[str], path: Path) -> None:

@@ -2,46 +2,49 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.result import Writer
-from skincad.fabrication.making import Job, MakeResult, passes
+from skincad.fabrication.making import Job, MakeResult, PartReport, passes
 from skincad.inputs.design import Design
 from skincad.outputs import checks
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
-    from skincad.mechanics.verdict import ContactCheck
     from skincad.pictures.canvas import Picture
 
 COMMAND = "make"
-UNCHECKED = "Not checked whether all ridges touch."
+PREVIEWED = "Preview: meshes and findings alone, without STEP or a check."
 
 
 def lines(result: MakeResult) -> list[str]:
     """Return what `make` prints."""
-    rows = [
-        f"  {p.name:14} {p.volume:10.2f} mm3  {p.faces:4d} faces  mesh within {1000 * p.deviation:.2f} um"
-        for p in result.parts
-    ]
+    unchecked = PREVIEWED if result.preview else checks.UNCHECKED
     return [
-        *(checks.verdict_lines(result.check) if result.check else [UNCHECKED]),
+        *(checks.verdict_lines(result.check) if result.check else [unchecked]),
         "Parts:",
-        *rows,
+        *map(_part_line, result.parts),
         *(str(finding) for finding in result.findings),
         f"{result.name}: {'passed' if result.passed else 'FAILED'}",
         *(checks.advice_lines(result.check) if result.check else []),
     ]
 
 
-def names(design: Design) -> list[str]:
-    """Return the names of what will be written; InputError where there is no mold."""
-    return list(writers(design, mold(design)))
+def _part_line(part: PartReport) -> str:
+    line = f"  {part.name:14} {part.volume:10.2f} mm3"
+    if part.deviation is None:
+        return line
+    return f"{line}  {part.faces:4d} faces  mesh within {1000 * part.deviation:.2f} um"
+
+
+def names(design: Design, solids: bool = True, preview: bool = False) -> list[str]:
+    """Return the names of what will be written, with `solids` those of exact ones too, of a `preview` no
+    report; InputError where there is no mold."""
+    return list(writers(design, mold(design), solids, preview))
 
 
 def manifest(result: MakeResult) -> dict[str, Any]:
@@ -62,20 +65,22 @@ def figures(result: MakeResult) -> dict[str, Callable[[], Picture]]:
 def files(result: MakeResult) -> dict[str, Writer]:
     """Return the writer of each file."""
     job = result.built()
-    return {name: partial(write, job) for name, write in writers(job.design, job.closed).items()}
+    found = writers(job.design, job.closed, result.solids, result.preview)
+    return {name: partial(write, job) for name, write in found.items()}
 
 
 OfJob = Callable[[Job, Path], None]
 
 
-def writers(design: Design, closed: ClosedMold) -> dict[str, OfJob]:
+def writers(
+    design: Design, closed: ClosedMold, solids: bool = True, preview: bool = False
+) -> dict[str, OfJob]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
     import skincad.pictures.design_picture  # noqa: F401  # the clock starts after this
 
     printed = [part.name for part in closed.parts if part.made == "made"]
     return {
-        **{f"{name}.step": _step(name) for name in ("skin", *printed)},
-        "assembly.step": _assembly,
+        **(_of_solids(printed) if solids else {}),
         **{f"{name}.stl": _stl(name) for name in ("skin", *printed)},
         "mold.3mf": _mold_3mf,
         "skin.3mf": _skin_3mf,
@@ -90,15 +95,26 @@ def writers(design: Design, closed: ClosedMold) -> dict[str, OfJob]:
         "design.toml": lambda job, path: _text(job.design.to_toml(), path),
         "casting-sheet.md": lambda job, path: _text(_sheet(job), path),
         "casting-sheet.html": _page,
+        "view.html": _view,
+        **({} if preview else {"report.html": _report}),
         "picture.png": _picture,
     }
+
+
+def _of_solids(printed: list[str]) -> dict[str, OfJob]:
+    """The files that show exact solids."""
+    from skincad.outputs.sheets import sheet_writers
+
+    steps = {f"{name}.step": _step(name) for name in ("skin", *printed)}
+    return {**steps, "assembly.step": _assembly, **sheet_writers(printed)}
 
 
 def _step(name: str) -> OfJob:
     def write(job: Job, path: Path) -> None:
         from skincad.outputs.export import write_step
+        from skincad.solids.skin import skin_part
 
-        write_step(job.skin[0] if name == "skin" else job.solids[name], path)
+        write_step(job.solid(skin_part(job.design) if name == "skin" else job.closed.part(name)), path)
 
     return write
 
@@ -106,14 +122,15 @@ def _step(name: str) -> OfJob:
 def _assembly(job: Job, path: Path) -> None:
     from skincad.outputs.export import assembly, write_assembly
 
-    write_assembly(assembly(job.closed, job.solids, job.design.name), path)
+    solids = {part.name: job.solid(part) for part in job.closed.parts}
+    write_assembly(assembly(job.closed, solids, job.design.name), path)
 
 
 def _stl(name: str) -> OfJob:
     def write(job: Job, path: Path) -> None:
         from skincad.outputs.export import write_stl
 
-        write_stl(job.skin[1] if name == "skin" else job.laid[name], path)
+        write_stl(job.skin if name == "skin" else job.laid[name], path)
 
     return write
 
@@ -127,7 +144,7 @@ def _mold_3mf(job: Job, path: Path) -> None:
 def _skin_3mf(job: Job, path: Path) -> None:
     from skincad.outputs.export import write_3mf
 
-    write_3mf({"skin": (job.skin[1], job.closed.first(PartRole.SKIN).colour)}, path)
+    write_3mf({"skin": (job.skin, job.closed.first(PartRole.SKIN).colour)}, path)
 
 
 def _exported(function: str) -> OfJob:
@@ -147,10 +164,38 @@ def _page(job: Job, path: Path) -> None:
     _text(page(_sheet(job), _drawing(job), f"Casting sheet: {job.design.name}"), path)
 
 
-def _picture(job: Job, path: Path) -> None:
-    from skincad.pictures.canvas import save
+def _view(job: Job, path: Path) -> None:
+    from skincad.pictures.view import view_page
 
-    save(_drawn(job), path)
+    _text(view_page(job.design, job.closed, job.meshes, job.check, _verdict(job)), path)
+
+
+def _verdict(job: Job) -> str:
+    """Whether all ridges touch, or that nobody asked."""
+    return checks.verdict(job.check) if job.check else checks.UNCHECKED
+
+
+def _report(job: Job, path: Path) -> None:
+    from skincad.outputs.report import report
+
+    _text(report(job, partial(_png, job), _sheet(job), _drawing(job)), path)
+
+
+def _picture(job: Job, path: Path) -> None:
+    path.write_bytes(_png(job))
+
+
+def _png(job: Job) -> bytes:
+    """The picture, drawn once for all files that show it."""
+    from skincad.pictures.canvas import png
+
+    return bytes(_once(job, "picture", lambda: png(_drawn(job))))
+
+
+def _once(job: Job, name: str, of: Callable[[], Any]) -> Any:
+    if name not in job.kept:
+        job.kept[name] = of()
+    return job.kept[name]
 
 
 def _drawn(job: Job) -> Picture:
@@ -163,28 +208,22 @@ def _drawing(job: Job) -> str:
     """The drawing, SVG."""
     from skincad.pictures.drawing import drawing
 
-    return drawing(job.design, job.closed)
+    return str(_once(job, "drawing", lambda: drawing(job.design, job.closed)))
 
 
 def _sheet(job: Job) -> str:
     """The casting sheet, Markdown."""
+    return str(_once(job, "sheet", lambda: _sheet_of(job)))
+
+
+def _sheet_of(job: Job) -> str:
     from skincad.fabrication.inspection import inspection
     from skincad.fabrication.sheet import casting_sheet
 
-    measures = inspection(job.design, job.closed.first(PartRole.SKIN), _allowed_drops(job.check))
-    found, said = list(job.findings), checks.verdict(job.check) if job.check else UNCHECKED
+    measures = inspection(job.design, job.closed.first(PartRole.SKIN), checks.allowed_drops(job.check))
+    found, said = list(job.findings), _verdict(job)
     passed = passes(job.check, job.findings, strict=False)
     return casting_sheet(job.design, job.closed, found, said, passed, measures)
-
-
-def _allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
-    """By how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
-    if check is None:
-        return ()
-    made, margin = check.manufacture, check.margin
-    if made is None or margin is None or not check.passed:
-        return ()
-    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
 
 
 def _text(text: str, path: Path) -> None:

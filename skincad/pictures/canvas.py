@@ -1,4 +1,4 @@
-"""The one file that names matplotlib: figures drawn by Agg in matplotlib's own defaults.
+"""The one file that names matplotlib: figures in one style, drawn by Agg.
 
 What the process has set for its own pictures (backend, MPLBACKEND, a matplotlibrc, rcParams) neither changes
 ours nor is changed by them.
@@ -42,6 +42,7 @@ def _load() -> None:
 
 _load()
 
+from cycler import cycler  # noqa: E402
 from matplotlib import colormaps, rc_context, rcParamsDefault  # noqa: E402
 from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
@@ -50,15 +51,28 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
-from matplotlib.ticker import NullFormatter  # noqa: E402
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
 __all__ = [
+    "BLACK",
+    "BLUE",
+    "GREEN",
+    "GREY",
+    "GRID",
+    "ORANGE",
+    "PALE",
+    "PURPLE",
+    "SKY",
+    "VERMILION",
     "Axes",
     "Figure",
     "ListedColormap",
+    "LogLocator",
+    "MaxNLocator",
     "Normalize",
     "NullFormatter",
+    "NullLocator",
     "Patch",
     "Picture",
     "PolyCollection",
@@ -66,18 +80,51 @@ __all__ = [
     "Triangulation",
     "agg",
     "colormaps",
+    "legend",
     "own_style",
+    "png",
     "save",
     "sheet",
+    "svg",
     "to_rgb",
 ]
-DEFAULTS: dict[Any, Any] = {key: value for key, value in rcParamsDefault.items() if key != "backend"}
+# Told apart by colour-blind people: Okabe and Ito, Color Universal Design, 2008; vermilion a little darker,
+# for thin lines on white
+BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK = (
+    "#0072b2",
+    "#c24e00",
+    "#009e73",
+    "#e69f00",
+    "#56b4e9",
+    "#cc79a7",
+    "#222222",
+)
+GREY, PALE, GRID = "#777777", "#c4c4c4", "#e0e0e0"
+STYLE: dict[str, Any] = {  # of every figure, on matplotlib's defaults
+    "axes.axisbelow": True,
+    "axes.edgecolor": "#555555",
+    "axes.grid": True,
+    "axes.labelsize": 9,
+    "axes.prop_cycle": cycler(color=[BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK]),
+    "axes.titlesize": 10,
+    "figure.titlesize": 11,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "legend.fontsize": 8,
+    "lines.linewidth": 1.3,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+}
+DEFAULTS: dict[Any, Any] = {
+    **{key: value for key, value in rcParamsDefault.items() if key != "backend"},
+    **STYLE,
+}
 _ONE_AT_A_TIME = RLock()  # matplotlib's settings are the process's, and so restored by one thread at a time
 
 
 @contextmanager
 def own_style() -> Iterator[None]:
-    """Draw the block in matplotlib's defaults; then its settings are again what they were."""
+    """Draw the block in our style; then its settings are again what they were."""
     with _ONE_AT_A_TIME, rc_context(DEFAULTS):
         yield
 
@@ -97,21 +144,40 @@ def agg(size: tuple[float, float], dpi: float) -> Picture:
 
 @contextmanager
 def sheet(size: tuple[float, float], dpi: float, colours: int | None = None) -> Iterator[Picture]:
-    """Yield a figure of this size, inches, to be drawn on in the block, in matplotlib's defaults."""
+    """Yield a figure of this size, inches, to be drawn on in the block."""
     with own_style():
         figure = agg(size, dpi)
         figure.colours = colours
         yield figure
 
 
+def legend(axes: Axes, columns: int = 3, **more: Any) -> None:
+    """Name what is drawn above the axes, where no curve is; `more` is matplotlib's own."""
+    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.2, "frameon": False}
+    axes.legend(**{**place, "ncols": columns, "columnspacing": 1.6, **more})
+
+
 def save(figure: Picture, path: Path) -> None:
     """Write a figure as PNG, in as many colours as it asks for."""
-    drawn = BytesIO()
+    path.write_bytes(png(figure))
+
+
+def png(figure: Picture) -> bytes:
+    """Return a figure as PNG, in as many colours as it asks for."""
+    drawn, written = BytesIO(), BytesIO()
     with own_style():
         figure.savefig(drawn, metadata={"Software": "skincad"}, format="png")
     if figure.colours is None:
-        path.write_bytes(drawn.getvalue())
-        return
+        return drawn.getvalue()
     few = Image.open(drawn).convert("RGB")
     few = few.quantize(figure.colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    few.save(path, format="PNG", optimize=True)
+    few.save(written, format="PNG", optimize=True)
+    return written.getvalue()
+
+
+def svg(figure: Picture) -> bytes:
+    """Return a figure as SVG, the same bytes for the same figure; letters are drawn, so no font is asked."""
+    written = BytesIO()
+    with own_style(), rc_context({"svg.hashsalt": "skincad"}):
+        figure.savefig(written, metadata={"Date": None, "Creator": "skincad"}, format="svg")
+    return written.getvalue()

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from skincad.mechanics.verdict import ContactCheck
-from skincad.pictures.canvas import Picture, sheet
+from skincad.pictures.canvas import BLACK, BLUE, VERMILION, Picture, legend, sheet
 
-BAR, LINE = "#1f5fa8", "#c1531f"
 SIZE, DPI = (7.5, 4.0), 100
 
 
@@ -18,15 +17,16 @@ def ridge_force_figure(check: ContactCheck) -> Picture:
         ridges = np.arange(1, check.ridges + 1)
         forces = [force.value or 0.0 for force in check.ridge_force]
         errors = [force.error or 0.0 for force in check.ridge_force]
-        axes.bar(ridges, forces, yerr=errors, color=BAR, capsize=3)
-        axes.axhline(check.force / check.ridges, color=LINE, linewidth=1.0, linestyle="--", label="mean")
+        axes.bar(ridges, forces, yerr=errors, color=BLUE, ecolor=BLACK, capsize=3, label="force ± error")
+        axes.axhline(check.force / check.ridges, color=VERMILION, linewidth=1.2, linestyle="--", label="mean")
         axes.set_xlabel("ridge")
         axes.set_ylabel("force, N")
         if check.ridges <= 20:
             axes.set_xticks(ridges)
-        axes.grid(axis="y", color="#ddd", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.legend(fontsize=8)
+        axes.grid(visible=False, axis="x")
+        legend(axes)
         needed = "" if check.all_touch_force.value is None else f"; all touch from {check.all_touch_force}"
-        axes.set_title(f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}")
+        figure.suptitle(
+            f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}"
+        )
     return figure

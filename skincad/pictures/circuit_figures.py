@@ -7,9 +7,8 @@ import numpy as np
 from skincad.circuit.bode import CircuitGain
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
 from skincad.circuit.model import constants, load_circuit
-from skincad.pictures.canvas import Axes, Picture, sheet
+from skincad.pictures.canvas import BLACK, BLUE, GREY, VERMILION, Axes, Picture, legend, sheet
 
-CURVE, LINES, PAPER, DATA = "#1f5fa8", "#c1531f", "#777777", "#222222"
 PAPERS = "yamada-2002"  # the circuit that the paper speaks of
 PAPER_DROP = 9000.0  # Hz; paper, section 3.2
 SIZE, DPI = (9.0, 5.6), 100
@@ -26,16 +25,16 @@ def gain_figure(found: CircuitGain) -> Picture:
             given = found.measured
             shifted = given.gain - given.calibration.offset
             label = f"measured, {-given.calibration.offset:+.4g} dB"
-            axes.semilogx(given.frequency, shifted, ".", color=DATA, markersize=4, label=label)
-        axes.semilogx(found.frequency, found.gain, color=CURVE, linewidth=1.6, label="network")
+            axes.semilogx(given.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
+        axes.semilogx(found.frequency, found.gain, color=BLUE, linewidth=1.6, label="network")
         _draw_fit(axes, found)
         if constants(found.circuit) == constants(load_circuit(PAPERS)):
             _draw_paper(axes, found)
         axes.set_xlabel("frequency, Hz")
         axes.set_ylabel("gain, dB re 1 V/N")
-        axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
-        axes.legend(loc="best", fontsize=8)
-        axes.set_title(f"{found.name}: gain of film and amplifier", fontsize=11)
+        axes.grid(which="both")
+        legend(axes, 2)
+        figure.suptitle(f"{found.name}: gain of film and amplifier")
     return figure
 
 
@@ -47,7 +46,7 @@ def _draw_fit(axes: Axes, found: CircuitGain) -> None:
         label = f"fitted: {slopes.below}, {slopes.above}, cut-off {slopes.cutoff}"
     ends = np.array([found.frequency[0], _corner(found), found.circuit.sweep.fit_high])
     values = _lines(ends, _corner(found), slopes.level, slopes.below.value or 0.0, slopes.above.value or 0.0)
-    axes.semilogx(ends, values, color=LINES, linewidth=1.0, linestyle="--", label=label)
+    axes.semilogx(ends, values, color=VERMILION, linewidth=1.0, linestyle="--", label=label)
 
 
 def _draw_paper(axes: Axes, found: CircuitGain) -> None:
@@ -57,10 +56,10 @@ def _draw_paper(axes: Axes, found: CircuitGain) -> None:
     shape = _lines(found.frequency[inside], PAPER_CUTOFF, 0.0, PAPER_BELOW, PAPER_ABOVE)
     level = float(np.mean(found.gain[inside] - shape))
     values = _lines(ends, PAPER_CUTOFF, level, PAPER_BELOW, PAPER_ABOVE)
-    label = "paper: 20 dB/dec up to 1.2 kHz, 60 dB/dec above; level arbitrary"
-    axes.semilogx(ends, values, color=PAPER, linewidth=2.4, alpha=0.45, label=label)
-    axes.axvline(PAPER_CUTOFF, color=PAPER, linewidth=0.8, linestyle=":")
-    axes.axvline(PAPER_DROP, color=PAPER, linewidth=0.8, linestyle="-.", label="paper: drop at 9 kHz")
+    label = "paper: 20 dB/dec up to 1.2 kHz, 60 above; any level"
+    axes.semilogx(ends, values, color=GREY, linewidth=2.4, alpha=0.45, label=label)
+    axes.axvline(PAPER_CUTOFF, color=GREY, linewidth=0.8, linestyle=":")
+    axes.axvline(PAPER_DROP, color=GREY, linewidth=0.8, linestyle="-.", label="paper: drop at 9 kHz")
 
 
 def _corner(found: CircuitGain) -> float:

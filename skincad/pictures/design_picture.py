@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import trimesh
 
 from skincad.fabrication.meshes import upright
 from skincad.inputs.design import Design
 from skincad.pictures.canvas import Axes, Picture, sheet
+from skincad.pictures.exploded import apart
 from skincad.pictures.render import shaded, view
 from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
-from skincad.solids.body import Prism, Turned
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part
-from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
+from skincad.solids.roles import PartRole
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
@@ -34,7 +31,7 @@ def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.
 
 
 def _show(axes: Axes, title: str) -> None:
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title)
     axes.set_axis_off()
 
 
@@ -61,9 +58,8 @@ def _draw_ridge(axes: Axes, design: Design) -> None:
     axes.set_aspect("equal")
     axes.set_xlabel("x, mm")
     axes.set_ylabel("z, mm")
-    axes.set_title(
-        "section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""), fontsize=10
-    )
+    axes.grid(visible=False)
+    axes.set_title("section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""))
 
 
 def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> None:
@@ -72,7 +68,7 @@ def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh
         if part.name not in meshes:
             continue
         moved = meshes[part.name].copy()
-        moved.vertices = moved.vertices + _apart(part, closed)
+        moved.vertices = moved.vertices + apart(part, closed)
         placed.append(moved)
         colours.append(part.colour)
         if part.made != "bought":
@@ -93,32 +89,3 @@ def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
     """A point on the part's right upper edge, seen from in front."""
     low, high = shape.bounds
     return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
-
-
-def _apart(part: Part, closed: ClosedMold) -> np.ndarray:
-    """Where a part is drawn, relative to the closed mold, mm."""
-    high, side, body = _height(closed), 1.1 * closed.length, part.body
-    if part.end is not None:
-        out = side * (1.0 if part.role in END_PLATES else 0.5) * (-1 if part.end == "a" else 1)
-        lift = 0.25 * high if part.role is PartRole.KEEPER else 0.0
-        lean = body.angle if isinstance(body, Turned) else 0.0
-        return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
-    places = {
-        PartRole.COVER: (0.0, 0.0, 2.3 * high),
-        PartRole.COVER_PIN: (0.0, 0.0, 2.3 * high),
-        PartRole.CARRIER: (0.0, 0.0, 1.7 * high),
-        PartRole.SKIN: (0.0, 0.0, 1.0 * high),
-        PartRole.STRIP: (0.0, 0.0, 1.0 * high),
-        PartRole.SHIM: (0.0, 2.4 * side, 0.0),
-        PartRole.BASE: (0.0, 0.0, -0.7 * high),
-        PartRole.BASE_PIN: (0.0, 0.0, -0.7 * high),
-        PartRole.LEFT: (-0.3 * high, 0.0, 0.0),
-        PartRole.RIGHT: (0.3 * high, 0.0, 0.0),
-    }
-    return np.array(places.get(part.role, (0.0, 0.0, 0.0)))
-
-
-def _height(closed: ClosedMold) -> float:
-    blocks = [part.body for part in closed.of(*CAVITIES)]
-    levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
-    return max(levels) - min(levels)

@@ -15,7 +15,7 @@ from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
 from skincad.solids.body import Prism, Revolved, Turned, corners
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part
+from skincad.solids.plan import Part, bores
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
 PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
@@ -51,8 +51,8 @@ def drawing(design: Design, closed: ClosedMold) -> str:
     title = f"{design.name}: all lengths in mm, silicone {design.material.name or 'own'}"
     rows.append(_text(5.0, PAGE[1] - 4.0, title, "start"))
     style = (
-        "polygon,rect{stroke:#222;stroke-width:.25}.skin{fill:#f3d3c4}.slot{fill:#fff}.mold{fill:#dde1e6}"
-        ".hole{fill:#fff}.dim{stroke:#1f5fa8;stroke-width:.18;fill:none}"
+        "polygon,rect,circle{stroke:#222;stroke-width:.25}.skin{fill:#f3d3c4}.slot{fill:#fff}.mold{fill:#dde1e6}"
+        ".hole,.bore{fill:#fff}.dim{stroke:#0072b2;stroke-width:.18;fill:none}"
         f"text{{font:{TEXT}px sans-serif;fill:#1f3f68}}"
     )
     return (
@@ -143,6 +143,7 @@ def _mold_view(closed: ClosedMold) -> list[str]:
                 wide, high_ = view.scale * (x1 - x0), view.scale * (y1 - y0)
                 rect = f'x="{x:.3f}" y="{y:.3f}" width="{wide:.3f}" height="{high_:.3f}"'
                 rows.append(f'<rect class="{kind}" {rect}/>')
+                rows += _round(view, part)
     left, bottom = view.at(low[0], low[1])
     right, top = view.at(high[0], high[1])
     rows += [
@@ -151,6 +152,16 @@ def _mold_view(closed: ClosedMold) -> list[str]:
     ]
     words = f"closed mold from above, scale {view.scale:.3g} : 1; height {high[2] - low[2]:.4g}"
     return [*rows, *_sizes(view, low, high), _text(142.0, 134.5, words)]
+
+
+def _round(view: PageScale, part: Part) -> list[str]:
+    """A part's bores along z, from above: the wider end of conical ones."""
+    rows = []
+    for bore in (bore for bore in bores(part) if bore.axis == "z"):
+        x, y = view.at(*bore.start[:2])
+        radius = view.scale * max(bore.radius, bore.far_radius)
+        rows.append(f'<circle class="bore" cx="{x:.3f}" cy="{y:.3f}" r="{radius:.3f}"/>')
+    return rows
 
 
 def _mold_scale(low: list[float], high: list[float]) -> PageScale:

@@ -10,9 +10,20 @@ from skincad.base.arrays import Array, Index
 from skincad.base.estimate import Estimate
 from skincad.mechanics.film.answer import FilmStress
 from skincad.mechanics.film.ridge_field import RidgeField
-from skincad.pictures.canvas import Axes, Figure, Picture, PolyCollection, Triangulation, sheet
+from skincad.pictures.canvas import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    Axes,
+    Figure,
+    Picture,
+    PolyCollection,
+    Triangulation,
+    sheet,
+)
 
-SERIES = (("S1", "#1f5fa8", "o", -0.15), ("S2", "#c1531f", "s", 0.15), ("S1 - S2", "#222222", "D", 0.0))
+SERIES = (("S1", BLUE, "o", -0.15), ("S2", VERMILION, "s", 0.15), ("S1 - S2", BLACK, "D", 0.0))
 SHOWN = 0.97  # share of the silicone's drawn area whose stress lies within the colours
 MAP = "RdBu_r"
 WINDOW = 0.27  # of the field's extent, each way from the films
@@ -38,7 +49,9 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
         _draw_ridges(left, normal, f"(a) normal force {normal.force:g} N")
         _draw_ridges(right, both, f"(b) normal {both.force:g} N, tangential {both.tangential:g} N to +x")
         left.set_ylabel("mean stress across the film, MPa\n(tension positive)")
-        left.legend(loc="upper left", fontsize=8)
+        figure.legend(
+            handles=left.get_legend_handles_labels()[0], loc="outside upper right", ncols=3, frameon=False
+        )
         if shown:
             states = [[v for v in each.fields if v.ridge in shown] for each in (normal, both)]
             _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
@@ -49,7 +62,7 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
 
 def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:
     ridges = np.arange(1, found.ridges + 1)
-    axes.axhline(0.0, color="#888", linewidth=0.8)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
     for (label, colour, marker, aside), estimates in zip(
         SERIES, (found.s1, found.s2, found.differential), strict=True
     ):
@@ -62,11 +75,11 @@ def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:
             "linewidth": 1.0,
         }
         axes.errorbar(ridges + aside, values, errors, label=label, linestyle="none", **style)
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title)
     axes.set_xlabel("ridge")
     if found.ridges <= 20:
         axes.set_xticks(ridges)
-    axes.grid(axis="y", color="#ddd", linewidth=0.6)
+    axes.grid(visible=False, axis="x")
 
 
 def _numbers(estimates: tuple[Estimate, ...]) -> tuple[list[float], list[float]]:
@@ -93,6 +106,8 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeFiel
         axes.set_aspect("equal")
         axes.set_title(f"ridge {field.ridge}", fontsize=9)
         axes.tick_params(labelsize=7)
+        axes.set_xlabel("x, mm", fontsize=8)
+        axes.grid(visible=False)
     places[0].set_ylabel("z, mm", fontsize=8)
     bar = figure.colorbar(drawn, ax=places, location="bottom", shrink=0.6, aspect=40, extend="both")
     bar.set_label("stress across the ridge in the deformed section, MPa; films black", fontsize=8)
@@ -114,7 +129,9 @@ def usual(place: Array, triangles: Index, values: Array) -> float:
 
 def _share(value: float, error: float) -> str:
     """A share of S1 in words: beyond 150 % a ratio is easier to read."""
-    return f"{value:.1f} ± {error:.1f} times" if abs(value) > 1.5 else f"{value:.0%} ± {error:.0%} of"
+    if abs(value) > 1.5:
+        return str(Estimate(value, error, "times"))
+    return f"{Estimate(100 * value, 100 * error, '%')} of".replace(" ±", "% ±").replace(" % of", "% of")
 
 
 def _note(normal: FilmStress, both: FilmStress) -> str:

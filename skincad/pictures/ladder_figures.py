@@ -37,7 +37,7 @@ def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
     """Return a figure of the ladder's first measures; without anything to draw, one that says so."""
     shown = [m for m in ladder.measures if len({r.errors[m.name] for r in _seen(ladder, m)}) > 1][:PANELS]
     with sheet(SIZE, DPI, 255) as figure:
-        figure.suptitle(ladder.title, fontsize=11)
+        figure.suptitle(ladder.title)
         places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
         models = list(dict.fromkeys(trial.model for trial in ladder.trials))
         style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
@@ -107,10 +107,9 @@ def _words(axes: Axes, measure: ErrorMeasure, time: str) -> None:
     axes.set_ylim(low, high * (high / low) ** HEADROOM)  # for the legend
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel(time, fontsize=9)
-    unit = "" if measure.unit == "1" else f", {measure.unit}"
-    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, HIGHEST), fontsize=9)
+    axes.set_xlabel(time)
+    unit = ", relative" if measure.unit == "1" else f", {measure.unit}"
+    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, HIGHEST))
     against = measure.reference.partition(":")[0].partition(",")[0]
     axes.set_title(fill(f"against {against}", WIDEST), fontsize=9)
-    axes.grid(which="major", color="#e0e0e0", linewidth=0.6)
     axes.legend(fontsize=7.5, loc="best", framealpha=0.9)

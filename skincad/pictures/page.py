@@ -1,24 +1,36 @@
-"""The casting sheet as a page to print: its Markdown and the drawing in one HTML file."""
+"""Pages that need nothing else: one HTML file with its style, text and pictures in it."""
 
 from __future__ import annotations
 
+import base64
 from html import escape
+from importlib.resources import files
 
 from markdown_it import MarkdownIt
 
-STYLE = (
-    "body{font:11pt/1.4 sans-serif;max-width:180mm;margin:12mm auto;color:#222}"
-    "h1{font-size:17pt}h2{font-size:13pt;border-bottom:1px solid #999;page-break-after:avoid}"
-    "table{border-collapse:collapse;page-break-inside:avoid}td,th{border:1px solid #aaa;padding:.15em .6em;"
-    "text-align:left;vertical-align:top}svg{max-width:100%;height:auto}li{margin:.25em 0}"
-    "@media print{body{margin:0;max-width:none}}"
-)
+HERE = files("skincad.pictures")
+
+
+def document(title: str, body: str, *styles: str) -> str:
+    """Return an HTML document of a body; `styles` are files of this room, the common one comes first."""
+    style = "".join((HERE / name).read_text("utf-8") for name in ("page.css", *styles))
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
+        f"<style>\n{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
+    )
 
 
 def page(markdown: str, drawing: str, title: str) -> str:
-    """Return an HTML document that needs nothing else; raw HTML in the Markdown is shown, not taken."""
-    body = MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown)
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escape(title)}</title>\n'
-        f"<style>{STYLE}</style>\n</head>\n<body>\n{body}<h2>Drawing</h2>\n{drawing}</body>\n</html>\n"
-    )
+    """Return the casting sheet as a page to print: its Markdown and the drawing."""
+    return document(title, f"{rendered(markdown)}<h2>Drawing</h2>\n{drawing}")
+
+
+def rendered(markdown: str) -> str:
+    """Return Markdown as HTML; raw HTML in it is shown, not taken."""
+    return str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
+
+
+def inlined(data: bytes, kind: str) -> str:
+    """Return an address that holds the data itself; `kind` as `image/png`."""
+    return f"data:{kind};base64,{base64.b64encode(data).decode()}"

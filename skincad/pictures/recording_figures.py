@@ -11,13 +11,13 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.resample import Recording, recorded
-from skincad.pictures.canvas import Axes, Picture, sheet
+from skincad.pictures.canvas import BLACK, BLUE, GREY, VERMILION, Axes, Picture, legend, sheet
 from skincad.scenes.simulation import Simulation
 
-ONE, OTHER, PAIR = "#1f5fa8", "#c1531f", "#222222"
 PHASES = {"$P_A$": "#e3ecf7", "$P_B$": "#f9e4d8"}
 FEWEST = 50  # samples that are worth a picture
 PAPERS_RIDGE = 3
+OVER, UNDER = 0.14, 0.4  # of the curves' height, for what is written beside them
 UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
@@ -59,20 +59,25 @@ def recording_figure(found: Simulation, seen: Recorded) -> Picture:
         strips, pair = figure.subplots(2, 1, sharex=True)
         largest = max(float(np.abs(part.values).max()) for part in (seen.s1, seen.s2, seen.pair))
         unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
-        for part, name, colour in ((seen.s1, "S1", ONE), (seen.s2, "S2", OTHER)):
+        for part, name, colour in ((seen.s1, "S1", BLUE), (seen.s2, "S2", VERMILION)):
             strips.plot(factor * part.values, color=colour, linewidth=1.0, label=f"ridge {seen.ridge} {name}")
-        pair.plot(factor * seen.pair.values, color=PAIR, linewidth=1.0, label="$v_d$ = S1 - S2")
+        pair.plot(factor * seen.pair.values, color=BLACK, linewidth=1.0, label="$v_d$ = S1 - S2")
+        _make_room(strips, 0.0)
+        _make_room(pair, UNDER)
         for axes in (strips, pair):
             _draw_phases(axes, found, seen)
             axes.set_ylabel(f"output, {unit}")
-            axes.grid(color="#ddd", linewidth=0.6)
-            axes.legend(loc="lower left", fontsize=8)
+            legend(axes)
         _name_slips(pair, found, seen)
         pair.set_xlabel(f"sample at {seen.pair.rate:g} Hz\n\n{caption(found, seen)}")
-        figure.suptitle(
-            f"{found.scene.name}: {found.read['circuit']} as recorded at {seen.pair.rate:g} Hz", fontsize=11
-        )
+        figure.suptitle(f"{found.scene.name}: {found.read['circuit']} as recorded at {seen.pair.rate:g} Hz")
     return figure
+
+
+def _make_room(axes: Axes, under: float) -> None:
+    """Leave room for the phases' names over the curves, and `under` them, of their height."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low - under * (high - low), high + OVER * (high - low))
 
 
 def caption(found: Simulation, seen: Recorded) -> str:
@@ -111,7 +116,7 @@ def _draw_phases(axes: Axes, found: Simulation, seen: Recorded) -> None:
     for name, (start, end) in phases(found, seen.ridge).items():
         rate = seen.pair.rate
         axes.axvspan(start * rate, end * rate, color=PHASES[name], zorder=0)
-        axes.annotate(name, ((start + end) / 2 * rate, 0.92), xycoords=("data", "axes fraction"), ha="center")
+        axes.annotate(name, ((start + end) / 2 * rate, 0.9), xycoords=("data", "axes fraction"), ha="center")
 
 
 def _name_slips(axes: Axes, found: Simulation, seen: Recorded) -> None:
@@ -120,7 +125,7 @@ def _name_slips(axes: Axes, found: Simulation, seen: Recorded) -> None:
     marks = {f"ridge {r}": found.slip_steps[r - 1] for r in (seen.ridge - 1, seen.ridge) if r >= 1}
     for name, step in {**marks, "all": found.gross_slip_step}.items():
         if step is not None:
-            axes.axvline(time[step] * rate, color="#888", linewidth=0.8, linestyle="--")
+            axes.axvline(time[step] * rate, color=GREY, linewidth=0.8, linestyle="--")
             where = (time[step] * rate, 0.02)
             axes.annotate(
                 f" {name} slips", where, xycoords=("data", "axes fraction"), fontsize=7, rotation=90

@@ -2,36 +2,63 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from skincad.circuit.low_pass import Limited
-from skincad.pictures.canvas import Axes, ListedColormap, Patch, Picture, sheet
+from skincad.pictures.canvas import (
+    BLUE,
+    GREY,
+    PALE,
+    STYLE,
+    VERMILION,
+    Axes,
+    ListedColormap,
+    MaxNLocator,
+    Patch,
+    Picture,
+    legend,
+    sheet,
+)
 from skincad.scenes.simulation import Simulation
 
-OPEN, STICK, SLIP = "#ffffff", "#b9cbe0", "#c1531f"
-NORMAL, TANGENTIAL = "#1f5fa8", "#c1531f"
+OPEN, STICK, SLIP = "#ffffff", "#b9cbe0", VERMILION
+NORMAL, TANGENTIAL = BLUE, VERMILION
 WIDTH, PANEL, DPI = 9.0, 1.9, 100
+SIGNALS = (
+    ("value", "differential stress\nS1 - S2, MPa"),
+    ("rate", "stress-rate, MPa/s"),
+    ("jerk", "stress-jerk, MPa/s$^2$"),
+)
+COLOURS = STYLE["axes.prop_cycle"].by_key()["color"]
+DASHES = ("-", "-.", ":")  # of ridges that have the same colour
+MOST_ERRORS = 3  # ridges that are named with their errors
+A_ROW = 6  # names in one
+SLIPS: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (5, 3))}
 
 
 def scene_figure(found: Simulation) -> Picture:
-    """Return a figure: forces by step (Fig 11), stress-rate and stress-jerk (Figs 12, 13), slip by ridge.
+    """Return a figure: forces by step (Fig 11), differential stress, its rate and jerk (Figs 12, 13), slip by
+    ridge.
 
-    The signals are drawn as they come out of the low-pass, later by its delay.
+    The signals are drawn as they come out of the low-pass, later by its delay. A dashed line of a ridge's
+    colour stands where it begins to slip for good.
     """
-    panels = 2 + 2 * bool(found.signals)
+    panels = 2 + len(SIGNALS) * bool(found.signals)
     with sheet((WIDTH, PANEL * panels + 0.8), DPI) as figure:
         axes = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
         _forces(axes[0], found)
         if found.signals:
-            _signals(axes[1], found, "stress-rate, MPa/s", lambda s: s.rate)
-            _signals(axes[2], found, "stress-jerk, MPa/s$^2$", lambda s: s.jerk)
+            for place, (name, label) in zip(axes[1:-1], SIGNALS, strict=True):
+                _signals(place, found, name)
+                place.set_ylabel(label)
+            _name_ridges(axes[1], found)
         _slip_map(axes[-1], found)
         axes[-1].set_xlabel("step")
+        figure.align_ylabels(axes)
         width = found.scene.readout.bandwidth_Hz
-        figure.suptitle(
-            f"{found.scene.name}: signals band-limited to {width:g} Hz, {1e3 * found.delay:.3g} ms late",
-            fontsize=11,
-        )
+        late = f"signals band-limited to {width:g} Hz, {1e3 * found.delay:.3g} ms late"
+        figure.suptitle(f"{found.scene.name}" + (f": {late}" if found.signals else ""))
     return figure
 
 
@@ -39,27 +66,30 @@ def _forces(axes: Axes, found: Simulation) -> None:
     axes.plot(found.march.column("normal"), color=NORMAL, label="normal force $F_n$")
     axes.plot(found.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
     axes.set_ylabel("force, N")
-    axes.legend(loc="upper left", fontsize=8)
-    axes.grid(color="#ddd", linewidth=0.6)
+    legend(axes)
 
 
-def _signals(axes: Axes, found: Simulation, label: str, of: object) -> None:
-    assert callable(of)
+def _signals(axes: Axes, found: Simulation, name: str) -> None:
     for row, (ridge, signal) in enumerate(found.signals.items()):
-        assert isinstance(signal, Limited)
-        axes.plot(of(signal), label=f"ridge {ridge}", linewidth=1.0)
+        colour, dashes = COLOURS[row % len(COLOURS)], DASHES[row // len(COLOURS) % len(DASHES)]
+        values, error = getattr(signal, name), (found.error or {}).get(ridge)
+        told = f" (± {error:.1g} MPa)" if error and len(found.signals) <= MOST_ERRORS else ""
+        axes.plot(values, color=colour, linestyle=dashes, linewidth=1.0, label=f"ridge {ridge}{told}")
+        if name == "value" and error:
+            steps = np.arange(values.size)
+            axes.fill_between(steps, values - error, values + error, color=colour, alpha=0.25, linewidth=0)
         step = found.slip_steps[ridge - 1]
-        if step is not None and len(found.signals) <= 2:
-            axes.axvline(step, color="#888", linewidth=0.8, linestyle="--")
-            axes.annotate(
-                f"ridge {ridge} slips",
-                (step, 0.02 + 0.1 * row),
-                xycoords=("data", "axes fraction"),
-                fontsize=7,
-            )
-    axes.set_ylabel(label, fontsize=9)
-    axes.legend(loc="upper left", fontsize=8, ncols=3)
-    axes.grid(color="#ddd", linewidth=0.6)
+        if step is not None:
+            axes.axvline(step, color=colour, zorder=0.9, **SLIPS)
+
+
+def _name_ridges(axes: Axes, found: Simulation) -> None:
+    """Name the curves of all panels, and what a dashed line is if there is one."""
+    if any(found.slip_steps[ridge - 1] is not None for ridge in found.signals):
+        axes.plot([], [], color=GREY, label="slips from here on", **SLIPS)
+    if found.error and len(found.signals) > MOST_ERRORS:
+        axes.fill_between([], [], [], color=PALE, label=f"at most ± {max(found.error.values()):.1g} MPa")
+    legend(axes, A_ROW)
 
 
 def _slip_map(axes: Axes, found: Simulation) -> None:
@@ -71,6 +101,8 @@ def _slip_map(axes: Axes, found: Simulation) -> None:
     edges = np.arange(state.shape[0] + 1) - 0.5, np.arange(count + 1) + 0.5
     axes.pcolormesh(*edges, state.T, cmap=ListedColormap([OPEN, STICK, SLIP]), vmin=0, vmax=2)
     axes.set_ylabel("ridge")
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=9))
+    axes.grid(visible=False)
     names = ((OPEN, "clear"), (STICK, "sticks"), (SLIP, "slips"))
-    handles = [Patch(facecolor=colour, edgecolor="#888", label=name) for colour, name in names]
-    axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, ncols=3)
+    handles = [Patch(facecolor=colour, edgecolor=GREY, label=name) for colour, name in names]
+    legend(axes, handles=handles)

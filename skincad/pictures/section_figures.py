@@ -108,7 +108,7 @@ class _Sheet:
     def drawn(self, moment: Moment) -> Image.Image:
         self.axes.clear()
         _draw_section(self.axes, moment.shown, self.limit, self.frame)
-        self.axes.set_title(moment.title, fontsize=10)
+        self.axes.set_title(moment.title)
         canvas: Any = self.figure.canvas  # Agg's, whose drawing is untyped
         canvas.draw()
         self.figure.set_layout_engine("none")  # as it is laid out now, so that frames do not jump
@@ -138,6 +138,7 @@ def _draw_section(axes: Axes, shown: Shown, limit: float, frame: Frame) -> None:
     plate = shown.plate + math.tan(shown.angle) * ends
     axes.fill_between(ends, plate, high, color=PLATE, linewidth=0)
     axes.set_facecolor(AROUND)
+    axes.grid(visible=False)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
     axes.set_aspect("equal")

@@ -94,7 +94,7 @@ function plot() {
     const share = coloured ? (data.rows[i][third] - least) / ((most - least) || 1) : 0
     const point = draw(picture, 'circle', {
       cx: x(data.rows[i][across]), cy: y(data.rows[i][up]), r: i === chosen ? 7 : 4,
-      fill: i === chosen ? '#c1531f' : data.refused[i] ? '#bbb' : colourOf(share), 'fill-opacity': 0.85,
+      fill: i === chosen ? '#c24e00' : data.refused[i] ? '#bbb' : colourOf(share), 'fill-opacity': 0.85,
       stroke: i === chosen ? '#222' : 'none',
     })
     draw(point, 'title', {}, 'row ' + data.rows[i][0])

@@ -8,18 +8,31 @@ from collections.abc import Sequence
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.pictures.canvas import Axes, Normalize, Picture, ScalarMappable, sheet
+from skincad.pictures.canvas import (
+    BLUE,
+    GREY,
+    PALE,
+    VERMILION,
+    Axes,
+    Normalize,
+    Picture,
+    ScalarMappable,
+    legend,
+    sheet,
+)
 from skincad.studies.knobs import Knob
+from skincad.studies.question import Evaluation
 from skincad.studies.ranking import Ranking
 from skincad.studies.solution import Solution
 from skincad.studies.sweeping import SweepResult
 
-POINT, WISH, FOUND, REFUSED = "#1f5fa8", "#777777", "#c1531f", "#bbbbbb"
+POINT, WISH, FOUND, REFUSED = BLUE, GREY, VERMILION, PALE
 COLOURS = "viridis_r"  # told apart in grey too
 SIZE, DPI = (7.0, 4.6), 100
 PANEL = 3.0  # inches, of one of several
 MOST_KEYS = 6  # that are drawn
 LONG = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
+LONGEST = 1e6  # beyond it the smallest is rounding
 
 
 def solution_figure(found: Solution) -> Picture:
@@ -43,14 +56,13 @@ def solution_figure(found: Solution) -> Picture:
             axes.set_xscale("log")
             axes.xaxis.set_major_formatter("{x:g}")
             axes.xaxis.set_minor_formatter("{x:g}")
-        if tried and min(value) > 0 and max(value) > LONG / 10 * min(value):
+        if tried and 0 < LONG / 10 * min(value) < max(value) < LONGEST * min(value):
             axes.set_yscale("log")
             axes.yaxis.set_major_formatter("{x:g}")
         axes.set_xlabel(_label(knob))
-        axes.set_ylabel(key)
-        axes.grid(color="#e4e4e4", linewidth=0.6)
-        axes.legend(fontsize=8)
-        axes.set_title(f"{found.name}: {key} against {knob.key}", fontsize=11)
+        axes.set_ylabel(_told(key, found.evaluations))
+        legend(axes)
+        figure.suptitle(f"{found.name}: {key} against {knob.key}")
     return figure
 
 
@@ -71,14 +83,13 @@ def effects_figure(found: SweepResult) -> Picture:
             for value in _levels(at):
                 axes.plot(value, np.mean(results[at == value]), "_", color=FOUND, markersize=16, mew=2)
             _name_ticks(axes, knob)
-            axes.set_xlabel(_label(knob), fontsize=9)
-            axes.grid(color="#e4e4e4", linewidth=0.6)
+            axes.set_xlabel(_label(knob))
             if np.all(results > 0) and results.max() > LONG * results.min():
                 axes.set_yscale("log")
         for axes in places[::across]:
-            axes.set_ylabel(ranking.key, fontsize=9)
+            axes.set_ylabel(_told(ranking.key, found.rows))
         bars = "; bars: means" if any(len(_levels(_places(found, k, rows))) for k in keys) else ""
-        figure.suptitle(f"{found.name}: {ranking.key} of {len(rows)} rows{bars}", fontsize=11)
+        figure.suptitle(f"{found.name}: {ranking.key} of {len(rows)} rows{bars}")
     return figure
 
 
@@ -110,10 +121,12 @@ def pairs_figure(found: SweepResult) -> Picture:
             axes.scatter(x[order], y[order], c=results[order], cmap=COLOURS, norm=colours, s=22)
             for knob, side in zip(pair, "xy", strict=True):
                 _name_ticks(axes, knob, side)
-            axes.set_xlabel(_label(pair[0]), fontsize=9)
-            axes.set_ylabel(_label(pair[1]), fontsize=9)
-        figure.colorbar(ScalarMappable(colours, COLOURS), ax=list(places), label=ranking.key)
-        figure.suptitle(f"{found.name}: {ranking.key}; crosses: refused, or without it", fontsize=11)
+            axes.set_xlabel(_label(pair[0]))
+            axes.set_ylabel(_label(pair[1]))
+        figure.colorbar(
+            ScalarMappable(colours, COLOURS), ax=list(places), label=_told(ranking.key, found.rows)
+        )
+        figure.suptitle(f"{found.name}: {ranking.key}; crosses: refused, or without it")
     return figure
 
 
@@ -132,11 +145,10 @@ def front_figure(found: SweepResult) -> Picture:
             axes.annotate(
                 str(rows[i] + 1), (x[i], y[i]), fontsize=7, xytext=(4, 4), textcoords="offset points"
             )
-        axes.set_xlabel(f"{first.key} ({first.goal})")
-        axes.set_ylabel(f"{second.key} ({second.goal})")
-        axes.grid(color="#e4e4e4", linewidth=0.6)
-        axes.legend(fontsize=8)
-        axes.set_title(f"{found.name}: {first.key} and {second.key}", fontsize=11)
+        axes.set_xlabel(f"{_told(first.key, found.rows)} ({first.goal})")
+        axes.set_ylabel(f"{_told(second.key, found.rows)} ({second.goal})")
+        legend(axes)
+        figure.suptitle(f"{found.name}: {first.key} and {second.key}")
     return figure
 
 
@@ -179,6 +191,12 @@ def _name_ticks(axes: Axes, knob: Knob, side: str = "x") -> None:
         if side == "x":
             for label in axis.get_ticklabels():
                 label.set(rotation=60, horizontalalignment="right")
+
+
+def _told(key: str, rows: Sequence[Evaluation]) -> str:
+    """A result's key with its unit, as far as the key does not tell it."""
+    unit = next((row.results[key].unit for row in rows if key in row.results), "1")
+    return key if unit == "1" or key.endswith(f"_{unit}") else f"{key}, {unit}"
 
 
 def _label(knob: Knob) -> str:

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import json
 from html import escape
-from importlib.resources import files
 from typing import Any
 
-HERE = files("skincad.pictures")
+from skincad.pictures.page import HERE, document
 
 
 def page(title: str, words: str, data: dict[str, Any]) -> str:
@@ -17,18 +16,9 @@ def page(title: str, words: str, data: dict[str, Any]) -> str:
     `data` has `head` (names of columns), `rows`, `refused` (whether each is), `designs` (a text each), and
     `x` and `y`, the columns that are plotted first.
     """
-    style, script = ((HERE / name).read_text("utf-8") for name in ("study.css", "study.js"))
+    script = (HERE / "study.js").read_text("utf-8")
     told = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>{escape(title)}</title>
-<style>
-{style}</style>
-</head>
-<body>
-<h1>{escape(title)}</h1>
+    body = f"""<h1>{escape(title)}</h1>
 <pre>{escape(words)}</pre>
 <div class="row">
 <div class="column">
@@ -46,6 +36,5 @@ def page(title: str, words: str, data: dict[str, Any]) -> str:
 <script type="application/json" id="data">{told}</script>
 <script>
 {script}</script>
-</body>
-</html>
 """
+    return document(title, body, "study.css")

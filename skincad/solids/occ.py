@@ -17,10 +17,12 @@ from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Revolved, Turned
 from skincad.solids.plan import Part, own
+from skincad.solids.projection import Arc, Polyline, Projection, Stroke, View, distinct
 
 NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing
 try:
     import cadquery as cq
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
     from OCP.BRepBuilderAPI import (
         BRepBuilderAPI_MakeEdge,
@@ -31,6 +33,7 @@ try:
     )
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.BRepGProp import BRepGProp
+    from OCP.BRepLib import BRepLib
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepPrimAPI import (
         BRepPrimAPI_MakeCone,
@@ -40,11 +43,14 @@ try:
     )
     from OCP.BRepTools import BRepTools
     from OCP.Geom import Geom_BezierCurve
+    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Line
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
+    from OCP.HLRAlgo import HLRAlgo_Projector
+    from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
     from OCP.STEPControl import STEPControl_Controller
     from OCP.TColgp import TColgp_Array1OfPnt
-    from OCP.TopAbs import TopAbs_SOLID
+    from OCP.TopAbs import TopAbs_EDGE, TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
     from OCP.TopTools import TopTools_ListOfShape
@@ -59,6 +65,7 @@ except ImportError as failure:
 
 KERNEL_TOLERANCE = 1e-7  # mm, source: OCCT's Precision::Confusion; an arc that rises less is a line to it
 ANGLE = 10.0  # rad, between a mesh's chords: no limit, so that the tolerance alone counts
+CHORDS = 16  # of a projected edge that is neither line nor circle: an ellipse's within 1 % of its radius
 VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's formula
 
 
@@ -141,6 +148,47 @@ def triangles(made: cq.Solid, tolerance: float) -> tuple[list[cq.Vector], list[t
     """Return corners, mm, and triangles of the mesh that `tessellate` gave; faces share no corners."""
     corners, faces = made.tessellate(tolerance, ANGLE)
     return corners, faces
+
+
+def projection(made: cq.Solid, view: View) -> Projection:
+    """Return a solid's edges as they are seen in a view, and those that lie behind: sharp edges and outlines
+    of what is round; where two faces meet smoothly is no edge."""
+    algorithm = HLRBRep_Algo()
+    algorithm.Add(made.wrapped)
+    frame = gp_Ax2(gp_Pnt(*view.origin), gp_Dir(*view.towards), gp_Dir(*view.right))
+    algorithm.Projector(HLRAlgo_Projector(frame))
+    algorithm.Update()
+    algorithm.Hide()
+    found = HLRBRep_HLRToShape(algorithm)
+    visible = distinct([*_strokes(found.VCompound()), *_strokes(found.OutLineVCompound())])
+    hidden = distinct([*_strokes(found.HCompound()), *_strokes(found.OutLineHCompound())])
+    seen = {stroke.key() for stroke in visible}
+    return Projection(tuple(visible), tuple(s for s in hidden if s.key() not in seen))
+
+
+def _strokes(edges: TopoDS_Shape | None) -> list[Stroke]:
+    """The edges of a projection, in its own plane, as plain data."""
+    if edges is None or edges.IsNull():
+        return []
+    BRepLib.BuildCurves3d_s(edges)
+    strokes, found = [], TopExp_Explorer(edges, TopAbs_EDGE)
+    while found.More():
+        strokes.append(_stroke(BRepAdaptor_Curve(TopoDS.Edge_s(found.Current()))))
+        found.Next()
+    return strokes
+
+
+def _stroke(curve: BRepAdaptor_Curve) -> Stroke:
+    low, high, kind = curve.FirstParameter(), curve.LastParameter(), curve.GetType()
+    if kind == GeomAbs_Circle:
+        circle = curve.Circle()
+        centre, turns = circle.Location(), math.copysign(1.0, circle.Axis().Direction().Z())
+        start = curve.Value(low if turns > 0 else high)
+        angle = math.atan2(start.Y() - centre.Y(), start.X() - centre.X())
+        return Arc((centre.X(), centre.Y()), circle.Radius(), angle, high - low)
+    count = 1 if kind == GeomAbs_Line else CHORDS
+    points = [curve.Value(low + (high - low) * i / count) for i in range(count + 1)]
+    return Polyline(tuple((p.X(), p.Y()) for p in points)).straightened(KERNEL_TOLERANCE)
 
 
 def _flattened(body: Body) -> Body:

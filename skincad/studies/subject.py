@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -24,6 +24,7 @@ from skincad.scenes.scene import Scene, load_scene
 
 Subject = Design | Scene | Circuit
 Value = float | int | str
+Setting = Value | Sequence[float] | Mapping[str, Any] | None  # what a key may be changed to
 SKIN, CIRCUIT = "skin.", "circuit."  # before the keys of a scene's design, and of its amplifier's circuit
 NOT_GIVEN: dict[str, Value] = {"ridge.levelling": 0.0}  # what keys mean that a design need not give
 
@@ -75,11 +76,12 @@ def _behind(scene: Scene, key: str) -> str:
     return found[0]
 
 
-def changed(subject: Subject, values: Mapping[str, Value]) -> Subject:
+def changed(subject: Subject, values: Mapping[str, Setting]) -> Subject:
     """Return a copy with these keys' values, checked anew; raises InputError for the rules that they break.
 
     A key is its tables' names and its own, joined by dots; a number at its end counts a list's entries from
-    1, as ridges count. In a scene, `skin.` stands before a design's own, `circuit.` before a circuit's.
+    1, as ridges count. In a scene, `skin.` stands before a design's own, `circuit.` before a circuit's. None
+    drops a key or an optional table; a mapping is a whole table, a list all its entries.
     """
     if isinstance(subject, Scene):
         return _changed_scene(subject, values)
@@ -89,10 +91,10 @@ def changed(subject: Subject, values: Mapping[str, Value]) -> Subject:
     return type(subject)(**overridden(tables, _settings(tables, values)))
 
 
-def _changed_scene(scene: Scene, values: Mapping[str, Value]) -> Scene:
+def _changed_scene(scene: Scene, values: Mapping[str, Setting]) -> Scene:
     """The scene with what is changed of its design and its circuit in the place of their names."""
-    inner: dict[str, dict[str, Value]] = {SKIN: {}, CIRCUIT: {}}
-    outer = dict[str, Value]()
+    inner: dict[str, dict[str, Setting]] = {SKIN: {}, CIRCUIT: {}}
+    outer = dict[str, Setting]()
     for key, value in values.items():
         _, own = owner(scene, key)
         before = key.removesuffix(own)
@@ -133,7 +135,7 @@ def _settings(tables: Mapping[str, Any], values: Mapping[str, Any]) -> list[str]
         if isinstance(inside, list | tuple) and 1 <= int(last) <= len(inside):
             lists[table] = [value if n == int(last) else each for n, each in enumerate(inside, 1)]
         else:
-            texts.append(f"{key}={_toml(value)}")
+            texts.append(f"{key}={'none' if value is None else _toml(value)}")
     return texts + [f"{key}={_toml(value)}" for key, value in lists.items()]
 
 
@@ -149,9 +151,9 @@ def _at(tables: Any, key: str) -> Any:
     return tables
 
 
-def _spread(design: Design, key: str, value: Value) -> Any:
+def _spread(design: Design, key: str, value: Setting) -> Any:
     """A modulus with the range that the design's silicone has, as a part of it: what is cast varies still."""
-    if key != "material.young_modulus" or isinstance(value, str):
+    if key != "material.young_modulus" or not isinstance(value, int | float):
         return value
     known = silicone(design).young_modulus
     ends = {"low": known.low, "high": known.high}

@@ -14,7 +14,7 @@ from skincad.commands import app
 from skincad.options import PrinterOption
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
-ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0")}
+ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0"), ("--port", "0")}
 BAR = "extension_mm,force_N\n" + "\n".join(f"{i / 10},{i}" for i in range(12))
 PAD = BAR.replace("extension", "approach")
 WITH = {  # what a command needs beside the option to come as far as to look at it
@@ -23,6 +23,7 @@ WITH = {  # what a command needs beside the option to come as far as to look at 
     "simulate": ["yamada-2002-slip"],
     "accuracy": ["yamada-2002"],
     "fit-material": ["bar.csv"],
+    "live": ["yamada-2002"],
     "solve": ["yamada-2002", "--target", "approach=1", "--vary", "skin.length=8:12"],
     "optimise": ["shape-for-4-N"],
     "sweep": ["yamada-2002", "--vary", "skin.length=8:12:3"],
@@ -52,7 +53,8 @@ def test_the_search_finds_them_all() -> None:
     assert sorted(numeric()) == [
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
         ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
-        ("fit-material", "--up-to"), ("make", "--budget"), ("optimise", "--workers"), ("simulate", "--at"),
+        ("fit-material", "--up-to"), ("live", "--port"),
+        ("make", "--budget"), ("optimise", "--workers"), ("simulate", "--at"),
         ("simulate", "--budget"), ("simulate", "--tol"), ("solve", "--evaluations"), ("solve", "--force"),
         ("solve", "--tol"), ("sweep", "--force"), ("sweep", "--sample"), ("sweep", "--tol"),
         ("sweep", "--workers"),

@@ -14,10 +14,11 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
+from skincad.circuit.film import electrode
 from skincad.circuit.low_pass import corner
 from skincad.circuit.model import load_circuit
 from skincad.effects.kinds import Reading, Watched
-from skincad.effects.piezo import Piezo, electrode, fitted, strip_charges
+from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.fabrication.pattern import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
 from skincad.outputs.simulations import write_table

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -72,3 +75,78 @@ def test_what_the_check_does_not_take_is_told_before_any_work(
     assert not [*tmp_path.iterdir()]
     with pytest.raises(InputError):
         skincad.make(skincad.load("plain-ridges"), checked=False, budget=1.0)
+
+
+@pytest.fixture(scope="module")
+def preview(small: Design) -> MakeResult:
+    return skincad.make(small, preview=True)
+
+
+def test_a_preview_finds_what_the_whole_finds(preview: MakeResult, unchecked: MakeResult) -> None:
+    assert preview.findings == unchecked.findings
+    assert preview.check is None
+    assert preview.as_json()["preview"]
+    for quick, whole in zip(preview.parts, unchecked.parts, strict=True):
+        # the formula against the exact solid's integral
+        assert (quick.name, quick.volume) == (whole.name, pytest.approx(whole.volume, rel=1e-6))
+        assert quick.watertight
+        assert (quick.faces, quick.valid, quick.deviation) == (None, None, None)
+
+
+def test_a_preview_writes_all_but_exact_solids(preview: MakeResult, unchecked: MakeResult) -> None:
+    left_out = unchecked.files().keys() - preview.files().keys()
+    assert {"skin.step", "cavity.step", "assembly.step"} <= left_out
+    assert preview.files().keys() >= {
+        "skin.stl",
+        "mold.3mf",
+        "section.dxf",
+        "picture.png",
+        "casting-sheet.md",
+    }
+    assert preview.files().keys() <= unchecked.files().keys()
+
+
+def test_a_preview_never_loads_the_cad_kernel(tmp_path: Path) -> None:
+    told = (
+        "import sys, skincad\n"
+        "found = skincad.make(skincad.load('plain-ridges'), preview=True)\n"
+        f"skincad.write(found, {str(tmp_path / 'made')!r})\n"
+        "print([name for name in ('cadquery', 'OCP', 'ngsolve') if name in sys.modules])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_the_command_previews_and_makes_step_where_that_is_asked(tmp_path: Path) -> None:
+    few = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--preview", "--format")
+    done = run_skincad("make", "plain-ridges", *few, "toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("Preview: meshes and findings alone")
+    done = run_skincad("make", "plain-ridges", *few, "step", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "plain-ridges" / "skin.step").is_file()
+    done = run_skincad("make", "plain-ridges", "--preview", "--tier", "linear", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+
+
+def test_watch_makes_a_preview_at_each_save(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    good = skincad.load("plain-ridges").with_(name="mine", ridge={"count": 1}, skin={"width": 3.0}).to_toml()
+    file.write_text(good.replace("count = 1", "count = -1"))
+    words = [sys.executable, "-m", "skincad", "watch", file.name, "--format", "toml"]
+    with subprocess.Popen(words, cwd=tmp_path, text=True, stdout=-1, stderr=subprocess.STDOUT) as process:
+        assert process.stdout is not None
+        assert "ridge.count" in process.stdout.readline()
+        assert process.stdout.readline() == "Watching mine.toml; Ctrl-C ends.\n"
+        file.write_text(good)
+        told = list(iter(process.stdout.readline, "Watching mine.toml; Ctrl-C ends.\n"))
+        assert told[0].startswith("Preview:")
+        assert (tmp_path / "out" / "mine" / "design.toml").is_file()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+
+
+def test_watch_takes_a_file(tmp_path: Path) -> None:
+    done = run_skincad("watch", "plain-ridges", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "DESIGN: must be a design's file" in done.stderr

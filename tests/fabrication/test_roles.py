@@ -13,8 +13,8 @@ from skincad.fabrication.measures import interference
 from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
-from skincad.pictures.design_picture import _apart
 from skincad.pictures.drawing import drawing
+from skincad.pictures.exploded import apart
 from skincad.solids.layout import TAP_RADIUS
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import bores
@@ -39,7 +39,7 @@ def told(design: Design, closed: ClosedMold) -> Iterator[str]:
     yield casting_sheet(design, closed, findings, "Passes.", True)
     yield drawing(design, closed)
     for part in closed.parts:
-        yield f"{part.name} {part.made} {part.colour} {laid_on_end(design, part)} {_apart(part, closed)}"
+        yield f"{part.name} {part.made} {part.colour} {laid_on_end(design, part)} {apart(part, closed)}"
 
 
 @pytest.mark.parametrize(

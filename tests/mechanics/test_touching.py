@@ -311,7 +311,7 @@ def small() -> Design:
 def test_auto_climbs_until_the_verdict_is_clear(judged: ContactCheck) -> None:
     found = judged
     assert found.tier == "corrected"
-    assert [tier for tier, _, _ in found.climbed] == ["linear"]
+    assert [tier for tier, *_ in found.climbed] == ["linear"]
     before = found.climbed[0][1]
     assert before.value < 4.0 < before.upper  # what the linear tier leaves open
     assert found.all_touch_force.upper < 4.0
@@ -378,7 +378,7 @@ def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
     assert check(hard).tier == "linear"
     found = check(hard, budget=1e3)
     assert found.next_tier is None
-    assert [tier for tier, _, _ in found.climbed][:2] == ["linear", "corrected"]
+    assert [tier for tier, *_ in found.climbed][:2] == ["linear", "corrected"]
 
 
 def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict() -> None:
@@ -567,7 +567,7 @@ def test_a_tolerance_begins_with_the_first_tier_that_may_meet_it(
 ) -> None:
     made = MadeUp(monkeypatch)
     found = check(yamada(), tol=tol)
-    assert (found.tier, [name for name, _, _ in found.climbed]) == (tier, climbed)
+    assert (found.tier, [name for name, *_ in found.climbed]) == (tier, climbed)
     model = {"linear": 0.3, "corrected": 0.1}.get(tier, 0.0)
     if tier != "winkler":
         assert found.all_touch_force.error == pytest.approx((0.01 + model) * 3.0, rel=1e-12)
@@ -610,8 +610,8 @@ def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
     MadeUp(monkeypatch, value)
     told: list[tuple[str, float | None]] = []
     found = check(yamada(), force=4.0, progress=lambda stage, left=None: told.append((stage, left)))
-    assert (found.tier, [name for name, _, _ in found.climbed], found.passed) == (tier, climbed, passed)
-    assert [seconds for _, _, seconds in found.climbed] == pytest.approx([2.0, 4.0, 9.0][: len(climbed)])
+    assert (found.tier, [name for name, *_ in found.climbed], found.passed) == (tier, climbed, passed)
+    assert [seconds for _, _, seconds, _ in found.climbed] == pytest.approx([2.0, 4.0, 9.0][: len(climbed)])
     following = {"linear": ("corrected", 4.0), "corrected": ("corrected-finite-strain", 9.0)}
     last = ("solid-finite-strain", 22.0)
     expected_next = None if tier == "solid-finite-strain" else following.get(tier, last)
@@ -716,9 +716,9 @@ def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_n
     )
     monkeypatch.setattr(manufacturing, "manufacture", sampled)
     found = check(yamada(), force=4.0)
-    assert [name for name, _, _ in found.climbed] == ["linear", "corrected"]
+    assert [name for name, *_ in found.climbed] == ["linear", "corrected"]
     # each tier's own time (see above); the yield's model took the linear tier 50 s
-    assert [seconds for _, _, seconds in found.climbed] == pytest.approx([2.0, 4.0])
+    assert [seconds for _, _, seconds, _ in found.climbed] == pytest.approx([2.0, 4.0])
     assert found.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
     assert found.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
     assert found.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 2.5))  # not the 2 * 1.5 of its law

@@ -128,7 +128,13 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
     labels = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
     assert labels[:3] == ["1 S1", "1 S2", "2 S1"]
     assert labels.count("+") == 18
-    assert {entity.dxf.layer for entity in drawing.modelspace()} == {"CUT", "ELECTRODE", "LEAD", "MARK"}
+    assert {entity.dxf.layer for entity in drawing.modelspace()} == {
+        "CUT",
+        "DIMENSIONS",
+        "ELECTRODE",
+        "LEAD",
+        "MARK",
+    }
 
 
 def pattern(design: Design, folder: Path) -> dict[str, list[tuple[Segment, ...]]]:

@@ -16,7 +16,8 @@ from skincad.pictures.check_figures import ridge_force_figure
 
 def test_each_ridge_has_its_bar_and_the_mean_is_a_line(yamada: Design) -> None:
     found = check(yamada, tier="winkler")
-    (axes,) = ridge_force_figure(found).axes
+    figure = ridge_force_figure(found)
+    (axes,) = figure.axes
     bars = axes.patches
     assert [bar.get_x() + bar.get_width() / 2 for bar in bars] == pytest.approx(range(1, 10))
     assert [bar.get_height() for bar in bars] == pytest.approx([f.value for f in found.ridge_force])
@@ -26,7 +27,9 @@ def test_each_ridge_has_its_bar_and_the_mean_is_a_line(yamada: Design) -> None:
     mean = next(line for line in axes.lines if line.get_label() == "mean")
     assert list(mean.get_ydata()) == pytest.approx([4.0 / 9] * 2)
     assert list(axes.get_xticks()) == list(range(1, 10))
-    assert axes.get_title() == f"yamada-2002: 9 of 9 touch at 4 N; all touch from {found.all_touch_force}"
+    assert (
+        figure.get_suptitle() == f"yamada-2002: 9 of 9 touch at 4 N; all touch from {found.all_touch_force}"
+    )
 
 
 @pytest.mark.parametrize(("count", "named"), [(20, True), (21, False)])
@@ -34,7 +37,8 @@ def test_many_ridges_are_not_each_named_and_no_force_is_told_where_none_does(cou
     share = (Estimate(0.2, None, "N"), *(Estimate(None, None, "N"),) * (count - 1))
     shown = check(load("yamada-2002"), tier="winkler")
     never = replace(shown, ridges=count, ridge_force=share, all_touch_force=Estimate(None, None, "N"))
-    (axes,) = ridge_force_figure(never).axes
+    figure = ridge_force_figure(never)
+    (axes,) = figure.axes
     assert (list(axes.get_xticks()) == list(range(1, count + 1))) == named
     assert [bar.get_height() for bar in axes.patches] == [0.2, *[0.0] * (count - 1)]
-    assert "all touch" not in axes.get_title()
+    assert "all touch" not in figure.get_suptitle()

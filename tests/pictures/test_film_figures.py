@@ -83,8 +83,8 @@ def test_without_fields_only_the_numbers(tmp_path: Path) -> None:
 
 
 def test_a_share_far_above_one_is_a_ratio() -> None:
-    assert film_figures._share(8.43, 0.87) == "8.4 ± 0.9 times"
-    assert film_figures._share(0.31, 0.02) == "31% ± 2% of"
+    assert film_figures._share(8.43, 0.87) == "8.43 ± 0.87 times"
+    assert film_figures._share(0.31, 0.02) == "31.0% ± 2.0% of"
 
 
 def test_the_colours_end_where_the_largest_part_of_the_area_lies() -> None:

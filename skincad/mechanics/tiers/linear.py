@@ -38,6 +38,7 @@ from skincad.mechanics.problem import (
     one_ridge,
     pad_of,
 )
+from skincad.mechanics.tiers.deformed import deformed
 from skincad.mechanics.tiers.plane_level import (
     MOST_CONTACT_UNKNOWNS,
     LevelSolver,
@@ -103,6 +104,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     overrun `budget`; a budget alone asks for the best it buys. A tolerance not met is said in a warning.
     """
     found, best = climb(pad, request, level, "linear", progress)
+    found = replace(found, deformed=deformed(best))
     if found.all_touch_force.value is None:
         found = replace(found, warnings=(*found.warnings, NEVER))
     if request.parts and best.all_touch_force is not None and len(pad.ridges) > 1:

@@ -47,6 +47,7 @@ class PlaneSolution:
     scale: float  # N on the whole pad for a force of 1 on the piece, in its units
     fault: str = ""  # parts that go through each other or the plate unseen
     half: elements.Assembled | None = None
+    outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
 
 
 LevelSolver = Callable[[Meshed, int, float, tuple[float, ...]], PlaneSolution]
@@ -89,7 +90,8 @@ def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -
     moved = _moved(system, small, state)
     residual = max(state.residual, _balance(system, moved, force / scale))
     plate = height_above(pad, ridges, system, state.approach, unit)
-    wrong = fault(elements.outlines(system, moved), plate, mirrored=meshed.mirrored)
+    outlines = elements.outlines(system, moved)
+    wrong = fault(outlines, plate, mirrored=meshed.mirrored)
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
     return PlaneSolution(
@@ -107,6 +109,7 @@ def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -
         scale,
         wrong or "",
         assembled if meshed.mirrored else None,
+        tuple(outlines),
     )
 
 

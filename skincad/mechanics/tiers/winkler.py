@@ -48,19 +48,36 @@ def stiffer_by(design: Design) -> Array:
 
 def crest_gaps(design: Design) -> Array:
     """Return how far each crest is from the plate when the first one touches, `(ridges,)` mm."""
+    gap = crest_depths(design)
+    return np.asarray(gap - gap.min())
+
+
+def crest_depths(design: Design) -> Array:
+    """Return how far each crest is from a plate that touches the highest ridge on the axis, were there one:
+    fall of the base circle, rise of the plate, lack of height, `(ridges,)` mm."""
     heights = np.array(design.heights)
     radius = design.skin.curvature_radius + heights
     lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
-    gap = 2 * radius * np.sin(lean / 2) ** 2 + rise(design.contact.plate, radius * np.sin(lean))
-    gap += heights.max() - heights
-    return np.asarray(gap - gap.min())
+    return np.asarray(2 * radius * np.sin(lean / 2) ** 2 + plate_rises(design) + heights.max() - heights)
+
+
+def plate_rises(design: Design) -> Array:
+    """Return how far the plate is away from flat over each crest, `(ridges,)` mm."""
+    radius = design.skin.curvature_radius + np.array(design.heights)
+    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    return np.asarray(rise(design.contact.plate, radius * np.sin(lean)))
+
+
+def all_touch_force(design: Design) -> float:
+    """Return the force at which all ridges touch, N."""
+    return float(line_forces(design, float(crest_gaps(design).max())).sum())
 
 
 def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
     """Return each ridge's force, N, `(ridges,)` at an approach in mm after the first touch, springs being
     stiffer by `factor`."""
     depth = np.maximum(approach - crest_gaps(design), 0.0)
-    stiffness, radius = _stiffnesses(design, factor), design.skin.curvature_radius_y
+    stiffness, radius = stiffnesses(design, factor), design.skin.curvature_radius_y
     if radius is None:
         return np.asarray(stiffness * depth)
     arm, reach = _crest_arms(design), _contact_angles(design, depth)
@@ -71,7 +88,7 @@ def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
     return np.asarray(per_angle * reach * (spring @ weights))  # both halves of y
 
 
-def _stiffnesses(design: Design, factor: float) -> Array:
+def stiffnesses(design: Design, factor: float = 1.0) -> Array:
     """Each ridge's stiffness, `(ridges,)` N/mm, all stiffer by `factor`."""
     return np.asarray(factor * ridge_stiffness(design) * stiffer_by(design))
 
@@ -122,7 +139,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     started, force = perf_counter(), request.force
     gaps, approach = crest_gaps(design), _approach(design, force)
     doubly, last = design.skin.curvature_radius_y is not None, float(gaps.max())
-    threshold = float(line_forces(design, last).sum())
+    threshold = all_touch_force(design)
     shares = line_forces(design, approach)
     depth = np.maximum(approach - gaps, 0.0)
     touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0

@@ -1,0 +1,174 @@
+"""What a shop drawing dimensions besides bores: datums, overall sizes, the carrier's seat, nuts' pockets, a
+comb's slits and a cavity's grooves. Places are those of the part's own views, mm."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+from skincad.fabrication.drawing_views import ABOVE, FRONT, LIDS
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import SlotPlace, frame, section
+from skincad.shape.curves import Loop, Point
+from skincad.solids.body import Prism
+from skincad.solids.layout import layout
+from skincad.solids.plan import Part, own
+from skincad.solids.projection import Place
+from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
+from skincad.solids.shrinkage import poured
+
+Edge = Literal["left", "right", "bottom", "top"]
+_Faces = tuple[tuple[str, Edge, str], ...]
+SEAT = 1e-6  # mm, how level the seat's corners lie
+
+
+class Datum(NamedTuple):
+    """A datum: its letter, the view and the edge of it at which the face is seen, and which face it is."""
+
+    letter: str
+    view: str
+    edge: Edge
+    what: str
+
+
+class Length(NamedTuple):
+    """A dimension in a view, along its x ("u") or its y ("v"), from one coordinate to another, mm."""
+
+    view: str
+    way: Literal["u", "v"]
+    low: float
+    high: float
+    words: str = ""
+
+
+class NutPocket(NamedTuple):
+    """A nut's hexagonal pocket in the front view: where, its width across flats and its depth, mm."""
+
+    at: Place
+    flats: float
+    depth: float
+
+
+class Slit(NamedTuple):
+    """A comb's slit for a shim or strip, in the front view: the middle of its bottom, width and depth, mm,
+    and the direction from its bottom to its mouth, of length 1."""
+
+    ridge: int
+    side: str
+    at: Place
+    width: float
+    depth: float
+    out: Place
+
+    @property
+    def lean(self) -> float:
+        """Degrees from upright, positive when its mouth is to the right."""
+        return math.degrees(math.atan2(self.out[0], self.out[1]))
+
+
+class Groove(NamedTuple):
+    """A ridge's groove in a cavity, in the front view: its bottom, mm, how far it leans from upright,
+    degrees, and the sizes of its ridge, mm, before fillets."""
+
+    ridge: int
+    bottom: Place
+    lean: float
+    height: float
+    root: float
+    tip: float
+
+
+def datums(part: Part) -> tuple[Datum, ...]:
+    """Return the three faces from which a part is measured, the one it sits on in the mold first."""
+    if part.role in LIDS:
+        what = "lower face, on the skin" if part.role is PartRole.CARRIER else "lower face"
+        faces: _Faces = (ABOVE, "top", what), (FRONT, "left", "left side"), (FRONT, "bottom", "face at end a")
+    elif part.role in END_PLATES:
+        faces = (ABOVE, "top", "inner face"), (FRONT, "left", "left side"), (FRONT, "bottom", "lower face")
+    else:
+        faces = (
+            (FRONT, "bottom", "lower face"),
+            (FRONT, "left", "left side"),
+            (ABOVE, "bottom", "lower edge of the face at end a" if part.straight else "face at end a"),
+        )
+    return tuple(Datum(letter, *face) for letter, face in zip("ABC", faces, strict=True))
+
+
+def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
+    """Return the sizes of the carrier's seat in a cavity in one piece: widths of trough and skin, and how
+    deep it lies below the part's `top`, mm; of the first trough of a gang."""
+    straight = own(part.straight or part)
+    if part.role is not PartRole.CAVITY or not isinstance(straight.body, Prism):
+        return ()
+    level = sorted({s.start.x for s in straight.body.outline if abs(s.start.z) < SEAT})
+    if len(level) < 4:
+        return ()
+    wide = Length(FRONT, "u", level[0], level[3], "seat")
+    depth = Length(FRONT, "v", 0.0, top, "seat")
+    return wide, Length(FRONT, "u", level[1], level[2], "skin"), depth
+
+
+def pockets(part: Part) -> tuple[NutPocket, ...]:
+    """Return the nuts' pockets of an end plate."""
+    mirrored = -1.0 if part.end == "b" else 1.0
+    found = []
+    for cut in own(part).cuts:
+        if isinstance(cut, Prism) and cut.role is CutRole.NUT:
+            x, z = zip(*(s.start for s in cut.outline), strict=True)
+            at = mirrored * (min(x) + max(x)) / 2, (min(z) + max(z)) / 2
+            found.append(NutPocket(at, max(z) - min(z), cut.high - cut.low))
+    return tuple(sorted(found, key=lambda p: (-p.at[1], p.at[0])))
+
+
+def skins_at(design: Design) -> tuple[float, ...]:
+    """Return the x, mm, of the middle of each skin of a gang, 0 for one alone."""
+    made = poured(design)
+    return layout(made, section(made))[0].centres
+
+
+def slits(design: Design, part: Part) -> tuple[Slit, ...]:
+    """Return a comb's slits, of the first skin of a gang, as its outline has them."""
+    body = own(part).body
+    if part.role is not PartRole.COMB or not isinstance(body, Prism):
+        return ()
+    mirrored = -1.0 if part.end == "b" else 1.0
+    shape, aside = section(poured(design)), skins_at(design)[0]
+    return tuple(_slit(design, slot, body.outline, aside, mirrored) for slot in shape.slots)
+
+
+def _slit(design: Design, slot: SlotPlace, outline: Loop, aside: float, mirrored: float) -> Slit:
+    """The outline's corners that are nearest to where the slot ends are the slit's bottom, their neighbours
+    its mouth."""
+    gap = design.mold.slit_clearance
+    along = slot.depth / 2 + (0.0 if design.mold.method == "cast-in" else gap)
+    corners = [s.start for s in outline]
+
+    def nearest(wanted: Point) -> int:
+        place = wanted.x + aside, -wanted.z
+        return min(range(len(corners)), key=lambda i: math.dist(corners[i], place))
+
+    ends = [nearest(slot.at(side * (slot.thickness / 2 + gap), along)) for side in (-1, 1)]
+    low, high = sorted(ends)
+    if low == 0 and high == len(corners) - 1:
+        low, high = high, low
+    mouths = corners[low - 1], corners[(high + 1) % len(corners)]
+    bottom, mouth = (((a.x + b.x) / 2, (a.z + b.z) / 2) for a, b in ((corners[low], corners[high]), mouths))
+    depth = math.dist(bottom, mouth)
+    out = mirrored * (mouth[0] - bottom[0]) / depth, (mouth[1] - bottom[1]) / depth
+    width = math.dist(corners[low], corners[high])
+    return Slit(slot.ridge, slot.side, (mirrored * bottom[0], bottom[1]), width, depth, out)
+
+
+def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
+    """Return the grooves of ridges in a cavity's part, of the first skin of a gang, as poured."""
+    body = (part.straight or part).body
+    if part.role not in CAVITIES or not isinstance(body, Prism):
+        return ()
+    made, found, aside = poured(design), [], skins_at(design)[0]
+    cut = {s.ridge for s in body.outline if s.ridge is not None}
+    for ridge, high in enumerate(made.heights, 1):
+        if ridge in cut:
+            summit = frame(made, ridge).at(0.0, high)
+            lean, sizes = math.degrees(made.lean(ridge)), (made.ridge.root_width, made.ridge.tip_width)
+            found.append(Groove(ridge, (summit.x + aside, -summit.z), lean, high, *sizes))
+    return tuple(found)

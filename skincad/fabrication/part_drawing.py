@@ -1,0 +1,197 @@
+"""What is on a made part's shop drawing, as plain data: no paper, no scale, no place of any text."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from skincad.fabrication.bore_table import HoleGroup, hole_groups, number
+from skincad.fabrication.drawing_views import ABOVE, FRONT, views
+from skincad.fabrication.drawn_features import (
+    Datum,
+    Groove,
+    Length,
+    NutPocket,
+    Slit,
+    datums,
+    grooves_of,
+    pockets,
+    seat_lengths,
+    skins_at,
+    slits,
+)
+from skincad.fabrication.tolerances import (
+    Judged,
+    general_tolerance,
+    material_words,
+    notes,
+    process_words,
+    what_matters,
+)
+from skincad.inputs.design import Design
+from skincad.solids.body import Prism
+from skincad.solids.plan import Part
+from skincad.solids.projection import Projection, Stroke, outlined
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NUT = "N"
+MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
+
+
+class Listed(NamedTuple):
+    """A table: its title, its heads and its rows."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class PartDrawing:
+    """A part's drawing: views by name, what is dimensioned in them, tables, and words; lengths mm."""
+
+    name: str
+    design: str
+    what: str
+    views: dict[str, Projection]
+    captions: dict[str, str]
+    holes: tuple[HoleGroup, ...]
+    pockets: tuple[NutPocket, ...]
+    datums: tuple[Datum, ...]
+    lengths: tuple[Length, ...]
+    slits: tuple[Slit, ...]
+    grooves: tuple[Groove, ...]
+    profile: tuple[Stroke, ...]  # that a detail shows: the front view, or a bent mold's middle section
+    tables: tuple[Listed, ...]
+    notes: tuple[str, ...]
+    process: str
+    material: str
+    tolerance: str
+
+
+def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | None) -> PartDrawing:
+    """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
+    from skincad.solids.occ import projection
+
+    seen = {view.name: projection(made, view.of_solid) for view in views(part)}
+    holes, nuts = tuple(hole_groups(design, part, made)), pockets(part)
+    cut, carved = slits(design, part), grooves_of(design, part)
+    datum = datums(part)
+    tables = [
+        _hole_table(holes, nuts, general_tolerance(design, part)),
+        _places(holes, nuts, seen),
+        _slit_table(cut, seen),
+        _groove_table(carved, seen, judged.drops if judged else ()),
+    ]
+    top = seen[FRONT].box()[1][1]
+    words = [*notes(design, part), *what_matters(design, part, judged)]
+    if design.mold.cavities > 1 and (cut or carved):
+        words.append("Slits and grooves: of the first skin; the others' lie " + _apart(design) + " further.")
+    return PartDrawing(
+        name=part.name,
+        design=design.name,
+        what=part.role.what,
+        views=seen,
+        captions={view.name: view.words for view in views(part)},
+        holes=holes,
+        pockets=nuts,
+        datums=datum,
+        lengths=(*_overall(seen), *seat_lengths(part, top)),
+        slits=cut,
+        grooves=carved,
+        profile=_profile(part, seen[FRONT]),
+        tables=tuple(table for table in tables if table.rows),
+        notes=("Datums: " + "; ".join(f"{d.letter} {d.what}" for d in datum) + ".", *words),
+        process=process_words(design, part),
+        material=material_words(design, part),
+        tolerance=general_tolerance(design, part),
+    )
+
+
+def _profile(part: Part, front: Projection) -> tuple[Stroke, ...]:
+    if part.straight is not None and isinstance(part.straight.body, Prism):
+        return outlined(part.straight.body.outline)
+    return front.visible
+
+
+def _apart(design: Design) -> str:
+    places = skins_at(design)
+    return number(places[1] - places[0])
+
+
+def _overall(seen: dict[str, Projection]) -> tuple[Length, ...]:
+    (left, low), (right, high) = seen[FRONT].box()
+    (_, near), (_, far) = seen[ABOVE].box()
+    return Length(FRONT, "u", left, right), Length(FRONT, "v", low, high), Length(ABOVE, "v", near, far)
+
+
+def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limits: str) -> Listed:
+    rows = [
+        (
+            f"{g.letter} ({len(g.holes)}x)",
+            g.purpose,
+            g.size,
+            g.limits,
+            g.reach,
+            g.thread or "-",
+            _from(g),
+        )
+        for g in holes
+    ]
+    if nuts:
+        size = f"{number(nuts[0].flats)} A/F"
+        own = limits.split(" ", maxsplit=1)[0] if limits.startswith("±") else ""
+        rows.append(
+            (f"{NUT} ({len(nuts)}x)", "M3 nut, hexagon", size, own, number(nuts[0].depth), "-", "end b")
+        )
+    return Listed("Holes", ("hole", "for", "size", "limits", "depth", "thread", "open at"), tuple(rows))
+
+
+def _from(group: HoleGroup) -> str:
+    sides = " & ".join(group.sides)
+    return f"{sides}, {_degrees(math.degrees(group.lean))} aslant" if group.lean else sides
+
+
+def _degrees(angle: float) -> str:
+    return f"{round(angle, 3) + 0.0:.3f}°"
+
+
+def _places(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection]) -> Listed:
+    rows = []
+    for group in holes:
+        (left, low), _ = seen[group.view].box()
+        rows += [(h.tag, number(h.at[0] - left), number(h.at[1] - low)) for h in group.holes]
+    (left, low), _ = seen[FRONT].box()
+    rows += [(f"{NUT}{i}", number(p.at[0] - left), number(p.at[1] - low)) for i, p in enumerate(nuts, 1)]
+    return Listed("Their places", ("hole", "x", "y"), tuple(rows))
+
+
+def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> Listed:
+    (left, low), _ = seen[FRONT].box()
+    rows = [
+        (f"{s.ridge} {s.side}", number(s.at[0] - left), number(s.at[1] - low), _degrees(s.lean))
+        for s in cut[:MOST_ROWS]
+    ]
+    size = f"Slits, {number(cut[0].width)} wide: middle of the bottom" if cut else ""
+    return Listed(size, ("ridge", "x", "y", "leans"), tuple(rows))
+
+
+def _groove_table(
+    carved: tuple[Groove, ...], seen: dict[str, Projection], drops: tuple[float, ...]
+) -> Listed:
+    (left, _), _ = seen[FRONT].box()
+    rows: list[tuple[str, ...]] = []
+    for groove in carved[:MOST_ROWS]:
+        x, z = groove.bottom
+        row = str(groove.ridge), number(x - left), number(-z), _degrees(groove.lean)
+        allowed = drops[groove.ridge - 1] if drops else None
+        rows.append(row if allowed is None else (*row, _allowed(allowed)))
+    heads = ("ridge", "x", "below seat", "leans", "too shallow by")[: 5 if drops else 4]
+    return Listed("Grooves of the ridges: deepest point", heads, tuple(rows))
+
+
+def _allowed(drop: float) -> str:
+    return "any" if math.isinf(drop) else f"{drop:.4f}"

@@ -1,0 +1,133 @@
+"""What a shop drawing says of tolerances: those of the process, and which sizes matter and why.
+
+How far a crest may be off follows from the check: until the verdict's margin is used up. What pins and slits
+allow follows from the gaps that parts slide with.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from skincad.fabrication.bore_fits import PINNED, process_of
+from skincad.fabrication.rules import maker
+from skincad.inputs.design import Design
+from skincad.inputs.process import Process
+from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.layout import fits
+from skincad.solids.plan import Part
+from skincad.solids.roles import CAVITIES, PartRole
+from skincad.solids.shrinkage import shrinkage
+
+UNCHECKED = "Grooves: made without the check, so neither their limits nor a yield are known."
+
+
+class Judged(NamedTuple):
+    """What the check says of the mold's crests: by how much each may be lower alone until the
+    verdict's margin is used up, mm (empty where it has none), and as words the share of parts that pass,
+    with its error."""
+
+    drops: tuple[float, ...]
+    passing: str
+
+
+def general_tolerance(design: Design, part: Part) -> str:
+    """Return what holds where a size has no limits of its own."""
+    process = process_of(design, part)
+    return f"±{process.tolerance:g} (by {maker(design, part)})" if process else "ISO 2768-mK"
+
+
+def process_words(design: Design, part: Part) -> str:
+    """Return how a part is made."""
+    name, process = maker(design, part), process_of(design, part)
+    if process is None:
+        return "any that keeps the tolerances"
+    based = f" (as {process.based_on})" if process.based_on not in (None, name) else ""
+    return f"{name}{based}{_TOOLS[process.tool] if not process.layer else ', printed'}"
+
+
+_TOOLS = {"none": "", "mill": ", milled", "wire": ", wire erosion"}
+
+
+def material_words(design: Design, part: Part) -> str:
+    """Return of what a part can be: assumption, by what its process cuts."""
+    process = process_of(design, part)
+    if process is None:
+        return "rigid plate: acrylic, aluminium"
+    if process.layer:
+        return "rigid resin or filament" + (", sealed against silicone" if process.inhibits_platinum else "")
+    return "brass or tool steel" if process.tool == "wire" else "aluminium or brass"
+
+
+def notes(design: Design, part: Part) -> list[str]:
+    """Return what holds for the whole part."""
+    share = 100 * shrinkage(design)
+    rows = ["Coordinates x, y of a hole from the view's left and lower edge. Exact shape: the STEP file."]
+    if part.role in CAVITIES and share:
+        rows.append(
+            f"Trough larger than the skin by the silicone's shrinkage, {share:.3g} %: sizes are the mold's."
+        )
+    if part.role in CAVITIES or part.role in (PartRole.COMB, PartRole.KEEPER):
+        rows.append("Edges at trough and slits sharp and free of burrs; all others broken 0.1 to 0.3.")
+    else:
+        rows.append("Edges broken 0.1 to 0.3; the face on the silicone flat and free of scratches.")
+    process = process_of(design, part)
+    if process and process.inhibits_platinum:
+        rows.append("The process may keep platinum silicone from curing: wash, cure fully and seal the part.")
+    return rows
+
+
+def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]:
+    """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
+    rows = _crests(design, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
+    if part.role is PartRole.COMB:
+        gap, process = design.mold.slit_clearance, process_of(design, part)
+        lays = "strip" if design.mold.method == "cast-in" else "shim"
+        rows.append(
+            f"Slits: {gap:g} a side beside the {lays}. Narrower ones jam it, wider ones let silicone in "
+            f"and the film lie aside; {_kept(process, gap)}"
+        )
+    if part.role is PartRole.CARRIER:
+        rows.append(
+            f"Length and width: {design.mold.clearance:g} a side to its seat; larger it jams, smaller "
+            "the flash grows."
+        )
+    pins = {cut.role for cut in part.cuts} & PINNED
+    if pins:
+        sliding = fits(design, maker(design, part)).slide - PIN_RADIUS
+        rows.append(
+            f"Pin holes: place within ±{sliding / 2:.3g}, half of the pins' play of {sliding:.3g} a side, or "
+            "the parts don't slide onto each other."
+        )
+    return rows
+
+
+def _kept(process: Process | None, gap: float) -> str:
+    if process is None:
+        return "no process is named that keeps it."
+    word = "keeps" if process.tolerance <= gap else "does not keep"
+    return f"the process, ±{process.tolerance:g}, {word} that gap."
+
+
+def _crests(design: Design, part: Part, judged: Judged | None) -> list[str]:
+    """What the crests' heights may differ by: the grooves' depths."""
+    process = process_of(design, part)
+    sigma = f"{process.crest_sigma:g}" if process else "not known"
+    if judged is None:
+        return [UNCHECKED]
+    rows = []
+    if judged.drops:
+        least = min(judged.drops)
+        which = judged.drops.index(least) + 1
+        word = "any depth does" if math.isinf(least) else f"ridge {which} allows least, {least:.4f}"
+        rows.append(
+            "Grooves: each alone may be too shallow by what the table allows until the check's margin is "
+            f"used up and a ridge stays off the plate; {word}. The process's sigma is {sigma}."
+        )
+    else:
+        rows.append(
+            f"Grooves: the check leaves no margin, or has none to say; the process's sigma is {sigma}."
+        )
+    if judged.passing:
+        rows.append(f"Yield {judged.passing}: the share of skins whose ridges all touch, at that sigma.")
+    return rows

@@ -1,0 +1,132 @@
+"""What the page draws of a design: the skin and the mold's parts as meshes, and the section as a picture."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.errors import InputError
+from skincad.fabrication.meshes import mesh
+from skincad.inputs.design import Design
+from skincad.pictures.exploded import apart
+from skincad.shape.cross_section import Section, section
+from skincad.shape.curves import Loop, polygon
+from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.plan import Part
+from skincad.solids.skin import skin_part
+
+CHORD = 2e-3  # of the pad's width: what a chord may miss, less than a pixel of the page
+FINE = 2e-3  # of the pitch: chords of the section's picture
+TALLEST = 150  # px, of a picture of the section
+INK = "#333"
+SILICONE, FILM = "#eebfa6", "#b5482a"
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Parts that are shown alike and move together: corners `(n, 3)` and where they are moved `apart`, mm."""
+
+    name: str
+    label: str  # what it is: cavity, end plates, shim, ...
+    colour: Vector  # red, green, blue, 0 to 1
+    corners: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    apart: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnDesign:
+    """A design as it is drawn: its skin, ridges up, and its mold with what lies in it, ridges down.
+
+    Without a mold `refusal` says why there is none.
+    """
+
+    design: Design
+    section: str  # HTML
+    skin: Piece
+    mold: tuple[Piece, ...]
+    closed: ClosedMold | None
+    refusal: str
+
+
+def view(design: Design, *, molded: bool = True) -> DrawnDesign:
+    """Return what is drawn of a design, its mold only if `molded`; raises InputError for a skin without a
+    section."""
+    chord = CHORD * design.skin.width
+    shown, refusal, closed = section_svg(design), "", None
+    part = skin_part(design)
+    skin = _piece("skin", [part], (0.0, 0.0, 0.0), chord)
+    try:
+        closed = mold(design) if molded else None
+    except InputError as failure:
+        refusal = str(failure)
+    return DrawnDesign(design, shown, skin, pieces(closed, chord) if closed else (), closed, refusal)
+
+
+def pieces(closed: ClosedMold, chord: float) -> tuple[Piece, ...]:
+    """Return the mold's parts, those of a kind that leave together as one piece, in the mold's frame."""
+    groups: dict[tuple[str, Vector], list[Part]] = {}
+    for part in closed.parts:
+        x, y, z = apart(part, closed).tolist()
+        groups.setdefault((part.role.label, (x, y, z)), []).append(part)
+    seen: Counter[str] = Counter()
+    found = []
+    for (label, way), parts in groups.items():
+        seen[label] += 1
+        found.append(_piece(f"{label} {seen[label]}".replace("'", ""), parts, way, chord))
+    return tuple(found)
+
+
+def section_svg(design: Design) -> str:
+    """Return the section as HTML with SVG in it: the whole of it, and its middle ridges large."""
+    shape, ridge, skin = section(design), design.ridge, design.skin
+    reach = min(1.6 * ridge.pitch, 0.5 * skin.width)
+    height = design.heights[(ridge.count - 1) // 2]
+    wide = max(abs(s.start.x) for s in shape.outline)
+    low = max(skin.thickness - 0.35 * reach, 0.0)
+    whole = _frame(shape, design, (-wide, 0.0, wide, shape.top))
+    near = _frame(shape, design, (-reach, low, reach, skin.thickness + height))
+    size = f"{skin.width:g} x {skin.length:g} x {shape.top:.4g} mm"
+    told = f"{ridge.count} ridge{'s' * (ridge.count > 1)}, {size}; below the middle ones"
+    return f"<div>Section: {told}</div>{whole}{near}"
+
+
+def _frame(shape: Section, design: Design, box: tuple[float, float, float, float]) -> str:
+    """A part of the section between these x and z, mm, z up."""
+    left, low, right, high = box
+    margin = 0.03 * (right - left)
+    frame = f"{left - margin:.5g} {-high - margin:.5g} {right - left + 2 * margin:.5g}"
+    frame += f" {high - low + 2 * margin:.5g}"
+    fine = min(FINE * design.ridge.pitch, 1e-3 * (right - left))
+    line = f'stroke="{INK}" stroke-width="1" vector-effect="non-scaling-stroke"'
+    drawn = [f'<path d="{_path(shape.outline, fine)}" fill="{SILICONE}" {line}/>']
+    for slot in shape.slots:
+        if left <= slot.centre.x <= right:
+            fill = SILICONE if design.film_state != "loose" else "white"
+            drawn.append(f'<path d="{_path(slot.loop(), fine)}" fill="{fill}" {line} stroke-opacity="0.5"/>')
+            if design.film:
+                strip = _path(slot.loop(design.film.thickness), fine)
+                drawn.append(f'<path d="{strip}" fill="{FILM}"/>')
+    style = f'width="100%" style="max-height:{TALLEST}px;display:block;margin:4px 0"'
+    return f'<svg viewBox="{frame}" {style}>{"".join(drawn)}</svg>'
+
+
+def _path(outline: Loop, fine: float) -> str:
+    points = " ".join(f"{x:.5g},{-z:.5g}" for x, z in polygon(outline, fine))
+    return f"M{points}Z"
+
+
+def _piece(name: str, parts: list[Part], apart: Vector, chord: float) -> Piece:
+    shapes, count = [mesh(part, chord) for part in parts], 0
+    corners, faces = [], []
+    for shape in shapes:
+        corners.append(np.asarray(shape.vertices, dtype=np.float32))
+        faces.append(np.asarray(shape.faces, dtype=np.uint32) + np.uint32(count))
+        count += len(shape.vertices)
+    role = parts[0].role
+    return Piece(name, role.label, role.colour, np.vstack(corners), np.vstack(faces), apart)

@@ -1,0 +1,191 @@
+"""The closed forms behind a verdict, as a structural calculation report writes them down.
+
+Each result comes from the function that the program itself uses; tests hold it against its formula and the
+numbers that are printed.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+
+import numpy as np
+
+from skincad.base.arrays import Array, Mask
+from skincad.base.formula import Calculation, Quantity
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.problem import Answer, Request
+from skincad.mechanics.tiers import winkler
+from skincad.mechanics.tiers.winkler_error import compliances
+from skincad.mechanics.validity import limits, plane_modulus
+
+FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"
+ON_A_CIRCLE = "geometry of the base circle"
+
+
+def contact_calculations(design: Design, share: float | None = None) -> list[Calculation]:
+    """Return the foundation's verdict, step by step; `share` N is the force on the most loaded ridge by the
+    verdict's model, for its strain."""
+    modulus, stiffness = _modulus(design), _stiffness(design)
+    found = [modulus, *stiffness, *_gap(design)]
+    if design.skin.curvature_radius_y is None:
+        verdict = winkler.answer(design, Request(design.contact.force))
+        found += [_all_touch(design, verdict), _approach(design, verdict)]
+    return found if share is None else [*found, _strain(design, share)]
+
+
+def _modulus(design: Design) -> Calculation:
+    stuff = silicone(design)
+    return Calculation(
+        "Modulus in plane strain",
+        Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
+        "E / (1 - nu**2)",
+        (
+            Quantity("E", f"Young's modulus of {stuff.name}", stuff.young_modulus.value, "MPa"),
+            Quantity("nu", "Poisson's ratio", stuff.poisson_ratio, "1"),
+        ),
+        "plane strain: Johnson, Contact Mechanics, 1985, ch. 2",
+    )
+
+
+def _stiffness(design: Design) -> list[Calculation]:
+    """The two springs of a ridge, and both in series."""
+    base, column = compliances(design)
+    given = Quantity("c_b", "give of the base under a ridge", base, "1")
+    own = Quantity("c_r", "give of the ridge, of median height", column, "1")
+    series = Calculation(
+        "Stiffness of a ridge on its foundation",
+        Quantity("k", "stiffness of a ridge", winkler.ridge_stiffness(design), "N/mm"),
+        "E1 * L / (c_b + c_r)",
+        (
+            Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
+            Quantity("L", "skin.length", design.skin.length, "mm"),
+            given,
+            own,
+        ),
+        FOUNDATION,
+        "Base and ridge are two springs in series.",
+    )
+    return [*_gives(design, given, own), series]
+
+
+def _gives(design: Design, base: Quantity, column: Quantity) -> list[Calculation]:
+    skin, ridge = design.skin, design.ridge
+    under = (
+        Quantity("n", "ridges", ridge.count, "1"),
+        Quantity("T", "skin.thickness", skin.thickness, "mm"),
+        Quantity("W", "skin.width", skin.width, "mm"),
+    )
+    itself = (
+        Quantity("h", "ridge height, the median one", median(design.heights), "mm"),
+        Quantity("b_r", "ridge.root_width", ridge.root_width, "mm"),
+        Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
+    )
+    return [
+        Calculation("A ridge's part of the base", base, "n * T / W", under, FOUNDATION),
+        Calculation("The ridge itself", column, "2 * h / (b_r + b_t)", itself, FOUNDATION),
+    ]
+
+
+def _gap(design: Design) -> list[Calculation]:
+    """The approach that the ridge which touches last asks for."""
+    depths, ridge = winkler.crest_depths(design), design.ridge
+    last = int(np.argmax(depths))
+    lean = Quantity("phi", f"lean of ridge {last + 1}", abs(design.lean(last + 1)), "rad")
+    radius = Quantity("R", "skin.curvature_radius", design.skin.curvature_radius, "mm")
+    turned = Calculation(
+        f"Lean of ridge {last + 1}, the last to touch",
+        lean,
+        "m * p / R",
+        (
+            Quantity("m", "pitches from the middle", abs(last - (ridge.count - 1) / 2), "1"),
+            Quantity("p", "ridge.pitch", ridge.pitch, "mm"),
+            radius,
+        ),
+        ON_A_CIRCLE,
+    )
+    own = Quantity("h_l", f"height of ridge {last + 1}", design.heights[last], "mm")
+    formula, more = _beside_the_circle(design, depths, last)
+    gap = float(winkler.crest_gaps(design)[last])
+    needed = Calculation(
+        f"Approach needed until ridge {last + 1} touches",
+        Quantity("g", f"gap of ridge {last + 1} when the first one touches", gap, "mm"),
+        f"2 * (R + h_l) * sin(phi / 2)**2{formula}",
+        (radius, own, lean, *more),
+        ON_A_CIRCLE,
+    )
+    return [needed] if ridge.count == 1 else [turned, needed]
+
+
+def _beside_the_circle(design: Design, depths: Array, last: int) -> tuple[str, list[Quantity]]:
+    """What a gap has beside the circle's fall: the plate's rise, heights that differ, the first touch."""
+    formula, given, first = "", list[Quantity](), int(np.argmin(depths))
+    if design.contact.plate.shape != "flat":
+        formula += " + z_p"
+        rises = float(winkler.plate_rises(design)[last])
+        given.append(Quantity("z_p", f"rise of the plate over ridge {last + 1}", rises, "mm"))
+    if design.uneven:
+        formula += " + (h_m - h_l)"
+        given.append(Quantity("h_m", "height of the highest ridge", max(design.heights), "mm"))
+    if depths[first]:
+        formula += " - d_f"
+        given.append(Quantity("d_f", f"the same of ridge {first + 1}, the first", float(depths[first]), "mm"))
+    return formula, given
+
+
+def _springs(design: Design, chosen: Mask) -> tuple[Quantity, Quantity]:
+    stiff, gaps = winkler.stiffnesses(design), winkler.crest_gaps(design)
+    return (
+        Quantity("k_i", "stiffness of each ridge", tuple(np.broadcast_to(stiff, gaps.shape)[chosen]), "N/mm"),
+        Quantity("g_i", "gap of each ridge", tuple(gaps[chosen]), "mm"),
+    )
+
+
+def _all_touch(design: Design, found: Answer) -> Calculation:
+    gaps = winkler.crest_gaps(design)
+    error = found.all_touch_force.error or 0.0
+    return Calculation(
+        "Force from which on all ridges touch",
+        Quantity("F", "all-touch force", winkler.all_touch_force(design), "N"),
+        "sum(k_i * (g - g_i))",
+        (
+            Quantity("g", "gap of the last ridge", float(gaps.max()), "mm"),
+            *_springs(design, np.ones(gaps.size, dtype=bool)),
+        ),
+        FOUNDATION,
+        f"As a model it is known to ± {error:.2g} N: ridges are independent springs here; their common base, "
+        "slots and films are left out.",
+    )
+
+
+def _approach(design: Design, found: Answer) -> Calculation:
+    force, error = design.contact.force, found.approach.error or 0.0
+    touching = np.array([(each.value or 0.0) > 0 for each in found.ridge_force])
+    count = int(touching.sum())
+    which = "all ridges" if count == touching.size else f"the {count} ridges"
+    return Calculation(
+        f"Approach at {force:g} N",
+        Quantity("delta", "approach after the first touch", found.approach.value or 0.0, "mm"),
+        "(P + sum(k_i * g_i)) / sum(k_i)",
+        (Quantity("P", "contact.force", force, "N"), *_springs(design, touching)),
+        FOUNDATION,
+        f"Summed over {which} that touch. As a model it is known to ± {error:.2g} mm.",
+    )
+
+
+def _strain(design: Design, share: float) -> Calculation:
+    ridge = design.ridge
+    return Calculation(
+        "Nominal strain of the most loaded ridge",
+        Quantity("epsilon", "nominal strain", limits(design).strain(share), "1"),
+        "2 * P_m / (E1 * L * (b_r + b_t))",
+        (
+            Quantity("P_m", "force on it, by the verdict's model", share, "N"),
+            Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
+            Quantity("L", "skin.length", design.skin.length, "mm"),
+            Quantity("b_r", "ridge.root_width", ridge.root_width, "mm"),
+            Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
+        ),
+        "force over modulus and mean area",
+        "Small strain is meant up to 0.1; beyond it a model of finite strain is asked.",
+    )

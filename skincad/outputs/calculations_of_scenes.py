@@ -1,0 +1,130 @@
+"""The closed forms of a scene's films and amplifier: charge, capacitance, voltage."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from skincad.base.formula import Calculation, Quantity
+from skincad.circuit.bode import CircuitGain
+from skincad.circuit.constants import Constants
+from skincad.circuit.film import PICO, capacitance, electrode
+from skincad.circuit.model import Circuit, constants
+from skincad.effects.piezo import strip_charges
+from skincad.outputs.calculations_of_casting import PIEZO
+from skincad.scenes.simulation import Simulation
+
+PLATES = "parallel plates, stray field left out"
+EPSILON_0 = 8.8541878128e-3  # pF/mm; source: CODATA 2018, as scipy.constants.epsilon_0
+KILO, GIGA = 1e3, 1e9
+
+
+def felt_calculations(found: Simulation, amplifier: Circuit, swept: CircuitGain) -> list[Calculation]:
+    """Return a strip's charge where the scene's differential stress is largest, its capacitance with the
+    lead, and what the ideal amplifier makes of 1 N on the film, by the network's own beside it.
+
+    `amplifier` is the circuit fitted to the skin, `swept` its gain.
+    """
+    felt = _felt(found, amplifier)
+    return [*([felt] if felt else []), _capacitance(amplifier), _ideal(amplifier, swept)]
+
+
+def _felt(found: Simulation, amplifier: Circuit) -> Calculation | None:
+    """The charge of the told strip at the step of the largest differential stress of all."""
+    design, film = found.scene.design, found.scene.design.film
+    if not found.raw or film is None:
+        return None
+    ridge = max(found.raw, key=lambda r: float(np.abs(found.raw[r]).max()))
+    step = int(np.argmax(np.abs(found.raw[ridge])))
+    stress = np.array([found.march.readings[step].films])
+    strip = 2 * (ridge - 1)
+    charges = strip_charges(amplifier, design, stress)[0]
+    through, across, along = (float(value) for value in stress[0, strip])
+    drawn, other = (along, across) if amplifier.film.draw_axis == "length" else (across, along)
+    return Calculation(
+        f"Charge of S1 in ridge {ridge} at step {step}, where the differential stress is largest",
+        Quantity("Q", "charge", float(charges[strip]) / PICO, "pC"),
+        "A * (d_31 * T_1 + d_32 * T_2 + d_33 * T_3)",
+        (
+            Quantity("A", "electrode in the skin", electrode(design).inside, "mm²"),
+            Quantity("d_31", "film.d31", film.d31, "pC/N"),
+            Quantity("T_1", "stress along the draw axis", drawn, "MPa"),
+            Quantity("d_32", "film.d32", film.d32, "pC/N"),
+            Quantity("T_2", "stress across it, in the film", other, "MPa"),
+            Quantity("d_33", "film.d33", film.d33, "pC/N"),
+            Quantity("T_3", "stress through the film", through, "MPa"),
+        ),
+        PIEZO,
+        "Stresses are those of the scene's march, before the low-pass.",
+    )
+
+
+def _capacitance(amplifier: Circuit) -> Calculation:
+    film = amplifier.film
+    own = capacitance(film.area, film.thickness, film.permittivity)
+    return Calculation(
+        "Capacitance of a strip with its lead",
+        Quantity("C", "static capacitance", own / PICO, "pF"),
+        "epsilon_0 * epsilon_r * A_w / t",
+        (
+            Quantity("epsilon_0", "permittivity of vacuum", EPSILON_0, "pF/mm"),
+            Quantity("epsilon_r", "film.permittivity of the circuit", film.permittivity, "1"),
+            Quantity("A_w", "electrode with its lead", film.area, "mm²"),
+            Quantity("t", "film.thickness", film.thickness, "mm"),
+        ),
+        PLATES,
+    )
+
+
+def _ideal(amplifier: Circuit, swept: CircuitGain) -> Calculation:
+    """What an ideal amplifier makes of 1 N on the film at the mid-band, against the network's own gain."""
+    c = constants(amplifier)
+    frequency, decibels = swept.mid_band
+    formula, given, value, source = _amplified(c, amplifier.amplifier.topology, frequency)
+    network = 10 ** (decibels / 20)
+    told = f"The whole network, with its finite gain and its motional branch, gives {network:.4g} V/N there."
+    return Calculation(
+        f"Output of the ideal amplifier by 1 N on the film, at {frequency:.4g} Hz, the mid-band",
+        Quantity("G", "gain", value, "V/N"),
+        formula,
+        given,
+        source,
+        told,
+    )
+
+
+def _amplified(c: Constants, topology: str, frequency: float) -> tuple[str, tuple[Quantity, ...], float, str]:
+    """Formula, what is given, result in V/N, and source."""
+    charge = Quantity("d", "charge by 1 N, the circuit's d33", abs(c.d33) / PICO, "pC/N")
+    if topology == "follower":
+        whole = c.capacitance + c.input_capacitance
+        given = (
+            charge,
+            Quantity("C_p", "film, lead and cable", c.capacitance / PICO, "pF"),
+            Quantity("C_i", "amplifier.input_capacitance", c.input_capacitance / PICO, "pF"),
+        )
+        source = "Horowitz and Hill, The Art of Electronics, 3rd ed., sec. 4.2.3"
+        return "d / (C_p + C_i)", given, abs(c.d33) / whole, source
+    at = (
+        charge,
+        Quantity("f", "frequency", frequency / KILO, "kHz"),
+        Quantity("R_f", "amplifier.feedback_resistance", c.feedback_resistance / GIGA, "GΩ"),
+    )
+    turn = 2 * math.pi * frequency * c.feedback_resistance
+    if not c.feedback_capacitance:
+        return (
+            "2 * pi * f * R_f * d",
+            at,
+            turn * abs(c.d33),
+            "ideal operational amplifier in the network of Yamada et al. 2002, Figs 5 and 6",
+        )
+    held = Quantity("C_f", "amplifier.feedback_capacitance", c.feedback_capacitance / PICO, "pF")
+    formula = "2 * pi * f * R_f * d / sqrt(1 + (2 * pi * f * R_f * C_f)**2)"
+    value = turn * abs(c.d33) / math.sqrt(1 + (turn * c.feedback_capacitance) ** 2)
+    return (
+        formula,
+        (*at, held),
+        value,
+        "ideal operational amplifier, its feedback a resistor beside a capacitor",
+    )

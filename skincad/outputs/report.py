@@ -1,0 +1,230 @@
+"""The report of a made design: one page that needs nothing else, to be forwarded and printed.
+
+Every figure says where it comes from and which command gives it. It holds no date and no time of the run:
+the same design gives the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+from typing import TYPE_CHECKING, cast
+
+from skincad.base.version import __version__
+from skincad.fabrication.making import Job, passes
+from skincad.inputs.catalog import load_design, read_table, template_names
+from skincad.inputs.design import Design
+from skincad.inputs.retyped import retyped
+from skincad.mechanics.validity import limits
+from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs import checks
+from skincad.outputs.calculations import contact_calculations
+from skincad.outputs.calculations_of_casting import casting_calculations, strip_calculations
+from skincad.outputs.report_verdict import (
+    forces_figure,
+    models_section,
+    sensitivity_section,
+    verdict_section,
+    yield_section,
+)
+from skincad.pictures.markup import (
+    calculation,
+    command_line,
+    figure,
+    heading,
+    paragraph,
+    ridge_table,
+    table,
+)
+from skincad.pictures.page import document, inlined, rendered
+
+if TYPE_CHECKING:
+    from skincad.outputs.report_scenes import ScenePart
+    from skincad.scenes.simulation import Simulation
+
+SEVERITY = {"error": "fails the design", "warning": "fails it under --strict", "note": "to know"}
+
+
+def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> str:
+    """Return the report as HTML. `picture` gives the design's PNG, `sheet` is the casting sheet in Markdown,
+    `drawing` the SVG with its dimensions."""
+    design = job.design
+    source = retyped(design, "designs", load_design, file="design.toml")
+    check = None if job.check is None else f"skincad check {source} --tier {job.check.tier}"
+    scenes = _scenes(job, source)
+    made = f"skincad make {source}{'' if job.check else ' --no-check'}"
+    made += "".join(f" --scene {scene.source}" for scene in scenes)
+    pictures = figure(
+        inlined(picture(), "image/png"), "The skin, its section, and the mold taken apart.", made
+    )
+    parts = [
+        _head(job, made, scenes),
+        heading("Pictures", "pictures") + pictures,
+        forces_figure(job.check, check) if job.check and check else "",
+        *_judged(job, job.check, check or "", source),
+        _findings(job, made),
+        _calculations(job, made),
+        *([part.html for part in scenes] or [_no_scene(design, source)]),
+        heading("Casting sheet", "sheet", new_page=True),
+        _lower(rendered(sheet.partition("\n")[2])),
+        f"<h3>Drawing</h3>\n{drawing}",
+        command_line(made),
+    ]
+    files = {"design.toml": design.to_toml()}
+    for scene in scenes:
+        files |= scene.files
+    parts.append(_files(files))
+    return document(f"skincad report: {design.name}", "".join(parts), "report.css")
+
+
+def _scenes(job: Job, source: str) -> list[ScenePart]:
+    """The scenes' parts; without any, nothing of a scene is imported."""
+    if not job.scenes:
+        return []
+    from skincad.outputs.report_scenes import scene_part
+
+    return [scene_part(each, source) for each in cast("tuple[Simulation, ...]", job.scenes)]
+
+
+def suggested_scene(design: Design) -> str | None:
+    """Return the name of a scene that this skin can take, with signals in volts if there is one."""
+    names = template_names("scenes")
+    for wanted in ("piezo", "film", "friction"):
+        for name in names:
+            data = read_table(name, "scenes")
+            effects, ridges = data.get("effects", {}), data.get("readout", {}).get("ridges", [])
+            force = max(data["history"]["normal_force_N"])
+            felt = design.film is not None or not (ridges or "film" in effects)
+            if (
+                wanted in effects
+                and felt
+                and max(ridges, default=0) <= design.ridge.count
+                and force <= design.ridge.count * limits(design).largest
+            ):
+                return name
+    return None
+
+
+def _no_scene(design: Design, source: str) -> str:
+    """Which command would add a scene."""
+    head, name = heading("Scenes", "scenes"), suggested_scene(design)
+    if name is None:
+        return head + paragraph("No scene was asked for; skincad make --scene FILE adds one of yours.")
+    return head + command_line(
+        f"skincad make {source} --scene {name}", "No scene was asked for. One is added by"
+    )
+
+
+def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
+    """Name, passed or failed, verdict, and what the page holds."""
+    passed = passes(job.check, job.findings, strict=False)
+    verdict = checks.verdict(job.check) if job.check else checks.UNCHECKED
+    word = "passed" if passed else "FAILED"
+    if passed and job.check is None:
+        word = "passed, unchecked"
+    links = {
+        "pictures": "Pictures",
+        "verdict": "Verdict",
+        "models": "Models",
+        "yield": "Yield",
+        "sensitivities": "What moves the force",
+        "findings": "Findings",
+        "calculation": "Calculation",
+        **({scene.key: scene.title for scene in scenes} or {"scenes": "Scenes"}),
+        "sheet": "Casting sheet",
+        "files": "To make it again",
+    }
+    contents = "".join(f'<a href="#{escape(key)}">{escape(text)}</a> ' for key, text in links.items())
+    return (
+        f"<h1>{escape(job.design.name)}: {escape(word)}</h1>\n"
+        f'<p class="{"passed" if passed else "failed"}">{escape(verdict)}</p>\n'
+        f"{paragraph(_rests_on(job.check)) if job.check else ''}"
+        f"{command_line(made, f'Made with skincad {__version__} by')}<nav>{contents}</nav>\n"
+    )
+
+
+def _rests_on(check: ContactCheck) -> str:
+    margin = "" if check.margin is None else f", {check.margin:.2f} N of margin to the worst case"
+    left = ", ".join(part.effect for part in check.left_out)
+    return f"By the {check.tier} model{margin}; what it leaves out is in the error: {left or 'nothing'}."
+
+
+def _judged(job: Job, check: ContactCheck | None, command: str, source: str) -> list[str]:
+    """The parts that need a verdict, or that they do."""
+    if check is None:
+        titles = (("verdict", "What the verdict rests on"), ("models", "Models asked"), ("yield", "Yield"))
+        again = command_line(f"skincad check {source}", "It is given by")
+        asked = [
+            heading(title, key) + paragraph(f"{checks.UNCHECKED} This part needs a verdict.") + again
+            for key, title in titles
+        ]
+        return [*asked, sensitivity_section(job, None, source)]
+    return [
+        verdict_section(check, command),
+        models_section(job, check, command),
+        yield_section(job, check, command),
+        sensitivity_section(job, check, source),
+    ]
+
+
+def _findings(job: Job, made: str) -> str:
+    head = heading("Findings", "findings")
+    if not job.findings:
+        return (
+            head
+            + paragraph("None: all rules of processes, demolding and filling are kept.")
+            + command_line(made)
+        )
+    rows = [
+        (each.severity, each.rule, each.where, each.measured, each.limit, each.unit, each.remedy)
+        for each in job.findings
+    ]
+    heads = ("severity", "rule", "where", "measured", "limit", "unit", "remedy")
+    severities = dict.fromkeys(each.severity for each in job.findings)
+    told = "; ".join(f"{word}: {SEVERITY[word]}" for word in severities)
+    return head + table(heads, rows, "small") + paragraph(told + ".", "small") + command_line(made)
+
+
+def _calculations(job: Job, made: str) -> str:
+    """The closed forms: the foundation's verdict, casting, films."""
+    check = job.check
+    share = max((each.value or 0.0 for each in check.ridge_force), default=0.0) if check else None
+    contact = contact_calculations(job.design, share or None)
+    ridges = {
+        given.symbol: given
+        for step in contact
+        for given in step.given
+        if isinstance(given.value, tuple) and len(given.value) == job.design.ridge.count
+    }
+    words = (
+        "Closed forms with their numbers, to be checked by hand. They rank designs; the verdict above is a "
+        "finer model's, which also knows how the ridges push each other down through their common base."
+    )
+    parts = [
+        heading("Calculation", "calculation"),
+        paragraph(words),
+        *(calculation(step) for step in contact),
+        ridge_table(list(ridges.values())) if ridges else "",
+        "<h3>Casting</h3>\n",
+        *(calculation(step) for step in casting_calculations(job.design, job.closed)),
+    ]
+    if films := strip_calculations(job.design):
+        parts += ["<h3>Films</h3>\n", *(calculation(step) for step in films)]
+    return "".join(parts) + command_line(made)
+
+
+def _lower(html: str) -> str:
+    """The sheet's heads a rank lower, as it is a part here."""
+    return html.replace("<h2>", "<h3>").replace("</h2>", "</h3>")
+
+
+def _files(files: dict[str, str]) -> str:
+    """The TOML files that the commands need, to read and to save."""
+    parts = [heading("To make it again", "files")]
+    for name, text in files.items():
+        address = inlined(text.encode(), "text/plain")
+        parts.append(
+            f'<p>Save as <a download="{escape(name)}" href="{address}">{escape(name)}</a>:</p>\n'
+            f'<pre class="file">{escape(text)}</pre>\n'
+        )
+    return "".join(parts)

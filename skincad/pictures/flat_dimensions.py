@@ -1,0 +1,112 @@
+"""Dimensions of what is drawn flat and at full size: the skin's section, and the strips' cutting pattern.
+
+Their marks are laid out on paper that is `scale` times as large, so that words and arrows suit the part.
+"""
+
+from __future__ import annotations
+
+import math
+
+from skincad.fabrication.bore_table import number
+from skincad.fabrication.pattern import StripPattern
+from skincad.inputs.design import Design
+from skincad.pictures.marks import Dimension, Words, aligned, diameter, linear
+from skincad.shape.cross_section import frame, section
+from skincad.shape.curves import Loop
+from skincad.solids.projection import Place
+
+SIZE = 2.0  # mm of paper, height of capitals
+WIDE, BESIDE, OVER = 110.0, 10.0, 14.0  # mm of paper: a section, and the room beside and over it
+
+
+def section_margin(design: Design) -> tuple[float, float]:
+    """Return the room beside and over a section that its dimensions have, mm."""
+    return max(1.0, design.skin.width * BESIDE / WIDE), max(1.0, design.skin.width * OVER / WIDE)
+
+
+def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
+    """Return the section's dimensions, within its margin, and their paper's scale: width and thickness,
+    height to the crest, pitch, and a ridge's height, root and tip before fillets."""
+    skin, scale, top = design.skin, WIDE / design.skin.width, section(design).top
+    half = skin.width / 2
+
+    def on(x: float, z: float) -> Place:
+        return scale * x, scale * z
+
+    rows = [
+        linear((on(-half, 0.0), on(half, 0.0)), -6.0, True, scale, number(skin.width), SIZE),
+        linear(
+            (on(-half, 0.0), on(-half, skin.thickness)),
+            -scale * half - 4.0,
+            False,
+            scale,
+            number(skin.thickness),
+            SIZE,
+        ),
+        linear((on(half, 0.0), on(half, top)), scale * half + 5.0, False, scale, number(top), SIZE),
+    ]
+    return [*rows, *_ridge(design, scale)], scale
+
+
+def _ridge(design: Design, scale: float) -> list[Dimension]:
+    """Root and tip of the middle ridge, the pitch from the one before it, as a chord between crests, and the
+    height of the first ridge, beside which there is room."""
+    ridge, middle = design.ridge, (design.ridge.count + 1) // 2
+
+    def on(number_: int, t: float, n: float) -> Place:
+        point = frame(design, number_).at(t, n)
+        return scale * point.x, scale * point.z
+
+    high, first = design.heights[middle - 1], design.heights[0]
+    root, tip = ridge.root_width / 2, ridge.tip_width / 2
+    rows = [
+        aligned(
+            (on(middle, -root, 0.0), on(middle, root, 0.0)), -3.2, scale, f"root {number(2 * root)}", SIZE
+        ),
+        aligned((on(middle, -tip, high), on(middle, tip, high)), 2.8, scale, f"tip {number(2 * tip)}", SIZE),
+        aligned((on(1, 0.0, 0.0), on(1, 0.0, first)), scale * root + 3.0, scale, number(first), SIZE),
+    ]
+    if middle > 1:
+        ends = on(middle - 1, 0.0, design.heights[middle - 2]), on(middle, 0.0, high)
+        words = f"{number(math.dist(*ends) / scale)} (pitch {number(ridge.pitch)})"
+        rows.append(aligned(ends, 6.6, scale, words, SIZE))
+    return rows
+
+
+def strip_dimensions(strips: list[StripPattern]) -> tuple[list[Dimension], float]:
+    """Return the dimensions of the uppermost strip, over it and at its ends, and their paper's scale: lengths
+    of electrode, lead, what is cut off and all; width of strip and tab; a tab's hole."""
+    scale, strip = 2.5, strips[-1]
+    left, low, right, high = (scale * v for v in _extent(strip.cut))
+    rows = []
+
+    def over(a: float, b: float, level: int, words: str) -> None:
+        ends, said = ((a, high), (b, high)), f"{words} {number((b - a) / scale)}".strip()
+        rows.append(linear(ends, high + 6.0 + 6.0 * level, True, scale, said, SIZE))
+
+    for level, (outline, words) in enumerate(((strip.electrode, "electrode"), (strip.lead, "lead"))):
+        a, _, b, _ = (scale * v for v in _extent(outline))
+        over(a, b, level, words)
+    cuts = [scale * line.start.x for line in strip.cut_off]
+    for x in cuts:
+        near = left if x - left < right - x else right
+        over(min(x, near), max(x, near), 2, "cut off")
+    over(left, right, 3, "")
+    line = strip.cut_off[0]
+    x, (_, z0), (_, z1) = cuts[0] + 5.0, *(tuple(scale * v for v in point) for point in line)
+    wide = abs(z1 - z0)
+    rows.append(linear(((x, z0), (x, z1)), x, False, scale, number(wide / scale), SIZE))
+    if high - low > wide + 1e-9:
+        words = number((high - low) / scale)
+        rows.append(linear(((right, low), (right, high)), right + 16.0, False, scale, words, SIZE))
+    for hole in strip.holes[:1]:
+        a, b, c, d = (scale * v for v in _extent(hole))
+        text = f"{len(strip.holes)}x Ø{number((c - a) / scale)}"
+        said = Words(text, (c + 1.0, high + 1.0), SIZE, "DIMENSIONS")
+        rows.append(diameter(((a + c) / 2, (b + d) / 2), (c - a) / 2, math.radians(45), scale, said))
+    return rows, scale
+
+
+def _extent(outline: Loop) -> tuple[float, float, float, float]:
+    x, z = zip(*(s.start for s in outline), strict=True)
+    return min(x), min(z), max(x), max(z)

@@ -1,0 +1,39 @@
+"""Layers of our drawings, by the names that a shop's program shows: colour, line and what is on them.
+
+What is cut, what is engraved and what is only read have layers of their own, so that a CAM operator switches
+the others off. Colours are AutoCAD's numbers (ACI): red is what cuts, as lasers' programs have it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Layer(NamedTuple):
+    """A layer: ACI colour, line type, its lines' width on paper, mm, and colour there, and what is on it."""
+
+    aci: int
+    line: str
+    width: float
+    ink: str
+    what: str
+
+
+LINES = {  # on paper, mm: total, then strokes and gaps
+    "CONTINUOUS": (),
+    "HIDDEN": (3.0, -1.0),
+    "CENTER": (6.0, -1.0, 1.0, -1.0),
+}
+LAYERS = {
+    "OUTLINE": Layer(7, "CONTINUOUS", 0.35, "#000000", "visible edges; the skin's outline in a section"),
+    "SLOTS": Layer(1, "CONTINUOUS", 0.25, "#000000", "slots of a section"),
+    "CUT": Layer(1, "CONTINUOUS", 0.25, "#c00000", "what is cut through: contours and holes"),
+    "ELECTRODE": Layer(3, "CONTINUOUS", 0.18, "#707040", "metal on the film: keep it, don't cut"),
+    "LEAD": Layer(2, "CONTINUOUS", 0.18, "#a07820", "bare film's lead: keep it, don't cut"),
+    "MARK": Layer(5, "CONTINUOUS", 0.18, "#1f3f68", "what is engraved or only marked"),
+    "HIDDEN": Layer(8, "HIDDEN", 0.18, "#707070", "edges behind what is seen"),
+    "CENTRE": Layer(4, "CENTER", 0.13, "#909090", "centre lines"),
+    "DIMENSIONS": Layer(6, "CONTINUOUS", 0.13, "#1f5fa8", "dimensions, leaders and datums: off for cutting"),
+    "TEXT": Layer(9, "CONTINUOUS", 0.18, "#000000", "tables and notes: off for cutting"),
+    "FRAME": Layer(8, "CONTINUOUS", 0.25, "#000000", "the sheet's frame and title block: off for cutting"),
+}

@@ -1,0 +1,125 @@
+"""Formulas as MathML, which browsers draw by themselves: in symbols, and with the numbers put in."""
+
+from __future__ import annotations
+
+import ast
+from html import escape
+
+from skincad.base.formula import Calculation, Quantity, rounded
+
+GREEK = {
+    "delta": "δ",
+    "epsilon": "ε",
+    "nu": "\u03bd",
+    "phi": "φ",
+    "pi": "π",
+    "rho": "\u03c1",
+    "sigma": "\u03c3",
+}
+PRECEDENCE = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.Div: 4, ast.USub: 2, ast.Pow: 3}
+WHOLE = 5  # of what needs no brackets
+
+
+def formula(step: Calculation) -> str:
+    """Return the formula in symbols: result = ..."""
+    drawn = _Drawn({}).of(_tree(step), 0)
+    return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
+
+
+def put_in(step: Calculation) -> str:
+    """Return the formula with the numbers put in; those of each ridge stay symbols."""
+    numbers = {each.symbol: number(each.value) for each in step.given if not isinstance(each.value, tuple)}
+    drawn = _Drawn(numbers).of(_tree(step), 0)
+    return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
+
+
+def name(quantity: Quantity) -> str:
+    """Return a quantity's symbol alone."""
+    return _math(symbol(quantity.symbol))
+
+
+def symbol(text: str) -> str:
+    """Return a symbol: `c_r` has an index, `E1` a prime."""
+    letter, _, index = text.partition("_")
+    primed = letter.endswith("1")
+    letter = GREEK.get(letter.removesuffix("1"), letter.removesuffix("1"))
+    drawn = f"<mi>{escape(letter)}</mi>"
+    drawn = f"<msup>{drawn}<mo>′</mo></msup>" if primed else drawn  # noqa: RUF001
+    return f"<msub><mrow>{drawn}</mrow><mi>{escape(index)}</mi></msub>" if index else drawn
+
+
+def part(node: ast.expr) -> str:
+    """Return a part of a formula in symbols."""
+    return _math(_Drawn({}).of(node, 0))
+
+
+def number(value: float) -> str:
+    """Return a number as printed, its power of ten as one."""
+    digits, _, power = rounded(value).partition("e")
+    drawn = f"<mn>{digits.replace('-', '−')}</mn>"  # noqa: RUF001
+    if power:
+        drawn += f"<mo>·</mo><msup><mn>10</mn><mn>{int(power)}</mn></msup>".replace("-", "−")  # noqa: RUF001
+    return f"<mrow>{drawn}</mrow>"
+
+
+def _math(inner: str) -> str:
+    return f'<math displaystyle="true">{inner}</math>'
+
+
+def _tree(step: Calculation) -> ast.expr:
+    return ast.parse(step.formula, mode="eval").body
+
+
+class _Drawn:
+    """Draws parts of a formula, with numbers in the place of some symbols."""
+
+    def __init__(self, numbers: dict[str, str]) -> None:
+        self.numbers = numbers
+
+    def of(self, node: ast.expr, outer: int) -> str:
+        """The part, in brackets where what is round it binds more tightly than `outer` says."""
+        drawn, binds = self._part(node)
+        return f"<mrow><mo>(</mo>{drawn}<mo>)</mo></mrow>" if binds < outer else f"<mrow>{drawn}</mrow>"
+
+    def _part(self, node: ast.expr) -> tuple[str, int]:
+        """A part and how tightly it binds."""
+        match node:
+            case ast.Constant(value=value):
+                return f"<mn>{value!r}</mn>", WHOLE
+            case ast.Name(id=name):
+                found = self.numbers.get(name)
+                negative = found is not None and found.startswith("<mrow><mn>−")  # noqa: RUF001
+                return found or symbol(name), 1 if negative else WHOLE
+            case ast.UnaryOp(operand=inner):
+                return f"<mo>−</mo>{self.of(inner, 2)}", 1  # noqa: RUF001
+            case ast.Call(func=ast.Name(id=name), args=[inner]):
+                return self._function(name, inner)
+            case ast.BinOp(left=left, op=op, right=right):
+                return self._of_two(left, op, right)
+        raise ValueError(f"no part of a formula: {ast.unparse(node)}")
+
+    def _function(self, name: str, inner: ast.expr, power: str = "") -> tuple[str, int]:
+        if name == "sqrt":
+            return f"<msqrt>{self.of(inner, 0)}</msqrt>", WHOLE
+        if name == "sum":
+            return f"<munder><mo>∑</mo><mi>i</mi></munder>{self.of(inner, 2)}", 2
+        head = f"<msup><mi>{name}</mi>{power}</msup>" if power else f"<mi>{name}</mi>"
+        return f"{head}<mo>⁡</mo><mrow><mo>(</mo>{self.of(inner, 0)}<mo>)</mo></mrow>", 3
+
+    def _of_two(self, left: ast.expr, op: ast.operator, right: ast.expr) -> tuple[str, int]:
+        binds = PRECEDENCE[type(op)]
+        match left, op:
+            case ast.Call(func=ast.Name(id="sin"), args=[inner]), ast.Pow():
+                return self._function("sin", inner, self.of(right, 0))
+        match op:
+            case ast.Div():
+                return f"<mfrac>{self.of(left, 0)}{self.of(right, 0)}</mfrac>", binds
+            case ast.Pow():
+                return f"<msup>{self.of(left, WHOLE)}{self.of(right, 0)}</msup>", binds
+            case ast.Mult():
+                sign = "<mo>·</mo>"
+            case ast.Add():
+                sign = "<mo>+</mo>"
+            case _:
+                sign = "<mo>−</mo>"  # noqa: RUF001
+        return f"{self.of(left, binds)}{sign}{self.of(right, binds + isinstance(op, ast.Sub))}", binds

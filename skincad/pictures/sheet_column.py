@@ -1,0 +1,144 @@
+"""The column of a drawing sheet: title block (ISO 7200), notes and tables, 180 mm wide, from its foot up."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import NamedTuple
+
+from skincad.fabrication.part_drawing import Listed, PartDrawing
+from skincad.pictures.marks import Box, Ink, Mark, Words, line, rectangle, width
+from skincad.solids.projection import Arc, Polyline
+
+COLUMN = 180.0  # mm, source: ISO 7200, the title block's width
+TEXT, HEAD, LABEL = 1.8, 2.5, 1.3  # mm, height of capitals
+ROW, GAP = 3.9, 3.5  # mm, of a table's row, and between tables
+TITLE = 38.0  # mm, height of the title block
+SPACE = 1.2  # mm, beside a cell's text
+
+
+class Titled(NamedTuple):
+    """What the title block says besides what the drawing does."""
+
+    scale: str
+    paper: str
+    version: str
+    date: str  # "" where it is omitted
+
+
+def column_height(drawing: PartDrawing) -> float:
+    """Return how high the column is, mm."""
+    return TITLE + GAP + _notes_height(drawing) + sum(GAP + _table_height(t) for t in drawing.tables)
+
+
+def column(drawing: PartDrawing, titled: Titled, left: float, low: float) -> list[Mark]:
+    """Return the column's marks, its lower left corner there."""
+    marks = _title(drawing, titled, left, low)
+    high = low + TITLE + GAP + _notes_height(drawing)
+    lines = _wrapped(drawing)
+    for i, text in enumerate(lines):
+        aside = 1.0 if text.startswith("-") else 2.2
+        marks.append(Words(text, (left + aside, high - (i + 1) * ROW), TEXT, "TEXT"))
+    for table in reversed(drawing.tables):
+        high += GAP + _table_height(table)
+        marks += _table(table, left, high)
+    return marks
+
+
+def _wrapped(drawing: PartDrawing) -> list[str]:
+    most = int((COLUMN - 4.0) / width("n", TEXT) * 1.12)  # a text has narrow letters too
+    lines = []
+    for note in drawing.notes:
+        lines += textwrap.wrap(note, most, initial_indent="- ")
+    return lines
+
+
+def _notes_height(drawing: PartDrawing) -> float:
+    return ROW * len(_wrapped(drawing)) + 1.0
+
+
+def _natural(table: Listed) -> list[float]:
+    """Widths of a table's columns, mm, as its texts need them."""
+    rows = zip(table.heads, *table.rows, strict=True)
+    return [max(width(text, TEXT) for text in texts) + 2 * SPACE for texts in rows]
+
+
+def _abreast(table: Listed) -> int:
+    """How many times a table of short rows stands beside itself."""
+    if len(table.rows) <= 2:
+        return 1
+    return max(1, min(len(table.rows), math.floor(COLUMN / (sum(_natural(table)) + 2.0)), 8))
+
+
+def _rows(table: Listed) -> int:
+    return math.ceil(len(table.rows) / _abreast(table))
+
+
+def _table_height(table: Listed) -> float:
+    return ROW * (_rows(table) + 2)
+
+
+def _table(table: Listed, left: float, high: float) -> list[Mark]:
+    marks: list[Mark] = [Words(table.title, (left, high - ROW + 1.2), TEXT, "TEXT")]
+    count, rows, widths = _abreast(table), _rows(table), _natural(table)
+    if count == 1 and len(table.heads) > 3:
+        spare = (COLUMN - sum(widths)) / len(widths)
+        widths = [w + max(0.0, spare) for w in widths]
+    for i in range(count):
+        part = table.rows[i * rows : (i + 1) * rows]
+        if part:
+            marks += _grid(table.heads, part, widths, left + i * (sum(widths) + 2.0), high - ROW)
+    return marks
+
+
+def _grid(
+    heads: tuple[str, ...], rows: tuple[tuple[str, ...], ...], widths: list[float], left: float, high: float
+) -> list[Mark]:
+    right, low = left + sum(widths), high - ROW * (len(rows) + 1)
+    marks: list[Mark] = [rectangle((left, low, right, high), "TEXT")]
+    marks += [line((left, high - ROW * i), (right, high - ROW * i), "TEXT") for i in range(1, len(rows) + 1)]
+    starts = [left + sum(widths[:k]) for k in range(len(widths))]
+    marks += [line((x, low), (x, high), "TEXT") for x in starts[1:]]
+    for i, row in enumerate((heads, *rows), 1):  # row by row, as who copies the text reads it
+        y = high - ROW * i + 1.1
+        marks += [Words(text, (x + SPACE, y), TEXT, "TEXT") for x, text in zip(starts, row, strict=True)]
+    return marks
+
+
+def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> list[Mark]:
+    cells: list[tuple[Box, str, str, float]] = [
+        ((0, 26, 96, 38), "title", f"{drawing.name}", 4.0),
+        ((96, 26, 150, 38), "design", drawing.design, HEAD),
+        ((0, 17, 96, 26), "what it is", drawing.what, HEAD),
+        ((96, 17, 150, 26), "document", "part drawing", HEAD),
+        ((0, 8.5, 75, 17), "material (proposal)", drawing.material, HEAD),
+        ((75, 8.5, 125, 17), "process", drawing.process, HEAD),
+        ((125, 8.5, 180, 17), "general tolerance", drawing.tolerance, HEAD),
+        ((0, 0, 52, 8.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
+        ((52, 0, 75, 8.5), "scale", titled.scale, HEAD),
+        ((75, 0, 92, 8.5), "unit", "mm", HEAD),
+        ((92, 0, 108, 8.5), "paper", titled.paper, HEAD),
+        ((108, 0, 120, 8.5), "sheet", "1/1", HEAD),
+        ((120, 0, 155, 8.5), "version (skincad)", titled.version, HEAD),
+        ((155, 0, 180, 8.5), "date", titled.date or "-", HEAD),
+    ]
+    marks: list[Mark] = []
+    for (x0, y0, x1, y1), label, text, height in cells:
+        marks.append(rectangle((left + x0, low + y0, left + x1, low + y1), "FRAME"))
+        marks.append(Words(label, (left + x0 + 1.0, low + y1 - 2.2), LABEL, "FRAME"))
+        fit = min(height, height * (x1 - x0 - 2.0) / max(width(text, height), 1e-9))
+        marks.append(Words(text, (left + x0 + 1.0, low + y0 + 1.6), fit, "FRAME"))
+    return [*marks, rectangle((left + 150, low + 17, left + 180, low + 38), "FRAME"), *_symbol(left, low)]
+
+
+def _symbol(left: float, low: float) -> list[Mark]:
+    """First-angle projection's symbol (ISO 5456-2): a cone, its narrow end at the left, and to its right what
+    is seen from the left."""
+    x, y = left + 158.0, low + 29.5
+    cone = Polyline(((x - 4, y - 2), (x + 4, y - 4), (x + 4, y + 4), (x - 4, y + 2), (x - 4, y - 2)))
+    circles = [Arc((x + 13.5, y), r, 0.0, 2 * math.pi) for r in (2.0, 4.0)]
+    marks: list[Mark] = [Ink(cone, "FRAME"), *(Ink(c, "FRAME") for c in circles)]
+    marks += [line((x - 5.5, y), (x + 5.5, y), "CENTRE"), line((x + 8, y), (x + 19, y), "CENTRE")]
+    marks.append(line((x + 13.5, y - 5), (x + 13.5, y + 5), "CENTRE"))
+    words = Words("first-angle (ISO 5456-2)", (left + 165.0, low + 19.0), LABEL, "FRAME", "middle")
+    return [*marks, words]

@@ -1,0 +1,207 @@
+"""The views of a part on its sheet, in first-angle arrangement, with dimensions, datums and tagged holes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from skincad.fabrication.bore_table import HoleGroup, number
+from skincad.fabrication.drawing_views import ABOVE, FRONT, LEFT
+from skincad.fabrication.part_drawing import NUT, PartDrawing
+from skincad.pictures.hidden_edges import thinned
+from skincad.pictures.marks import (
+    Box,
+    Dimension,
+    Fill,
+    Ink,
+    Mark,
+    Words,
+    line,
+    linear,
+    rectangle,
+    width,
+)
+from skincad.pictures.tags import Room, tagged
+from skincad.solids.projection import Arc, Place, Polyline, Projection, Stroke
+
+FIRST, NEXT = 9.5, 6.0  # mm, of a dimension's line from the view, and of the next one from it
+BETWEEN, UNDER = 20.0, 24.0  # mm, between front and left view; between front view and that from above
+FOOT, RIGHT = 12.0, 10.0  # mm, under the lowest view, and right of the last
+DRAWN = 6.0  # assumption: what words on a dimension's line cost, by what they do on an edge
+TAG, SIZE = 1.8, 2.0  # mm, height of capitals
+
+
+class Placed(NamedTuple):
+    """A view on paper: `origin` mm is where its (0, 0) lies, `scale` paper by part."""
+
+    origin: Place
+    scale: float
+
+    def at(self, point: Place) -> Place:
+        """Return a view's point on paper, mm."""
+        return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
+
+    def stroke(self, stroke: Stroke) -> Stroke:
+        """Return a view's stroke on paper."""
+        if isinstance(stroke, Arc):
+            return Arc(self.at(stroke.centre), self.scale * stroke.radius, stroke.start, stroke.sweep)
+        return Polyline(tuple(self.at(point) for point in stroke.points))
+
+    def box(self, seen: Projection) -> Box:
+        """Return the rectangle of a view on paper, mm."""
+        low, high = seen.box()
+        return (*self.at(low), *self.at(high))
+
+
+def size_of(drawing: PartDrawing, scale: float) -> tuple[float, float]:
+    """Return width and height of the views with their dimensions on paper, mm."""
+    (fw, fh), (_, ah), (lw, _) = (_extent(drawing.views[name], scale) for name in (FRONT, ABOVE, LEFT))
+    left, top = _margins(drawing)
+    return left + fw + BETWEEN + lw + RIGHT, top + fh + UNDER + ah + FOOT
+
+
+def _extent(seen: Projection, scale: float) -> tuple[float, float]:
+    (left, low), (right, high) = seen.box()
+    return scale * (right - left), scale * (high - low)
+
+
+def _margins(drawing: PartDrawing) -> tuple[float, float]:
+    """Room for dimensions at the left of the views and over them, mm."""
+    counts = [sum(1 for one in drawing.lengths if (one.view, one.way) == (FRONT, way)) for way in "vu"]
+    left, top = (FIRST + NEXT * max(count - 1, 0) + 5.0 for count in counts)
+    return left, top
+
+
+def view_marks(drawing: PartDrawing, placed: dict[str, Placed], area: Box) -> list[Mark]:
+    """Return the views as they lie, with dimensions, datums and tags, all within an area, mm."""
+    room, marks = Room(area), list[Mark]()
+    for name, place in placed.items():
+        marks += _strokes(drawing.views[name], place, room)
+        box = place.box(drawing.views[name])
+        marks.append(_caption(drawing.captions[name], box))
+    marks += _datums(drawing, placed)
+    marks += _lengths(drawing, placed)
+    for mark in marks:
+        if isinstance(mark, Words):
+            room.block(mark.box())
+        elif isinstance(mark, Dimension):
+            room.block(mark.words.box())
+            for drawn in mark.drawn:
+                if isinstance(drawn, Ink):
+                    room.cross(drawn.stroke, DRAWN)
+    return [*marks, *_tags(drawing, placed, room)]
+
+
+def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, Placed]:
+    """Return where the views lie, from the upper left corner of an area, mm."""
+    margin = _margins(drawing)
+    left, high = area[0] + margin[0], area[3] - margin[1]
+    (x, y), (x1, y1) = drawing.views[FRONT].box()
+    front = Placed((left - scale * x, high - scale * y1), scale)
+    right, low = left + scale * (x1 - x), high - scale * (y1 - y)
+    (_, _), (_, a1) = drawing.views[ABOVE].box()
+    (l0, _), _ = drawing.views[LEFT].box()
+    above = Placed((front.origin[0], low - UNDER - scale * a1), scale)
+    aside = Placed((right + BETWEEN - scale * l0, front.origin[1]), scale)
+    return {FRONT: front, ABOVE: above, LEFT: aside}
+
+
+def _caption(text: str, box: Box) -> Words:
+    return Words(text, ((box[0] + box[2]) / 2, box[1] - 4.5), TAG, "TEXT", "middle")
+
+
+def _strokes(seen: Projection, place: Placed, room: Room) -> list[Mark]:
+    marks: list[Mark] = []
+    visible = [place.stroke(s) for s in seen.visible]
+    hidden = thinned([place.stroke(s) for s in seen.hidden], visible)
+    for strokes, layer, weight in ((visible, "OUTLINE", 2.0), (hidden, "HIDDEN", 0.6)):
+        for stroke in strokes:
+            marks.append(Ink(stroke, layer))
+            room.cross(stroke, weight)
+    return marks
+
+
+def _lengths(drawing: PartDrawing, placed: dict[str, Placed]) -> list[Mark]:
+    """The dimensions: the longest of a side is outermost."""
+    marks: list[Mark] = []
+    for name, place in placed.items():
+        seen = drawing.views[name]
+        left, _, _, high = place.box(seen)
+        for way in ("u", "v"):
+            own = sorted(
+                (one for one in drawing.lengths if (one.view, one.way) == (name, way)),
+                key=lambda one: one.high - one.low,
+            )
+            for i, one in enumerate(own):
+                out = FIRST + NEXT * i
+                words = f"{one.words} {number(one.high - one.low)}".strip()
+                if way == "u":
+                    ends = [(place.at((v, 0.0))[0], high) for v in (one.low, one.high)]
+                else:
+                    ends = [(left, place.at((0.0, v))[1]) for v in (one.low, one.high)]
+                away = high + out if way == "u" else left - out
+                marks.append(linear((ends[0], ends[1]), away, way == "u", place.scale, words, SIZE))
+    return marks
+
+
+def _datums(drawing: PartDrawing, placed: dict[str, Placed]) -> list[Mark]:
+    """Datum letters in boxes on a triangle (ISO 5459), at the edges at which the faces are seen."""
+    marks: list[Mark] = []
+    for datum in drawing.datums:
+        left, low, right, high = placed[datum.view].box(drawing.views[datum.view])
+        x, y, way = {
+            "bottom": (left + 0.88 * (right - left), low, (0.0, -1.0)),
+            "top": (left + 0.88 * (right - left), high, (0.0, 1.0)),
+            "left": (left, low + 0.22 * (high - low), (-1.0, 0.0)),
+            "right": (right, low + 0.22 * (high - low), (1.0, 0.0)),
+        }[datum.edge]
+        u, v = way
+        foot = Fill(
+            ((x - 1.0 * v, y + 1.0 * u), (x + 1.0 * v, y - 1.0 * u), (x + 1.6 * u, y + 1.6 * v)), "DIMENSIONS"
+        )
+        tip = x + 3.4 * u, y + 3.4 * v
+        middle = x + 5.2 * u, y + 5.2 * v
+        box = middle[0] - 1.8, middle[1] - 1.8, middle[0] + 1.8, middle[1] + 1.8
+        words = Words(datum.letter, (middle[0], middle[1] - 1.0), SIZE, "DIMENSIONS", "middle")
+        marks += [foot, line((x + 1.6 * u, y + 1.6 * v), tip, "DIMENSIONS")]
+        marks += [rectangle(box, "DIMENSIONS"), words]
+    return marks
+
+
+def _tags(drawing: PartDrawing, placed: dict[str, Placed], room: Room) -> list[Mark]:
+    """Every hole's diameter with its tag; the first of a group says how many there are, and their size."""
+    rows = [
+        (placed[group.view], group, hole.at, _said(group, i, hole.tag))
+        for group in drawing.holes
+        for i, hole in enumerate(group.holes)
+    ]
+    for place, group, at, _ in rows:
+        x, y = place.at(at)
+        r = place.scale * max(group.diameter, group.far_diameter) / 2
+        room.block((x - 0.8 * r, y - 0.8 * r, x + 0.8 * r, y + 0.8 * r))
+    room.settle()
+    marks: list[Mark] = []
+    for place, group, at, text in sorted(rows, key=lambda row: -width(row[3], TAG)):
+        centre, size = place.at(at), (group.diameter, place.scale)
+        marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
+        marks.append(tagged(centre, place.scale * group.diameter / 2, text, size, TAG, room))
+    for i, pocket in enumerate(drawing.pockets):
+        place = placed[FRONT]
+        flats = number(pocket.flats)
+        text = f"{NUT}{i + 1}" if i else f"{NUT}1 {len(drawing.pockets)}x hexagon {flats}"
+        leader = tagged(
+            place.at(pocket.at), place.scale * pocket.flats / 2, text, (pocket.flats, place.scale), TAG, room
+        )
+        marks += [*leader.drawn, leader.words]
+    return marks
+
+
+def _said(group: HoleGroup, index: int, tag: str) -> str:
+    if index:
+        return tag
+    count = f"{len(group.holes)}x" if len(group.holes) > 1 else ""
+    return " ".join(t for t in (tag, count, group.size, group.thread) if t)
+
+
+def _cross(centre: Place, radius: float) -> list[Mark]:
+    out, (x, y) = radius + 1.0, centre
+    return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]

@@ -1,0 +1,157 @@
+"""A design to turn in the hand, as one page: skin and mold, taken apart, cut, opened, and under load."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Iterable, Mapping
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import trimesh
+from manifold3d import triangulate
+
+from skincad.base.arrays import Array, Index
+from skincad.fabrication.opening import opening_steps
+from skincad.inputs.design import Design
+from skincad.mechanics.verdict import ContactCheck
+from skincad.pictures.exploded import apart
+from skincad.pictures.three import three_js
+from skincad.solids.body import Revolved, Turned
+from skincad.solids.mold import ClosedMold, Move
+from skincad.solids.plan import Part
+from skincad.solids.roles import PartRole
+
+HERE = files("skincad.pictures")
+Data = dict[str, Any]
+
+
+def view_page(
+    design: Design,
+    closed: ClosedMold,
+    meshes: Mapping[str, trimesh.Trimesh],
+    check: ContactCheck | None,
+    words: str,
+) -> str:
+    """Return an HTML document that needs nothing else. `meshes` by part name in the mold's frame, mm; `words`
+    say how the design was judged, `check` gives the skin under its load."""
+    data = {
+        "parts": [_part(part, closed, meshes[part.name]) for part in closed.parts],
+        "steps": [
+            {"words": step.words, "moves": [_move(move, closed) for move in step.moves]}
+            for step in opening_steps(design, closed)
+        ],
+        "load": _load(design, check),
+    }
+    told = base64.b64encode(zlib.compress(json.dumps(data, allow_nan=False).encode(), 9)).decode()
+    style, script = ((HERE / name).read_text("utf-8") for name in ("view.css", "view.js"))
+    body = (HERE / "view_body.html").read_text("utf-8")
+    title = escape(design.name)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
+        f"<style>\n{style}</style>\n</head>\n<body>\n"
+        + body.replace("$NAME", title).replace("$WORDS", escape(words))
+        + f'<script type="application/octet-stream" id="data">{told}</script>\n'
+        f"<script>{three_js()}</script>\n<script>\n{script}</script>\n</body>\n</html>\n"
+    )
+
+
+def _part(part: Part, closed: ClosedMold, mesh: trimesh.Trimesh) -> Data:
+    """A part's mesh, where it is drawn apart, and with which others it is listed."""
+    one = part.made != "bought"
+    return {
+        "name": part.name,
+        "group": part.name if one else f"{part.role.label}s",
+        "colour": part.colour,
+        "clear": part.role in (PartRole.COVER, PartRole.CARRIER),
+        "apart": apart(part, closed).tolist(),
+        "points": _packed(np.asarray(mesh.vertices)),
+        "faces": _packed(np.asarray(mesh.faces)),
+    }
+
+
+def _move(move: Move, closed: ClosedMold) -> Data:
+    """Which parts leave and how each is moved: by a vector in mm, or turned about an axis along x."""
+    return {"parts": {name: _way(closed.part(name), move) for name in move.parts}}
+
+
+def _way(part: Part, move: Move) -> Data:
+    body = part.body
+    if move.axis == "turn":
+        if not isinstance(body, Revolved):
+            raise ValueError(f"{part.name}: only what is turned about an axis turns out")
+        return {"centre": body.centre, "angle": move.travel}
+    if isinstance(move.axis, str):
+        way = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2]}[move.axis]
+        if isinstance(body, Turned):  # its own axes
+            way = body.placement()[0] @ way
+    else:
+        way = np.array([move.axis[0], 0.0, move.axis[1]])
+    return {"shift": (move.travel * way).tolist()}
+
+
+def _load(design: Design, check: ContactCheck | None) -> Data | None:
+    """The skin under its force, ridges up: corners at rest and moved, the pressure at each, and the plate."""
+    if check is None or not check.deformed:
+        return None
+    rest, moved, pressure, faces, first = [], [], [], [], 0
+    for piece in check.deformed:
+        ring = [np.vstack([loop.rest for loop in piece]), np.vstack([loop.moved for loop in piece])]
+        wall, cap = _wall([len(loop.rest) for loop in piece]), _cap([loop.rest for loop in piece])
+        count = len(ring[0])
+        faces += [wall[:, ::-1] + first, cap + first, cap[:, ::-1] + count + first]  # seen from outside
+        first += 2 * count
+        rest.append(_along(ring[0], design.skin.length))
+        moved.append(_along(ring[1], design.skin.length))
+        pressure.append(np.tile(np.concatenate([loop.pressure for loop in piece]), 2))
+    return {
+        "rest": _packed(np.vstack(rest)),
+        "moved": _packed(np.vstack(moved)),
+        "pressure": _packed(np.concatenate(pressure)),
+        "faces": _packed(np.vstack(faces)),
+        "plate": _plate(design, check),
+        "force": f"{check.force:g} N",
+        "approach": str(check.approach),
+    }
+
+
+def _plate(design: Design, check: ContactCheck) -> list[float] | None:
+    """A flat plate's height, mm, where it touches the first crest, and under the force."""
+    if design.contact.plate.shape != "flat" or check.approach.value is None:
+        return None
+    top = max(float(loop.rest[:, 1].max()) for piece in check.deformed for loop in piece)
+    return [
+        top,
+        max(float(loop.moved[loop.pressure > 0, 1].max(initial=0)) for p in check.deformed for loop in p),
+    ]
+
+
+def _along(section: Array, length: float) -> Array:
+    """A section's points `(n, 2)` at both ends of the skin, `(2 n, 3)` mm."""
+    ends = [np.full(len(section), y) for y in (-length / 2, length / 2)]
+    return np.vstack([np.column_stack([section[:, 0], end, section[:, 1]]) for end in ends])
+
+
+def _wall(lengths: Iterable[int]) -> Index:
+    """Faces between the ends of loops of so many points, which lie one loop after the other."""
+    here = np.arange(sum(lengths := list(lengths)))
+    onward = np.concatenate([np.roll(part, -1) for part in np.split(here, np.cumsum(lengths)[:-1])])
+    far = len(here)
+    return np.vstack(
+        [np.stack([here, onward, onward + far], 1), np.stack([here, onward + far, here + far], 1)]
+    )
+
+
+def _cap(loops: list[Array]) -> Index:
+    """Faces of a section between its loops, which run as `triangulate` wants them: counterclockwise outside,
+    seen with x to the right and z up."""
+    return np.asarray(triangulate(loops))
+
+
+def _packed(values: Array | Index) -> str:
+    """Numbers in one line of base64: single precision, or whole ones in 32 bits; little-endian."""
+    kind = "<u4" if values.dtype.kind in "iu" else "<f4"
+    return base64.b64encode(np.ascontiguousarray(values, kind).tobytes()).decode()

@@ -1,0 +1,121 @@
+"""A desk without a browser: what answers a move, what is older, and what `skincad check` says of the same."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import skincad
+from skincad.live.desk import Answers, Desk, Reply, closed_form, findings
+from skincad.live.session import begun, moved
+from skincad.live.shapes import view
+from skincad.live.words import best, findings_html, state_html, verdict_html
+
+LONG = 120.0  # s, for a check on a machine with much else to do
+# it passes by the linear tier, so that nothing finer is asked, nor any advice
+SMALL = ["ridge.count=3", "skin.width=5", "skin.length=8", "contact.force=0.5"]
+
+
+@pytest.fixture
+def seen() -> Counter[str]:
+    return Counter()
+
+
+@pytest.fixture
+def desk(seen: Counter[str]) -> Iterator[Desk]:
+    found = Desk(skincad.load("plain-ridges", SMALL), "plain-ridges", lambda kind: seen.update([kind]))
+    yield found
+    found.close()
+
+
+def test_the_last_verdict_is_that_of_check(desk: Desk, seen: Counter[str]) -> None:
+    """To the last digit: it is the same function, in another process."""
+    desk.begin()
+    assert desk.settled(LONG)
+    desk.move({"contact.force": 0.4})
+    assert desk.drawn(LONG)
+    assert desk.settled(LONG)
+    assert desk.answers.verdict is not None
+    assert desk.stands(desk.answers.verdict)
+    found, wanted = desk.answers.verdict.what, skincad.check(desk.session.design)
+    told, said = (json.loads(json.dumps(check.as_json())) for check in (found, wanted))
+    for answer in (told, said):
+        for key in ("seconds", "cause", "changes", "climbed", "next_tier"):  # times, and advice
+            answer.pop(key)
+    assert told == said
+    assert desk.answers.better is not None
+    assert desk.answers.better.what[0].tier == "linear"
+    assert {"session", "view", "closed_form", "findings", "better", "verdict"} <= seen.keys()
+
+
+def test_answers_are_older_once_the_design_moves_on_and_fresh_again_after_undo(desk: Desk) -> None:
+    design = desk.session.design
+    desk.answers = Answers(
+        view=Reply(design, view(design)),
+        closed_form=Reply(design, closed_form(desk.session)),
+        findings=Reply(design, ()),
+        verdict=Reply(design, skincad.check(design, tier="winkler")),
+    )
+    assert desk.stands(desk.answers.verdict)
+    assert best(desk) is desk.answers.verdict.what  # type: ignore[union-attr]
+    assert "older" not in verdict_html(desk) + findings_html(desk)
+    desk.session = moved(desk.session, {"ridge.height": 0.45}, 0.0)
+    assert not desk.stands(desk.answers.verdict)
+    assert best(desk) is None
+    assert "older" in verdict_html(desk)
+    assert "older" in findings_html(desk)
+    desk.undo()
+    assert desk.stands(desk.answers.verdict)
+
+
+def test_what_cannot_be_made_says_so_and_the_skin_is_drawn() -> None:
+    design = skincad.load("yamada-2002", ["mold.gate=20"])
+    shown = view(design)
+    assert "gate" in shown.refusal
+    assert not shown.mold
+    assert len(shown.skin.faces)
+    assert findings(shown) == ()
+
+
+def test_the_page_tells_the_designs_own_line_escaped() -> None:
+    session = moved(begun(skincad.load("yamada-2002")), {"material.name": "<b>no such</b>"}, 0.0)
+    told = state_html(session)
+    assert "&lt;b&gt;no such" in told
+    assert "<b>no such" not in told
+
+
+def test_saving_keeps_comments_and_never_overwrites(
+    desk: Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    desk.move({"ridge.height": 0.45})
+    assert "Saved" in desk.save("mine")
+    assert "#" in (tmp_path / "mine.toml").read_text("utf-8")
+    assert skincad.load("mine.toml") == desk.session.subject
+    assert "exists already" in desk.save("mine.toml")
+    assert "without folders" in desk.save("../mine")
+    assert "without folders" in desk.save(".hidden")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
+
+
+def test_findings_are_those_of_make_that_need_no_solids() -> None:
+    design = skincad.load("nozzle-04")
+    found = findings(view(design))
+    assert found
+    assert [f.severity for f in found] == sorted(
+        (f.severity for f in found), key=("error", "warning", "note").index
+    )
+
+
+def test_timings_are_told(desk: Desk) -> None:
+    desk.begin()
+    assert desk.drawn(LONG)
+    assert desk.settled(LONG)
+    (first,) = desk.timings
+    assert first.asked <= first.drawn <= first.judged
+    assert dataclasses.is_dataclass(first)

@@ -1,0 +1,178 @@
+"""The page in a browser: what is moved there is shown there, by whoever looks on, without a fault."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad.base.arrays import Array
+from skincad.live.page import Page
+from skincad.live.serve import free_port
+from skincad.live.session import Edited
+from skincad.live.words import best
+from tests.live.browser import Looking, looking
+
+pytestmark = pytest.mark.slow
+LONG = 300.0  # s, for a check on a machine with much else to do
+HOST = "127.0.0.1"
+
+
+@contextmanager
+def served(subject: Edited, source: str) -> Iterator[tuple[Page, str]]:
+    page = Page(subject, source, HOST, free_port(HOST, 0))
+    try:
+        assert page.desk.drawn(LONG)
+        yield page, f"http://{HOST}:{page.server.get_port()}"
+    finally:
+        page.close()
+
+
+def told(page: Page) -> dict[str, object]:
+    """The verdict that the page shows, without times, as `skincad check --json` has it."""
+    found = best(page.desk)
+    assert not isinstance(found, str)
+    assert found is not None
+    return without_times(found.as_json())
+
+
+def without_times(found: dict[str, object]) -> dict[str, object]:
+    rest = json.loads(json.dumps(found))
+    for key in ("seconds", "cause", "changes", "climbed", "next_tier"):  # times, and advice
+        rest.pop(key)
+    return rest
+
+
+def only_here(seen: Looking) -> bool:
+    """Whether a browser asked nothing but this server."""
+    return all(url.removeprefix("blob:").startswith(f"http://{HOST}") for url in seen.requests)
+
+
+def test_200_random_moves_two_browsers_and_the_verdict_of_check(capfd: pytest.CaptureFixture[str]) -> None:
+    """Sliders are clicked anywhere, so many moves break a rule; then all is taken back, step by step."""
+    dice = random.Random(18)
+    with (
+        served(skincad.load("yamada-2002"), "yamada-2002") as (page, address),
+        looking(address, 2) as (one, other),
+    ):
+        for folder in ("slot", "film", "material", "mold", "pressing"):
+            one.fold(folder)
+        refused = 0
+        for _ in range(200):
+            one.anything(dice)
+            if page.desk.session.refusal is not None:
+                refused += 1
+                one.press("Undo")
+        assert refused > 10
+        assert len(page.desk.session.past) > 50
+        assert page.desk.drawn(LONG)
+        while page.desk.session.past or page.desk.session.pending:
+            one.press("Undo")
+        assert page.desk.session.subject == skincad.load("yamada-2002")
+        other.wait_for("as it was loaded")
+        one.write("height, mm", "0.45")
+        other.wait_for("1 change")
+        assert other.value("height, mm") == "0.45"
+        assert page.desk.settled(LONG)
+        one.wait_for("the verdict of")
+        design = page.desk.session.design
+        assert design == skincad.load("yamada-2002", ["ridge.height=0.45"])
+        assert told(page) == without_times(skincad.check(design).as_json())
+        for seen in (one, other):
+            assert only_here(seen)
+            assert not seen.complaints
+    printed = capfd.readouterr()
+    assert "Traceback" not in printed.err + printed.out
+    assert "exception" not in printed.err + printed.out
+
+
+def test_what_is_refused_is_told_and_waits(capfd: pytest.CaptureFixture[str]) -> None:
+    small = ["ridge.count=3", "skin.width=5", "skin.length=8", "contact.force=0.5"]
+    with (
+        served(skincad.load("plain-ridges", small), "plain-ridges") as (page, address),
+        looking(address) as (seen,),
+    ):
+        before = page.desk.session.subject
+        one_wider = f"{2 * page.desk.session.design.ridge.pitch:g}"
+        seen.write("root width, mm", one_wider)
+        seen.wait_for("ridge.root_width")
+        assert page.desk.session.refusal is not None
+        assert seen.page.get_by_text(str(page.desk.session.refusal)).count()
+        assert page.desk.session.subject == before
+        assert seen.value("root width, mm") == one_wider
+        seen.press("Undo")
+        seen.wait_for("as it was loaded")
+        assert seen.value("root width, mm") == f"{page.desk.session.design.ridge.root_width:g}"
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_save_and_make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same files as by the command."""
+    monkeypatch.chdir(tmp_path)
+    small = ["ridge.count=3", "skin.width=5", "skin.length=8", "contact.force=0.5"]
+    with (
+        served(skincad.load("plain-ridges", small), "plain-ridges") as (page, address),
+        looking(address) as (seen,),
+    ):
+        seen.fold("Save and make")
+        seen.press("Save as TOML")
+        seen.wait_for("Saved as")
+        assert skincad.load("plain-ridges-live.toml") == page.desk.session.subject
+        seen.press("Make its files")
+        seen.wait_for("files in out/plain-ridges")
+    manifest = json.loads((tmp_path / "out" / "plain-ridges" / "make.json").read_text("utf-8"))
+    assert manifest["name"] == "plain-ridges"
+    assert skincad.load(str(tmp_path / "out" / "plain-ridges" / "design.toml")) == page.desk.session.subject
+
+
+def on_screen(page: Page, seen: Looking, point: Array) -> tuple[float, float]:
+    """Where the browser's camera shows a point, px."""
+    (client,) = page.server.get_clients().values()
+    camera = client.camera
+    ahead = camera.look_at - camera.position
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, camera.up_direction)
+    right /= np.linalg.norm(right)
+    away, half = point - camera.position, np.tan(camera.fov / 2)
+    depth = float(away @ ahead) * half
+    box = seen.page.locator("canvas").first.bounding_box()
+    assert box is not None
+    x = 0.5 + 0.5 * float(away @ right) / (depth * box["width"] / box["height"])
+    y = 0.5 - 0.5 * float(away @ np.cross(right, ahead)) / depth
+    return box["x"] + x * box["width"], box["y"] + y * box["height"]
+
+
+def test_a_scenes_history_is_drawn_by_hand(capfd: pytest.CaptureFixture[str]) -> None:
+    """A point of the board is dragged down with the mouse: its force falls, and the signals follow."""
+    scene = skincad.load_scene(
+        "yamada-2002-press-and-pull", ["readout.ridges=[3]", "history.steps=12"], skin="steep-fingertip"
+    )
+    with (
+        served(scene, "yamada-2002-press-and-pull") as (page, address),
+        looking(address) as (seen,),
+    ):
+        assert page.desk.settled(LONG)
+        assert page.desk.stands(page.desk.answers.signals)
+        last = len(scene.history.time_s)
+        before = scene.history.normal_force_N[-1]
+        x, y = on_screen(page, seen, page._drawn._handles["normal_force_N", last - 1].position)
+        seen.page.mouse.move(x, y)
+        seen.page.mouse.down()
+        for step in range(1, 9):
+            seen.page.mouse.move(x - step, y + 4 * step)
+            seen.page.wait_for_timeout(60)
+        seen.page.mouse.up()
+        seen.wait_for("1 change")
+        assert page.desk.session.subject.history.normal_force_N[-1] < before
+        assert page.desk.settled(LONG)
+        assert page.desk.stands(page.desk.answers.signals)
+        seen.press("Add a point")
+        seen.wait_for("2 changes")
+        assert len(page.desk.session.subject.history.time_s) == last + 1
+    assert "Traceback" not in capfd.readouterr().err

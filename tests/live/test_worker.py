@@ -1,0 +1,123 @@
+"""Who computes beside the page: the newest question counts, and nothing that dies takes the page along."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from queue import Empty, Queue
+from typing import Any
+
+import pytest
+
+from skincad.base.errors import InputError
+from skincad.live import worker
+from skincad.live.worker import Newest, Tell, Worker
+
+LONG = 60.0  # s, in which a process has started and answered, on a machine with much else to do
+
+
+def job(question: str, tell: Tell) -> None:
+    """What a question asks for; it runs in a process of its own."""
+    if question == "refuse":
+        raise InputError("key", "is refused")
+    if question == "fail":
+        raise ZeroDivisionError("on purpose")
+    if question == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if question == "look up":
+        while True:
+            tell("stage", ("working", None))
+            time.sleep(0.01)
+    if question == "deaf":
+        time.sleep(1000.0)
+    tell("answer", question)
+
+
+@pytest.fixture
+def told() -> Queue[Any]:
+    return Queue()
+
+
+@pytest.fixture
+def process(told: Queue[Any]) -> Any:
+    found = Worker(job, lambda *news: told.put(news))
+    yield found
+    found.close()
+
+
+def last(told: Queue[Any], question: str) -> list[tuple[str, Any]]:
+    """The news of a question until its last, without stages."""
+    found = []
+    while True:
+        try:
+            asked, kind, what = told.get(timeout=LONG)
+        except Empty:
+            pytest.fail(f"nothing was told of {question}")
+        if asked == question and kind != "stage":
+            found.append((kind, what))
+            if kind in ("done", "refused", "failed"):
+                return found
+
+
+def test_answers_come_in_order_and_failures_are_told(process: Worker, told: Queue[Any]) -> None:
+    for question, news in (
+        ("one", [("answer", "one"), ("done", None)]),
+        ("refuse", [("refused", "key: is refused")]),
+        ("fail", [("failed", "ZeroDivisionError: on purpose")]),
+        ("two", [("answer", "two"), ("done", None)]),
+    ):
+        process.ask(question)
+        assert last(told, question) == news
+        assert not process.busy
+
+
+def test_one_that_dies_is_told_and_another_takes_its_place(process: Worker, told: Queue[Any]) -> None:
+    process.ask("die")
+    ((kind, why),) = last(told, "die")
+    assert kind == "failed"
+    assert "was ended" in why
+    process.ask("one")
+    assert last(told, "one")[0] == ("answer", "one")
+
+
+def test_an_older_question_is_left_for_a_newer_one(process: Worker, told: Queue[Any]) -> None:
+    """Without a new process: it looks up where it tells its progress."""
+    process.ask("look up")
+    assert told.get(timeout=LONG)[1] == "stage"
+    before = process._process.pid
+    process.ask("one")
+    assert last(told, "one")[0] == ("answer", "one")
+    assert process._process.pid == before
+
+
+def test_one_that_does_not_look_up_is_ended(
+    process: Worker, told: Queue[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker, "PATIENCE", 0.1)
+    process.ask("one")
+    last(told, "one")
+    process.ask("deaf")
+    time.sleep(0.2)
+    process.ask("two")
+    assert last(told, "two")[0] == ("answer", "two")
+
+
+def test_a_thread_works_off_the_newest_alone() -> None:
+    seen, gates = [], Queue[None]()
+
+    def work(thing: int, newer: Any) -> None:
+        gates.get()
+        seen.append((thing, newer()))
+
+    newest = Newest(work)
+    newest.give(0)
+    while newest.idle(0.01):
+        time.sleep(0.001)
+    time.sleep(0.05)  # it is at 0, and waits
+    for thing in range(1, 10):
+        newest.give(thing)
+    gates.put(None)
+    gates.put(None)
+    assert newest.idle(LONG)
+    assert seen == [(0, True), (9, False)]

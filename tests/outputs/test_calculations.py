@@ -1,0 +1,115 @@
+"""The calculation report by hand: the printed formula with the printed numbers gives the printed result."""
+
+from __future__ import annotations
+
+import ast
+import math
+from itertools import chain
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad.base.formula import Calculation, Quantity, rounded
+from skincad.inputs.design import Design
+from skincad.outputs.calculations import contact_calculations
+from skincad.outputs.calculations_of_casting import casting_calculations, strip_calculations
+from skincad.solids.mold import mold
+
+VARIANTS: dict[str, dict[str, object]] = {
+    "levelled": {"ridge": {"levelling": 0.6}},
+    "even count": {"ridge": {"count": 8}},
+    "one ridge": {"ridge": {"count": 1}},
+    "own heights": {"ridge": {"count": 3, "heights": [0.5, 0.52, 0.49]}, "skin": {"width": 5.0}},
+    "tilted plate": {"contact": {"plate": {"shape": "tilted", "tilt": 1.0}}},
+    "few touch": {"contact": {"force": 0.05}},
+    "shrinks much": {"mold": {"shrinkage": 0.03}},
+    "doubly curved": {"skin": {"curvature_radius_y": 60.0}, "slot": None},
+}
+
+
+def design_of(name: str) -> Design:
+    return skincad.load("yamada-2002").with_(**VARIANTS[name]) if name in VARIANTS else skincad.load(name)
+
+
+def steps(design: Design) -> list[Calculation]:
+    return [
+        *contact_calculations(design, 0.6),
+        *casting_calculations(design, mold(design)),
+        *strip_calculations(design),
+    ]
+
+
+def half_a_digit(value: float) -> float:
+    """Half of the last digit that is printed; what printing may have taken away."""
+    if float(rounded(value)) == value:
+        return 0.0
+    return 0.5 * 10 ** (math.floor(math.log10(abs(value))) - 4)
+
+
+def unsure(step: Calculation) -> float:
+    """By how much the formula's result may be off because its numbers are rounded: a full step of each."""
+    values = {given.symbol: given.printed for given in step.given}
+    parts = []
+    for given in step.given:
+        each = given.value if isinstance(given.value, tuple) else (given.value,)
+        by = np.array([half_a_digit(value) for value in each])
+        for i in np.flatnonzero(by):
+            moved = np.array(np.atleast_1d(values[given.symbol]), dtype=float)
+            moved[i] += by[i]
+            changed = moved if isinstance(given.value, tuple) else float(moved[0])
+            parts.append(abs(step.at({**values, given.symbol: changed}) - step.at(values)))
+    return math.fsum(parts)
+
+
+@pytest.mark.parametrize("name", [*skincad.template_names(), *VARIANTS])
+def test_printed_numbers_in_the_printed_formula_give_the_printed_result(name: str) -> None:
+    """Within the rounding of the printed numbers, twice for its second order, and 1e-9 of arithmetic."""
+    for step in steps(design_of(name)):
+        result = step.result.value
+        assert isinstance(result, float | int)
+        allowed = 2 * unsure(step) + half_a_digit(result) + 1e-9 * abs(result)
+        assert step.recomputed() == pytest.approx(float(rounded(result)), abs=allowed), step.title
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", "own heights"])
+def test_a_changed_number_is_found(name: str) -> None:
+    """The test above can fail: each given number counts in its result."""
+    for step in steps(design_of(name)):
+        for given in step.given:
+            values = {each.symbol: each.printed for each in step.given}
+            if np.all(np.asarray(values[given.symbol]) == 0):
+                continue
+            moved = step.at({**values, given.symbol: np.asarray(values[given.symbol]) * 1.5})
+            assert moved != pytest.approx(step.recomputed(), rel=1e-6), (step.title, given.symbol)
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", *VARIANTS])
+def test_a_formula_has_its_given_symbols_and_no_other(name: str) -> None:
+    for step in steps(design_of(name)):
+        names = {node.id for node in ast.walk(ast.parse(step.formula)) if isinstance(node, ast.Name)}
+        assert names - {"sin", "sqrt", "sum", "pi"} == {given.symbol for given in step.given}
+        assert step.source
+
+
+def test_one_symbol_means_one_thing_in_the_contact_steps() -> None:
+    found = contact_calculations(skincad.load("yamada-2002"), 0.6)
+    told: dict[str, Quantity] = {}
+    for each in chain.from_iterable((step.result, *step.given) for step in found):
+        assert told.setdefault(each.symbol, each).value == each.value
+
+
+def test_the_steps_end_in_the_closed_forms_verdict() -> None:
+    design = skincad.load("yamada-2002")
+    check = skincad.check(design, tier="winkler")
+    found = {step.result.symbol: step.result.value for step in contact_calculations(design)}
+    assert found["F"] == check.all_touch_force.value
+    assert found["delta"] == check.approach.value
+
+
+def test_no_line_is_written_where_none_holds() -> None:
+    """A doubly curved skin's force is an integral; with slots, its cavity is no power of its volume."""
+    symbols = [step.result.symbol for step in steps(design_of("doubly curved"))]
+    assert "F" not in symbols
+    assert "g" in symbols
+    assert strip_calculations(skincad.load("plain-ridges")) == []

@@ -1,0 +1,290 @@
+"""The report: whole in itself, each figure with its command, and a command that works when it is copied."""
+
+from __future__ import annotations
+
+import base64
+import re
+import shlex
+from dataclasses import replace
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.making import Job
+from skincad.inputs.design import Design
+from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs import makes
+from skincad.outputs.report import report, suggested_scene
+from skincad.scenes.simulation import Simulation
+from skincad.solids.mold import mold
+from tests.conftest import run_skincad
+from tests.outputs.test_calculations import VARIANTS, design_of
+from tests.small_scene import THIRD, small_scene
+
+PNG = b"\x89PNG not looked at"
+LARGEST = 3_000_000  # bytes: the issue's
+
+
+def job_of(design: Design, check: ContactCheck | None, scenes: tuple[Simulation, ...] = ()) -> Job:
+    closed = mold(design)
+    return Job(design, closed, {}, None, tuple(design_findings(design, closed)), check, scenes)
+
+
+def page_of(job: Job) -> str:
+    return report(job, lambda: PNG, makes._sheet(job), makes._drawing(job))
+
+
+class Page(HTMLParser):
+    """Addresses, figures' captions and commands, ids, open tags."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.addresses: list[str] = []
+        self.ids: list[str] = []
+        self.captions = 0
+        self.images = 0
+        self.commands: list[str] = []
+        self.open: list[str] = []
+        self.wrong: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.addresses += [given[key] or "" for key in ("src", "href", "data", "action") if key in given]
+        self.ids += [given["id"] or ""] if "id" in given else []
+        self.images += tag == "img"
+        self.captions += tag == "figcaption"
+        if tag not in ("meta", "img", "br", "link", "input"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(tag)
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] == "code":
+            self.commands.append(data)
+
+
+@pytest.fixture(scope="module")
+def checked(yamada: Design) -> Job:
+    return job_of(yamada, skincad.check(yamada, tier="linear"))
+
+
+@pytest.fixture(scope="module")
+def felt(tmp_path_factory: pytest.TempPathFactory) -> Simulation:
+    few = ("history.steps=20", "history.time_s=[0.0, 0.02]", THIRD, "history.tangential_force_N=[0.0, 0.1]")
+    scene = small_scene(tmp_path_factory.mktemp("scene"), "steady-pull", *few, "readout.ridges=[1, 2]")
+    return skincad.simulate(scene, tol=0.5)
+
+
+@pytest.fixture(scope="module")
+def whole(felt: Simulation) -> str:
+    design = felt.scene.design
+    return page_of(job_of(design, skincad.check(design, tier="winkler"), (felt,)))
+
+
+@pytest.fixture(scope="module", params=["checked", "unchecked", "whole"])
+def text(request: pytest.FixtureRequest, checked: Job) -> str:
+    if request.param == "whole":
+        return str(request.getfixturevalue("whole"))
+    return page_of(checked if request.param == "checked" else replace(checked, check=None))
+
+
+def test_it_needs_nothing_else(text: str) -> None:
+    page = Page(text)
+    assert not page.wrong
+    assert not page.open
+    assert all(address.startswith(("data:", "#")) for address in page.addresses)
+    assert {a[1:] for a in page.addresses if a.startswith("#")} <= {*page.ids}
+    assert len(set(page.ids)) == len(page.ids)
+    for word in ("http:", "https:", "url(", "@import", "<script", "file:"):
+        drawn = re.sub(r'src="data:[^"]*"|xmlns="[^"]*"', "", text)
+        assert word not in drawn, word
+    assert len(text.encode()) <= LARGEST
+
+
+def test_pictures_in_it_ask_for_nothing_either(text: str) -> None:
+    for data in re.findall(r'src="data:image/svg\+xml;base64,([^"]*)"', text):
+        drawn = base64.b64decode(data).decode()
+        assert not re.findall(r'(?:href|src)="(?!#)[^"]*"', drawn)
+        assert "font-family" not in drawn
+
+
+def test_every_figure_says_where_it_is_from(text: str) -> None:
+    page = Page(text)
+    assert page.images == page.captions > 0
+    captions = re.findall(r"<figcaption>(.*?)</figcaption>", text)
+    assert all("By <code>skincad " in caption for caption in captions)
+
+
+def test_commands_are_ones_that_there_are(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is parsed by the command line, and what it names is loaded."""
+    import typer
+
+    from skincad.commands import app
+
+    monkeypatch.chdir(tmp_path)
+    for name, data in re.findall(r'download="([^"]*)" href="data:text/plain;base64,([^"]*)"', text):
+        Path(name).write_bytes(base64.b64decode(data))
+    known: Any = typer.main.get_command(app)
+    commands = {c for c in Page(text).commands if c.startswith("skincad ")}
+    assert any(c.startswith("skincad make ") for c in commands)
+    for command in commands - {"skincad check design.toml --measured crests.csv"}:
+        _, name, *words = shlex.split(command)
+        options = known.commands[name].make_context(name, list(words)).params
+        load = {"simulate": skincad.load_scene, "circuit": skincad.load_circuit}.get(
+            name, skincad.load_design
+        )
+        load(options["source"], options["settings"])
+
+
+def test_a_copied_check_gives_the_printed_verdict(yamada: Design, tmp_path: Path) -> None:
+    design = yamada.with_(ridge={"height": 0.6})
+    page = Page(page_of(job_of(design, skincad.check(design, tier="winkler"))))
+    command = next(c for c in page.commands if c.startswith("skincad check "))
+    assert command == "skincad check yamada-2002 --set ridge.height=0.6 --tier winkler"
+    done = run_skincad(*shlex.split(command)[1:], "--no-advice", cwd=tmp_path)
+    verdict = skincad.check(design, tier="winkler")
+    assert str(verdict.all_touch_force) in done.stdout
+
+
+def test_the_verdict_its_error_and_what_it_rests_on(checked: Job) -> None:
+    text, check = unescape(page_of(checked)), checked.check
+    assert check is not None
+    assert check.manufacture is not None
+    for said in (
+        "yamada-2002:",
+        str(check.all_touch_force),
+        f"{check.unknowns} unknowns",
+        *(f"leaving out {part.effect}" for part in check.left_out),
+        f"{check.manufacture.passing.value:.1%}",
+        "skin.curvature_radius",
+        skincad.__version__,
+    ):
+        assert said in text, said
+    for finding in checked.findings:
+        assert finding.remedy in text
+
+
+@pytest.mark.parametrize("name", [*VARIANTS, "plain-ridges", "fingertip-soft"])
+def test_every_kind_of_design_has_a_report(name: str) -> None:
+    design = design_of(name)
+    page = Page(page_of(job_of(design, skincad.check(design, tier="winkler"))))
+    assert not page.wrong
+    assert {"verdict", "models", "yield", "sensitivities", "findings", "calculation", "sheet"} <= {*page.ids}
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"beyond": "it is crushed", "passed": False, "manufacture": None}, "NO VERDICT: it is crushed."),
+        ({"all_touch_force": Estimate(None, None, "N"), "touching": 3, "passed": False}, "beyond the model"),
+        ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": (), "passed": True}, "already do at 0 N"),
+    ],
+)
+def test_verdicts_without_numbers_are_told(checked: Job, changes: dict[str, Any], says: str) -> None:
+    assert checked.check is not None
+    text = page_of(replace(checked, check=replace(checked.check, **changes)))
+    assert says in unescape(text)
+
+
+def test_without_a_verdict_its_parts_say_so(checked: Job) -> None:
+    text = page_of(replace(checked, check=None))
+    assert text.count("Not checked whether all ridges touch. This part needs a verdict.") == 3
+    assert "<code>skincad make yamada-2002 --no-check</code>" in text
+    assert "Calculation" in text
+
+
+def test_the_same_design_gives_the_same_bytes(checked: Job) -> None:
+    again = replace(checked, check=replace(checked.check, seconds={"total": 99.0}))  # type: ignore[type-var]
+    assert page_of(again) == page_of(checked)
+
+
+def test_a_scene_is_shown_with_its_amplifier_and_its_files(whole: str, felt: Simulation) -> None:
+    page = Page(whole)
+    assert "skincad simulate scene-steady-pull.toml" in page.commands
+    assert any(c.startswith("skincad circuit transimpedance --set film.area=") for c in page.commands)
+    for entry in felt.left_out:
+        assert entry.indicator in unescape(whole)
+    assert 'download="scene-steady-pull.toml"' in whole
+    assert "--scene scene-steady-pull.toml" in whole
+
+
+def test_without_a_scene_it_says_what_adds_one(checked: Job) -> None:
+    name = suggested_scene(checked.design)
+    assert f"skincad make yamada-2002 --scene {name}" in Page(page_of(checked)).commands
+
+
+@pytest.mark.parametrize("name", skincad.template_names())
+def test_a_suggested_scene_takes_the_skin(name: str) -> None:
+    design = skincad.load(name)
+    found = suggested_scene(design)
+    assert (found is None) == (design.film is None or name == "fingertip-soft")
+    if found is not None:
+        assert skincad.load_scene(found, skin=design).design == design
+
+
+def test_scenes_are_results_of_the_skin_that_is_made(yamada: Design, felt: Simulation) -> None:
+    with pytest.raises(InputError, match=r"scenes: must be of the skin that is made.*load_scene"):
+        skincad.make(yamada, scenes=[felt])
+    with pytest.raises(InputError, match="scenes: must be what simulate returns"):
+        skincad.make(yamada, scenes=[felt.scene])  # type: ignore[list-item]
+    with pytest.raises(InputError, match="scenes: must have names of their own"):
+        skincad.make(felt.scene.design, scenes=[felt, felt])
+
+
+def test_an_amplifier_without_a_gain_is_no_end(felt: Simulation, monkeypatch: pytest.MonkeyPatch) -> None:
+    from skincad.outputs import report_scenes
+
+    def refused(_: object) -> None:
+        raise InputError("sweep", "gives no finite gain")
+
+    monkeypatch.setattr(report_scenes, "gain", refused)
+    text = report_scenes.scene_part(felt, "design.toml").html
+    assert "Its gain cannot be told: sweep: gives no finite gain." in text
+
+
+def test_a_preview_has_no_report(yamada: Design, tmp_path: Path) -> None:
+    assert "report.html" in makes.names(yamada)
+    assert "report.html" not in makes.names(yamada, solids=False, preview=True)
+    done = run_skincad("make", "yamada-2002", "--preview", "--scene", "hold", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--scene: are for the report, which --preview leaves out" in done.stderr
+
+
+@pytest.mark.slow
+def test_the_command_runs_a_scene_for_the_report(felt: Simulation, tmp_path: Path) -> None:
+    (tmp_path / "skin.toml").write_text(felt.scene.design.to_toml())
+    (tmp_path / "scene.toml").write_text(felt.scene.to_toml())
+    words = ("make", "skin.toml", "--no-check", "--scene", "scene.toml", "--format", "html", "--json")
+    done = run_skincad(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert '"scenes": [{"name": "steady-pull"' in done.stdout
+    assert "Scene steady-pull" in (tmp_path / "out" / "yamada-2002" / "report.html").read_text("utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+@pytest.mark.parametrize("name", ["yamada-2002", "steep-fingertip", "gripper-pad"])
+def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
+    from tests.pictures.browser import shown
+
+    skincad.write(skincad.make(skincad.load(name), tier="winkler"), tmp_path / "made", formats="html")
+    file = tmp_path / "made" / "report.html"
+    assert file.stat().st_size <= 3_000_000  # bytes: what a person still forwards
+    with shown(file) as seen:
+        assert name in seen.page.inner_text("h1")
+        images = seen.page.locator("img")
+        assert images.count() > 0
+        for image in images.all():
+            assert image.evaluate("image => image.complete && image.naturalWidth > 0")
+        assert [asked for asked in seen.requests if not asked.startswith("data:")] == [file.as_uri()]
+        assert seen.complaints == []

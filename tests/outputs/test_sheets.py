@@ -1,0 +1,173 @@
+"""Every bore of a made part is on its sheet: by the solid's own faces, a reader of DXF and one of PDF."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import cadquery as cq
+import dxf_parser
+import pypdf
+import pytest
+
+import skincad
+from skincad.fabrication.bore_table import hole_groups, number
+from skincad.fabrication.drawing_views import views
+from skincad.fabrication.part_drawing import part_drawing
+from skincad.fabrication.tolerances import Judged
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.outputs.dxf import write_dxf
+from skincad.pictures.marks import Dimension, Sheet, Words, overlap
+from skincad.pictures.part_sheet import part_sheet
+from skincad.pictures.sheet_pdf import write_sheet_pdf
+from skincad.pictures.sheet_svg import sheet_svg
+from skincad.solids.mold import mold
+from skincad.solids.occ import solid
+from skincad.solids.plan import Part, bores
+from skincad.solids.roles import CutRole
+from tests.bent_skin import three_ridges
+
+FAST = {"yamada-2002", "nozzle-04", "bent"}  # by wire, printed with nuts, doubly curved
+NAMES = [
+    pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
+    for name in (*template_names(), "bent")
+]
+READ = 1e-6  # mm, DXF has 16 digits, the drawing's places six
+THREADED = {CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL}
+
+
+def named(name: str) -> Design:
+    return three_ridges() if name == "bent" else skincad.load(name)
+
+
+def made_parts(design: Design) -> list[tuple[Part, cq.Solid]]:
+    return [(part, solid(part)) for part in mold(design).parts if part.made == "made"]
+
+
+def sheet_of(design: Design, part: Part, made: cq.Solid) -> Sheet:
+    return part_sheet(part_drawing(design, part, made, None), "0", "")
+
+
+def diameters(path: Path) -> list[dict[str, Any]]:
+    """The diameter dimensions of a DXF, as another library than the writer's reads them."""
+    read = dxf_parser.parse(path.read_text(encoding="utf-8"))
+    found = [e for e in read["entities"] if e["type"] == "DIMENSION"]
+    return [e for e in found if e["dimensionType"] & 7 == 3]
+
+
+def along(way: tuple[float, float, float], vector: cq.Vector) -> float:
+    return math.fsum(a * b for a, b in zip(way, vector.toTuple(), strict=True))
+
+
+def cylinders(made: cq.Solid) -> list[tuple[cq.Vector, cq.Vector, float, cq.Face]]:
+    """Direction, a point of the axis, and the radius of every round face."""
+    rows = []
+    for face in (face for face in made.Faces() if face.geomType() == "CYLINDER"):
+        cylinder = face._geomAdaptor().Cylinder()
+        axis = cylinder.Axis()
+        rows.append((cq.Vector(axis.Direction()), cq.Vector(axis.Location()), cylinder.Radius(), face))
+    return rows
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
+    design = named(name)
+    for part, made in made_parts(design):
+        sheet = sheet_of(design, part, made)
+        write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
+        write_sheet_pdf(sheet, tmp_path / "part.pdf")
+        read = diameters(tmp_path / "part.dxf")
+        words = pypdf.PdfReader(tmp_path / "part.pdf").pages[0].extract_text()
+        groups = hole_groups(design, part, made)
+        of_plan = sorted(round(2 * bore.radius, 6) for bore in bores(part))
+        twice = [g.diameter for g in groups for _ in g.holes if g.depth is not None and len(g.sides) == 2]
+        on_sheet = [round(e["actualMeasurement"], 6) for e in read]
+        assert sorted([*on_sheet, *(round(d, 6) for d in twice)]) == of_plan, part.name
+        for entity in read:  # what it says is as far as its points are apart
+            a, b = entity["anchorPoint"], entity["diameterOrRadiusPoint"]
+            apart = math.dist((a["x"], a["y"]), (b["x"], b["y"]))
+            assert apart == pytest.approx(entity["actualMeasurement"], abs=READ)
+        tags = [e["text"].split()[0] for e in read]
+        assert sorted(tags) == sorted(hole.tag for group in groups for hole in group.holes)
+        for group in groups:
+            first = next(e["text"] for e in read if e["text"].split()[0] == group.holes[0].tag)
+            assert group.size in first
+            assert (group.role in THREADED) == ("M3" in first.split())  # or "M3 insert"
+            row = f"{group.letter} ({len(group.holes)}x)", group.purpose, group.size
+            assert re.search(r"\s+".join(map(re.escape, row)), words), (part.name, row)
+            assert group.reach in words
+            for hole in group.holes:
+                assert re.search(rf"\b{hole.tag}\b", words), (part.name, hole.tag)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
+    """The exact solid's cylinders, found on its faces, lie where the drawing has holes, and are as deep."""
+    design = named(name)
+    for part, made in made_parts(design):
+        seen = {view.name: view.of_solid for view in views(part)}
+        faces = cylinders(made)
+        for group in hole_groups(design, part, made):
+            if group.lean or group.diameter != group.far_diameter:
+                continue
+            view = seen[group.view]
+            for hole in group.holes:
+                depths = []
+                for way, at, radius, face in faces:
+                    near = math.dist(view.at(at.toTuple()), hole.at) < 1e-5  # the kernel's tolerance is 1e-7
+                    same = abs(2 * radius - group.diameter) < 1e-6
+                    if near and same and abs(along(view.towards, way)) > 1 - 1e-9:
+                        ends = [along(view.towards, vertex.Center()) for vertex in face.Vertices()]
+                        depths.append(max(ends) - min(ends))
+                assert depths, (part.name, hole)
+                deep = group.depth is None or min(abs(depth - group.depth) for depth in depths) < 1e-5
+                assert deep, (part.name, hole, depths)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_words_lie_on_others_and_all_is_inside_the_frame(name: str) -> None:
+    design = named(name)
+    for part, made in made_parts(design):
+        sheet = sheet_of(design, part, made)
+        words = [mark.words for mark in sheet.marks if isinstance(mark, Dimension)]
+        words += [mark for mark in sheet.marks if isinstance(mark, Words)]
+        boxes = [(w.text, w.box()) for w in words]
+        wide, tall = sheet.size
+        for text, (left, low, right, high) in boxes:
+            assert left >= 20.0, (part.name, text)
+            assert right <= wide - 10.0, (part.name, text)
+            assert low >= 10.0, (part.name, text)
+            assert high <= tall - 10.0, (part.name, text)
+        clashes = [(a, b) for i, (a, x) in enumerate(boxes) for b, y in boxes[:i] if overlap(x, y)]
+        assert clashes == [], part.name
+
+
+def test_the_same_sheet_has_the_same_bytes_and_no_time(tmp_path: Path) -> None:
+    design = skincad.load("yamada-2002")
+    written = []
+    for again in ("a", "b"):
+        part, made = made_parts(design)[0]
+        sheet = sheet_of(design, part, made)
+        write_sheet_pdf(sheet, tmp_path / f"{again}.pdf")
+        write_dxf(tmp_path / f"{again}.dxf", sheet.marks, sheet.scale)
+        written.append([(tmp_path / f"{again}.{kind}").read_bytes() for kind in ("pdf", "dxf")])
+        written[-1].append(sheet_svg(sheet).encode())
+    assert written[0] == written[1]
+    assert "/CreationDate" not in (pypdf.PdfReader(tmp_path / "a.pdf").metadata or {})
+
+
+def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
+    design = skincad.load("yamada-2002")
+    part, made = made_parts(design)[0]
+    drops = (0.0123, *(0.05,) * 7, math.inf)
+    drawing = part_drawing(design, part, made, Judged(drops, "0.97 ± 0.01"))
+    grooves = drawing.tables[-1]
+    assert [row[-1] for row in grooves.rows] == ["0.0123", *["0.0500"] * 7, "any"]
+    assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)
+    assert any("0.97 ± 0.01" in note for note in drawing.notes)
+    unchecked = part_drawing(design, part, made, None)
+    assert any("made without the check" in note for note in unchecked.notes)
+    assert number(drawing.grooves[4].height) == "0.501"

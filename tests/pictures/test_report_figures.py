@@ -1,0 +1,30 @@
+"""The report's own figures: a point for each model, a bar for each key, with errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skincad.base.estimate import Estimate
+from skincad.mechanics.sensitivity import Sensitivity
+from skincad.pictures.report_figures import models_figure, sensitivity_figure
+
+
+def test_each_model_is_a_point_with_its_name() -> None:
+    asked = [("winkler", 4e-4, 0.8), ("linear", 0.7, 0.45), ("corrected", 2.8, 0.14)]
+    (axes,) = models_figure(asked).axes
+    before, last = (np.asarray(each.get_offsets()) for each in axes.collections)
+    assert np.vstack([before, last]) == pytest.approx(np.array([each[1:] for each in asked]))
+    assert [text.get_text() for text in axes.texts] == [each[0] for each in asked]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+
+
+def test_each_key_is_a_bar_the_first_one_on_top() -> None:
+    found = [
+        Sensitivity("ridge.pitch", 1.0, "mm", Estimate(0.05, 0.02, "N")),
+        Sensitivity("skin.thickness", 4.0, "mm", Estimate(-0.02, 0.01, "N")),
+    ]
+    (axes,) = sensitivity_figure(found).axes
+    assert [bar.get_width() for bar in axes.patches] == [0.05, -0.02]
+    assert axes.patches[0].get_y() > axes.patches[1].get_y()
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["ridge.pitch", "skin.thickness"]
