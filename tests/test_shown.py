@@ -1,16 +1,21 @@
 """What README.md and docs/ show works: each command and Python line, in order, in one folder for each page.
 
 A block of csv or toml right after a line that ends in a file's name and a colon is that file. `# fails` after
-a command means status 1. A text block right after commands is what the last of them prints: its first line
-word for word, all others but for their numbers, which are times and what rounding leaves.
+a command means status 1, `# until Ctrl-C` that it goes on until then. A text block right after commands is
+what the last of them prints: its first line word for word, all others but for their numbers, which are times
+and what rounding leaves.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import os
 import re
 import shlex
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,6 +31,7 @@ ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
+INTERRUPTED = 130  # status of what Ctrl-C ended
 COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 
 
@@ -54,7 +60,18 @@ def commands(block: Block) -> Iterator[tuple[list[str], int]]:
         if not ELSEWHERE.match(line):
             program, *arguments = shlex.split(line, comments=True)
             assert program == "skincad", line
-            yield arguments, int(line.endswith("# fails"))
+            yield arguments, INTERRUPTED if line.endswith("# until Ctrl-C") else int(line.endswith("# fails"))
+
+
+def goes_on_until_ctrl_c(arguments: list[str], folder: Path) -> int:
+    """Run what does not end by itself, interrupt it once it has said something, return its status."""
+    line = [sys.executable, "-m", "skincad", *arguments]
+    quiet = {**os.environ, "BROWSER": "true"}  # opens nothing
+    with subprocess.Popen(line, cwd=folder, env=quiet, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        return process.wait(timeout=60)
 
 
 def words(line: str) -> str:
@@ -94,6 +111,9 @@ def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest
             Path(block.file).write_text(block.text)
         elif block.kind == "sh":
             for arguments, status in commands(block):
+                if status == INTERRUPTED:
+                    assert goes_on_until_ctrl_c(arguments, tmp_path) == status
+                    continue
                 done = run_skincad(*arguments, cwd=tmp_path)
                 assert done.returncode == status, f"{arguments}: {done.stdout}{done.stderr}"
                 printed = done.stdout
