@@ -6,6 +6,7 @@ tells its progress, and leaves it; one that does not look up in time is ended, a
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,6 +19,7 @@ from typing import Any
 from skincad.base.errors import InputError, RefusedError, exhausted
 
 PATIENCE = 3.0  # s, until a process that does not look up is ended
+LESS_URGENT = 10  # of 19: who moves a slider comes first
 SAID_EVERY = 0.1  # s, at least, between two tellings of a stage
 Tell = Callable[[str, Any], None]  # what kind of news, and what it is
 Job = Callable[[Any, Tell], None]  # answers a question by what it tells; a function of a module
@@ -147,6 +149,8 @@ class Worker:
 def _answer(line: Any, job: Job) -> None:
     """Answer questions until nobody asks any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who asks
+    if hasattr(os, "nice"):
+        os.nice(LESS_URGENT)
     while True:
         try:
             number, question = line.recv()

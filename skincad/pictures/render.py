@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+from numpy.lib.stride_tricks import sliding_window_view
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 from skincad.base.arrays import Array, Index, Mask
@@ -52,15 +53,7 @@ def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -
     """Return the picture, `(height, width, 3)` from 0 to 1: matt surfaces on white, edges drawn dark."""
     whole = trimesh.util.concatenate(meshes)
     owner = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
-    wide, high = (_OVERSAMPLE * n for n in seen.size)
-    step = 1 / (seen.per_mm * _OVERSAMPLE)
-    across = seen.centre[0] + (np.arange(wide) - (wide - 1) / 2) * step
-    upward = seen.centre[1] - (np.arange(high) - (high - 1) / 2) * step
-    far = float(np.abs(whole.bounds).max()) * 4
-    grid = across[None, :, None] * seen.right + upward[:, None, None] * seen.up + far * seen.towards
-    origins = grid.reshape(-1, 3)
-    rays = np.broadcast_to(-seen.towards, origins.shape)
-    hit = RayMeshIntersector(whole).intersects_first(origins, rays).reshape(high, wide)
+    hit = _hit(whole, seen)
     normals = np.asarray(whole.face_normals)
     brightness = 0.45 + 0.55 * np.clip(normals @ _LIGHT, 0, 1)
     paint = np.array(colours)[owner] * brightness[:, None]
@@ -68,6 +61,32 @@ def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -
     image[_edges(hit, owner, normals)] *= 0.35
     blocks = image.reshape(seen.size[1], _OVERSAMPLE, seen.size[0], _OVERSAMPLE, 3)
     return np.asarray(blocks.mean(axis=(1, 3)))
+
+
+def _hit(whole: trimesh.Trimesh, seen: Camera) -> Index:
+    """Return which face is seen at each of `_OVERSAMPLE` squared points of each pixel, -1 for none; a pixel
+    in a face that fills its neighbours too is asked once."""
+    caster = RayMeshIntersector(whole)
+    far = float(np.abs(whole.bounds).max()) * 4 * seen.towards
+
+    def cast(across: Array, down: Array) -> Index:
+        """Faces seen at places in the picture, pixels from its upper left."""
+        x = seen.centre[0] + (across - seen.size[0] / 2) / seen.per_mm
+        y = seen.centre[1] - (down - seen.size[1] / 2) / seen.per_mm
+        origins = x[:, None] * seen.right + y[:, None] * seen.up + far
+        return np.asarray(caster.intersects_first(origins, np.broadcast_to(-seen.towards, origins.shape)))
+
+    wide, high = seen.size
+    down, across = np.indices((high, wide)).reshape(2, -1) + 0.5
+    middle = cast(across, down).reshape(high, wide)
+    near = np.pad(middle, 1, mode="edge")
+    windows = sliding_window_view(near, (3, 3))
+    mixed = (windows != middle[:, :, None, None]).any(axis=(2, 3))
+    hit = middle.repeat(_OVERSAMPLE, 0).repeat(_OVERSAMPLE, 1)
+    fine = mixed.repeat(_OVERSAMPLE, 0).repeat(_OVERSAMPLE, 1)
+    down, across = (np.array(np.nonzero(fine)) + 0.5) / _OVERSAMPLE
+    hit[fine] = cast(across, down)
+    return hit
 
 
 def _edges(hit: Index, owner: Index, normals: Array) -> Mask:

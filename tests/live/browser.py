@@ -65,11 +65,11 @@ def slid(slider: Locator, share: float) -> None:
 
 
 @contextmanager
-def looking(address: str, count: int = 1) -> Iterator[list[Looking]]:
+def looking(address: str, count: int = 1, program: str = CHROMIUM) -> Iterator[list[Looking]]:
     """Open a page in so many browsers at once."""
     with (
         sync_playwright() as driver,
-        driver.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS) as browser,
+        driver.chromium.launch(executable_path=program, args=ARGUMENTS) as browser,
     ):
         yield [
             _opened(browser.new_context(viewport={"width": 1000, "height": 600}), address)
