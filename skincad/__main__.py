@@ -16,8 +16,8 @@ from types import FrameType
 
 SOON = 0.0003  # s, until a signal that had to wait is looked at again: no command is done so fast
 # functions that are not broken off: imports, what runs where an exception would be lost, and the places where
-# an out folder is put in place or removed
-WHOLE = {"_find_and_load", "__del__", "_put_in_place", "_settle", "_discard"}
+# an out folder is tried, put in place or removed
+WHOLE = {"_find_and_load", "__del__", "_try_to_write", "_put_in_place", "_settle", "_discard"}
 BREAKS_IN = ("skincad.cli", "run")
 
 
