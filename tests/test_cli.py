@@ -70,7 +70,9 @@ def test_a_failed_verdict_exits_with_1(tmp_path: Path) -> None:
 def test_a_format_is_written_alone(tmp_path: Path) -> None:
     done = run_skincad("make", "plain-ridges", *ONE_RIDGE, "--format", "dxf", "-o", "here", cwd=tmp_path)
     assert done.returncode == 0
-    assert sorted(p.name for p in (tmp_path / "here").iterdir()) == ["make.json", "section.dxf"]
+    names = {p.name for p in (tmp_path / "here").iterdir()}
+    made = {"carrier.dxf", "cavity.dxf", "cover.dxf", "end-a.dxf", "end-b.dxf"}  # a drawing of each part
+    assert names == {"make.json", "section.dxf", *made}
 
 
 @pytest.mark.parametrize(
