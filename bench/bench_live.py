@@ -71,7 +71,7 @@ def moved(design: Design, template: str, moves: int, program: str) -> list[Timin
 def main() -> None:
     """Print the tables."""
     template = sys.argv[1] if len(sys.argv) > 1 else "yamada-2002"
-    moves = int(sys.argv[2]) if len(sys.argv) > 2 else 100
+    moves = int(sys.argv[2]) if len(sys.argv) > 2 else 40
     design = skincad.load(template)
     warmed()
     unit = alone(design)
