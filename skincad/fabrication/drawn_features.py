@@ -49,6 +49,18 @@ class NutPocket(NamedTuple):
     depth: float
 
 
+class Notch(NamedTuple):
+    """A notch at 45 degrees across an end plate's upright edge: its leg, mm, in the front view on which side
+    and between which heights, mm, and whether it is in the outer face."""
+
+    role: CutRole
+    leg: float
+    side: Edge
+    low: float
+    high: float
+    outer: bool
+
+
 class Slit(NamedTuple):
     """A comb's slit for a shim or strip, in the front view: the middle of its bottom, width and depth, mm,
     and the direction from its bottom to its mouth, of length 1."""
@@ -68,7 +80,7 @@ class Slit(NamedTuple):
 
 class Groove(NamedTuple):
     """A ridge's groove in a cavity, in the front view: its bottom, mm, how far it leans from upright,
-    degrees, and the sizes of its ridge, mm, before fillets."""
+    degrees, positive when its mouth is to the right, and the sizes of its ridge, mm, before fillets."""
 
     ridge: int
     bottom: Place
@@ -120,6 +132,17 @@ def pockets(part: Part) -> tuple[NutPocket, ...]:
     return tuple(sorted(found, key=lambda p: (-p.at[1], p.at[0])))
 
 
+def notches(part: Part) -> tuple[Notch, ...]:
+    """Return the notches across an end plate's upright edges."""
+    mirrored, found = -1.0 if part.end == "b" else 1.0, []
+    for cut in own(part).cuts:
+        if isinstance(cut, Prism) and cut.role in (CutRole.PRY, CutRole.MARK):
+            x, y = zip(*((s.start.x, s.start.z) for s in cut.outline), strict=True)
+            side: Edge = "right" if mirrored * (min(x) + max(x)) > 0 else "left"
+            found.append(Notch(cut.role, max(y) - min(y), side, cut.low, cut.high, cut.role is CutRole.MARK))
+    return tuple(found)
+
+
 def skins_at(design: Design) -> tuple[float, ...]:
     """Return the x, mm, of the middle of each skin of a gang, 0 for one alone."""
     made = poured(design)
@@ -169,6 +192,6 @@ def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
     for ridge, high in enumerate(made.heights, 1):
         if ridge in cut:
             summit = frame(made, ridge).at(0.0, high)
-            lean, sizes = math.degrees(made.lean(ridge)), (made.ridge.root_width, made.ridge.tip_width)
+            lean, sizes = -math.degrees(made.lean(ridge)), (made.ridge.root_width, made.ridge.tip_width)
             found.append(Groove(ridge, (summit.x + aside, -summit.z), lean, high, *sizes))
     return tuple(found)
