@@ -43,7 +43,7 @@ def models_figure(asked: Sequence[tuple[str, float, float]]) -> Picture:
             axis.set_major_formatter("{x:g}")
         if max(errors) < FEW * min(errors):  # with its room: no two powers of ten need lie within
             axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.set_xlabel("time by the models' laws, s")
+        axes.set_xlabel("predicted time, s")
         axes.set_ylabel("error of the all-touch\nforce, relative")
     return figure
 
@@ -59,6 +59,6 @@ def sensitivity_figure(found: Sequence[Sensitivity]) -> Picture:
         axes.barh(places, values, xerr=errors, color=colours, capsize=2.5, error_kw={"linewidth": 1.0})
         axes.axvline(0.0, color=GREY, linewidth=0.8)
         axes.set_yticks(places, [each.key for each in found])
-        axes.set_xlabel("change of the all-touch force by 1 % more of it, N")
+        axes.set_xlabel("change of the all-touch force for 1 % more of it, N")
         axes.grid(visible=False, axis="y")
     return figure
