@@ -10,7 +10,7 @@ from skincad.fabrication.drawing_views import ABOVE, FRONT, LIDS
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import SlotPlace, frame, section
 from skincad.shape.curves import Loop, Point
-from skincad.solids.body import Prism
+from skincad.solids.body import Prism, Turned
 from skincad.solids.layout import layout
 from skincad.solids.plan import Part, own
 from skincad.solids.projection import Place
@@ -90,13 +90,21 @@ class Groove(NamedTuple):
     tip: float
 
 
+def downward(part: Part) -> bool:
+    """Whether heights count from a part's upper face down: its lower one is bent, as a keeper's is over the
+    slots, and the upper one level."""
+    return part.role is PartRole.KEEPER and not isinstance(part.body, Turned)
+
+
 def datums(part: Part) -> tuple[Datum, ...]:
     """Return the three faces from which a part is measured, the one it sits on in the mold first."""
     if part.role in LIDS:
         what = "lower face, on the skin" if part.role is PartRole.CARRIER else "lower face"
         faces: _Faces = (ABOVE, "top", what), (FRONT, "left", "left side"), (FRONT, "bottom", "face at end a")
     elif part.role in END_PLATES:
-        faces = (ABOVE, "top", "inner face"), (FRONT, "left", "left side"), (FRONT, "bottom", "lower face")
+        edge: Edge = "top" if downward(part) else "bottom"
+        level = "upper face" if downward(part) else "lower face"
+        faces = (ABOVE, "top", "inner face"), (FRONT, "left", "left side"), (FRONT, edge, level)
     else:
         faces = (
             (FRONT, "bottom", "lower face"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,6 +17,7 @@ from skincad.fabrication.drawn_features import (
     NutPocket,
     Slit,
     datums,
+    downward,
     grooves_of,
     notches,
     pockets,
@@ -40,6 +42,7 @@ from skincad.solids.roles import CutRole
 if TYPE_CHECKING:
     import cadquery as cq
 
+Coordinate = Callable[[float], float]
 NUT = "N"
 LEANING = "leaning from upright, positive with the mouth to the right"
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
@@ -86,8 +89,8 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
     datum = datums(part)
     tables = [
         _hole_table(holes, nuts, general_tolerance(design, part)),
-        _places(holes, nuts, seen),
-        _notch_table(notches(part), seen),
+        _places(holes, nuts, seen, downward(part)),
+        _notch_table(notches(part), seen, downward(part)),
         _slit_table(cut, seen),
         _groove_table(carved, seen, judged.drops if judged else ()),
     ]
@@ -167,25 +170,34 @@ def _degrees(angle: float) -> str:
     return f"{round(angle, 3) + 0.0:.3f}°"
 
 
-def _places(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection]) -> Listed:
+def _places(
+    holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection], down: bool
+) -> Listed:
     rows = []
     for group in holes:
-        (left, low), _ = seen[group.view].box()
-        rows += [(h.tag, number(h.at[0] - left), number(h.at[1] - low)) for h in group.holes]
-    (left, low), _ = seen[FRONT].box()
-    rows += [(f"{NUT}{i}", number(p.at[0] - left), number(p.at[1] - low)) for i, p in enumerate(nuts, 1)]
+        x, y = _counted(seen, group.view, down)
+        rows += [(h.tag, number(x(h.at[0])), number(y(h.at[1]))) for h in group.holes]
+    x, y = _counted(seen, FRONT, down)
+    rows += [(f"{NUT}{i}", number(x(p.at[0])), number(y(p.at[1]))) for i, p in enumerate(nuts, 1)]
     return Listed("Positions of holes", ("hole", "x", "y"), tuple(rows))
 
 
-def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection]) -> Listed:
-    (_, low), _ = seen[FRONT].box()
+def _counted(seen: dict[str, Projection], view: str, down: bool) -> tuple[Coordinate, Coordinate]:
+    """How x and y count in a view: from its left edge, and from its lower one, or `down` from the upper one
+    in the front view."""
+    (left, low), (_, high) = seen[view].box()
+    return lambda x: x - left, (lambda y: high - y) if down and view == FRONT else (lambda y: y - low)
+
+
+def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], down: bool) -> Listed:
+    _, y = _counted(seen, FRONT, down)
     rows = []
     for way in dict.fromkeys(notch._replace(side="left") for notch in cut):
         sides = [notch.side for notch in cut if notch._replace(side="left") == way]
         use = "mark of the end" if way.role is CutRole.MARK else "to pry at"
         face = "outer face" if way.outer else "inner face"
         where = f"{' & '.join(sorted(sides))}, {face}"
-        rows.append((use, f"{number(way.leg)} x 45°", where, number(way.low - low), number(way.high - low)))
+        rows.append((use, f"{number(way.leg)} x 45°", where, *map(number, sorted((y(way.low), y(way.high))))))
     return Listed("Notches across upright edges", ("notch", "size", "edge", "from y", "to y"), tuple(rows))
 
 

@@ -209,6 +209,32 @@ def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -
             assert made.isInside(cq.Vector(*deep), 1e-6), (part.name, notch)
 
 
+def test_places_count_from_level_faces() -> None:
+    """A keeper's lower edge is bent: heights count from its upper one, which is datum C."""
+    design = skincad.load("yamada-2002")
+    part, made = next(both for both in made_parts(design) if both[0].name == "end-a-keeper")
+    drawing = part_drawing(design, part, made, None)
+    assert drawing.datums[2].edge == "top"
+    assert any("left and upper edge" in note for note in drawing.notes)
+    box = made.BoundingBox(1e-6)
+    rows = next(table.rows for table in drawing.tables if table.title == "Positions of holes")
+    found = {(x, y) for _, x, y in rows}
+    axes = {(number(at.x - box.xmin), number(box.zmax - at.z)) for _, at, _, _ in cylinders(made)}
+    assert found <= axes
+
+
+def test_a_ridges_groove_and_slits_lean_alike() -> None:
+    """Both by the same sign, seen from the same end: the parts lie on each other."""
+    design = skincad.load("yamada-2002")
+    drawn = {part.name: part_drawing(design, part, made, None) for part, made in made_parts(design)}
+    grooves = {groove.ridge: groove.lean for groove in drawn["cavity"].grooves}
+    assert min(grooves.values()) < -1 < 1 < max(grooves.values())
+    for slit in drawn["end-a-comb"].slits:
+        assert slit.lean == pytest.approx(grooves[slit.ridge], abs=1e-6)
+    for slit in drawn["end-b-comb"].slits:
+        assert slit.lean == pytest.approx(-grooves[slit.ridge], abs=1e-6)
+
+
 def test_a_sheet_is_no_larger_than_its_views_need() -> None:
     """A4 holds each part of yamada-2002: the detail stands in the corner that three views leave free."""
     design = skincad.load("yamada-2002")
