@@ -37,7 +37,7 @@ from skincad.inputs.design import Design
 from skincad.solids.body import Prism
 from skincad.solids.plan import Part
 from skincad.solids.projection import Projection, Stroke, outlined
-from skincad.solids.roles import CutRole
+from skincad.solids.roles import CutRole, PartRole
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -130,7 +130,8 @@ def _others(design: Design, part: Part) -> str:
     first, *others = skins_at(design)
     here, there = ("right", "left") if part.end == "b" else ("left", "right")
     apart = " and ".join(number(x - first) for x in others)
-    return f"Slits and grooves: of the skin furthest {here}; the others' are {apart} to the {there} of them."
+    what = "Slits" if part.role is PartRole.COMB else "Seat, trough and grooves"
+    return f"{what}: of the skin furthest {here}; the others' are {apart} to the {there} of them."
 
 
 def _overall(seen: dict[str, Projection]) -> tuple[Length, ...]:

@@ -235,6 +235,26 @@ def test_a_ridges_groove_and_slits_lean_alike() -> None:
         assert slit.lean == pytest.approx(-grooves[slit.ridge], abs=1e-6)
 
 
+@pytest.mark.parametrize("end", ["a", "b"])
+def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
+    design = skincad.load("yamada-2002", ["mold.cavities=3"])
+    part = mold(design).part(f"end-{end}-comb")
+    made = solid(part)
+    drawing = part_drawing(design, part, made, None)
+    note = next(note for note in drawing.notes if note.startswith("Slits: of the skin furthest"))
+    found = re.search(r"are ([\d.]+) and ([\d.]+) to the (left|right) of them", note)
+    assert found is not None
+    way = 1 if found[3] == "right" else -1
+    view = next(view.of_solid for view in views(part) if view.name == FRONT)
+    middle = made.Center().y
+    for slit in drawing.slits:
+        for apart in (0.0, float(found[1]), float(found[2])):
+            for up, within in ((0.01, False), (-0.01, True)):  # mm: beyond the slit's bottom, and under it
+                x, z = (at + up * out for at, out in zip(slit.at, slit.out, strict=True))
+                place = cq.Vector((x + way * apart) * view.right[0], middle, z)
+                assert made.isInside(place, 1e-6) == within, (slit, apart, up)
+
+
 def test_a_sheet_is_no_larger_than_its_views_need() -> None:
     """A4 holds each part of yamada-2002: the detail stands in the corner that three views leave free."""
     design = skincad.load("yamada-2002")
