@@ -96,6 +96,11 @@ def downward(part: Part) -> bool:
     return part.role is PartRole.KEEPER and not isinstance(part.body, Turned)
 
 
+def leftward(part: Part) -> bool:
+    """Whether widths count from a part's right side to the left: its left one has the ridges."""
+    return part.role is PartRole.RIGHT
+
+
 def datums(part: Part) -> tuple[Datum, ...]:
     """Return the three faces from which a part is measured, the one it sits on in the mold first."""
     if part.role in LIDS:
@@ -106,9 +111,11 @@ def datums(part: Part) -> tuple[Datum, ...]:
         level = "upper face" if downward(part) else "lower face"
         faces = (ABOVE, "top", "inner face"), (FRONT, "left", "left side"), (FRONT, edge, level)
     else:
+        side: Edge = "right" if leftward(part) else "left"
+        upright = f"lower edge of the {side} side" if part.role is PartRole.BETWEEN else f"{side} side"
         faces = (
             (FRONT, "bottom", "lower face"),
-            (FRONT, "left", "left side"),
+            (FRONT, side, upright),
             (ABOVE, "bottom", "lower edge of the face at end a" if part.straight else "face at end a"),
         )
     return tuple(Datum(letter, *face) for letter, face in zip("ABC", faces, strict=True))

@@ -19,6 +19,7 @@ from skincad.fabrication.drawn_features import (
     datums,
     downward,
     grooves_of,
+    leftward,
     notches,
     pockets,
     seat_lengths,
@@ -89,10 +90,10 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
     datum = datums(part)
     tables = [
         _hole_table(holes, nuts, general_tolerance(design, part)),
-        _places(holes, nuts, seen, downward(part)),
-        _notch_table(notches(part), seen, downward(part)),
+        _places(holes, nuts, seen, part),
+        _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
-        _groove_table(carved, seen, judged.drops if judged else ()),
+        _groove_table(carved, seen, part, judged.drops if judged else ()),
     ]
     top = seen[FRONT].box()[1][1]
     words = [*notes(design, part), *what_matters(design, part, judged)]
@@ -172,26 +173,28 @@ def _degrees(angle: float) -> str:
 
 
 def _places(
-    holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection], down: bool
+    holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection], part: Part
 ) -> Listed:
     rows = []
     for group in holes:
-        x, y = _counted(seen, group.view, down)
+        x, y = _counted(seen, group.view, part)
         rows += [(h.tag, number(x(h.at[0])), number(y(h.at[1]))) for h in group.holes]
-    x, y = _counted(seen, FRONT, down)
+    x, y = _counted(seen, FRONT, part)
     rows += [(f"{NUT}{i}", number(x(p.at[0])), number(y(p.at[1]))) for i, p in enumerate(nuts, 1)]
     return Listed("Positions of holes", ("hole", "x", "y"), tuple(rows))
 
 
-def _counted(seen: dict[str, Projection], view: str, down: bool) -> tuple[Coordinate, Coordinate]:
-    """How x and y count in a view: from its left edge, and from its lower one, or `down` from the upper one
-    in the front view."""
-    (left, low), (_, high) = seen[view].box()
-    return lambda x: x - left, (lambda y: high - y) if down and view == FRONT else (lambda y: y - low)
+def _counted(seen: dict[str, Projection], view: str, part: Part) -> tuple[Coordinate, Coordinate]:
+    """How x and y count in a view: from its left and lower edge, or from those opposite."""
+    (left, low), (right, high) = seen[view].box()
+    return (
+        (lambda x: right - x) if leftward(part) else (lambda x: x - left),
+        (lambda y: high - y) if downward(part) and view == FRONT else (lambda y: y - low),
+    )
 
 
-def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], down: bool) -> Listed:
-    _, y = _counted(seen, FRONT, down)
+def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part) -> Listed:
+    _, y = _counted(seen, FRONT, part)
     rows = []
     for way in dict.fromkeys(notch._replace(side="left") for notch in cut):
         sides = [notch.side for notch in cut if notch._replace(side="left") == way]
@@ -213,13 +216,13 @@ def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> Listed:
 
 
 def _groove_table(
-    carved: tuple[Groove, ...], seen: dict[str, Projection], drops: tuple[float, ...]
+    carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
 ) -> Listed:
-    (left, _), _ = seen[FRONT].box()
+    across, _ = _counted(seen, FRONT, part)
     rows: list[tuple[str, ...]] = []
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        row = str(groove.ridge), number(x - left), number(-z), _degrees(groove.lean)
+        row = str(groove.ridge), number(across(x)), number(-z), _degrees(groove.lean)
         allowed = drops[groove.ridge - 1] if drops else None
         rows.append(row if allowed is None else (*row, _allowed(allowed)))
     heads = ("ridge", "x", "below seat", "leaning", "too shallow by")[: 5 if drops else 4]

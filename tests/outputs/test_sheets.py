@@ -235,6 +235,21 @@ def test_a_ridges_groove_and_slits_lean_alike() -> None:
         assert slit.lean == pytest.approx(-grooves[slit.ridge], abs=1e-6)
 
 
+def test_a_right_piece_counts_from_its_level_side() -> None:
+    design = skincad.load("steep-fingertip")
+    drawn = {
+        part.name: part_drawing(design, part, made, None)
+        for part, made in made_parts(design)
+        if part.name in ("cavity-left", "cavity-right")
+    }
+    left, right = drawn["cavity-left"], drawn["cavity-right"]
+    assert (left.datums[1].edge, right.datums[1].edge) == ("left", "right")
+    assert any("right and lower edge" in note for note in right.notes)
+    tables = [{table.title.split(":")[0]: table.rows for table in each.tables} for each in (left, right)]
+    grooves = [each["Grooves of the ridges"] for each in tables]
+    assert [row[1:3] for row in grooves[0]] == [row[1:3] for row in grooves[1]][::-1]  # its mirror image
+
+
 @pytest.mark.parametrize("end", ["a", "b"])
 def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
     design = skincad.load("yamada-2002", ["mold.cavities=3"])
