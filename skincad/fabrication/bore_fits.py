@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from skincad.fabrication.rules import maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
@@ -10,6 +12,15 @@ from skincad.solids.layout import fits
 from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, CutRole, PartRole
 
+
+class Screw(NamedTuple):
+    """A thread's name and major diameter, mm (ISO 261)."""
+
+    name: str
+    diameter: float
+
+
+SCREW = Screw("M3", 3.0)
 THREADED = frozenset({CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL})
 PINNED = frozenset({CutRole.END_PIN, CutRole.COVER_PIN, CutRole.BASE_PIN})
 CLEARING = frozenset({CutRole.END_BOLT, CutRole.COVER_BOLT})
@@ -59,7 +70,8 @@ def thread(design: Design, part: Part, role: CutRole) -> str:
     """Return the thread of a bore, or what brings one; "" where it has none."""
     if role not in THREADED:
         return ""
-    return "M3 insert" if fits(design, maker(design, part)).printed and role is not CutRole.PULL else "M3"
+    printed = fits(design, maker(design, part)).printed and role is not CutRole.PULL
+    return f"{SCREW.name} insert" if printed else SCREW.name
 
 
 def limits(design: Design, part: Part, role: CutRole) -> str:

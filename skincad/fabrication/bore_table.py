@@ -37,6 +37,14 @@ class Hole(NamedTuple):
     at: Place
 
 
+class Aside(NamedTuple):
+    """A bore seen from its side: in which view, and where its axis starts and ends there, mm."""
+
+    view: str
+    start: Place
+    end: Place
+
+
 @dataclass(frozen=True)
 class HoleGroup:
     """Holes that are alike, seen round in one view. Lengths mm; `depth` is None where they go through.
@@ -57,6 +65,7 @@ class HoleGroup:
     sides: tuple[str, ...]
     lean: float
     holes: tuple[Hole, ...]
+    asides: tuple[Aside, ...]
 
     @property
     def size(self) -> str:
@@ -81,8 +90,19 @@ class _Drilled(NamedTuple):
     role: CutRole
     opens: tuple[bool, bool]  # at its start, at its end
     lean: float
-    axis: Vector  # from its start on, in the part's own frame
-    mouth: Vector  # middle of where it opens
+    start: Vector  # in the part's own frame
+    end: Vector
+
+    @property
+    def axis(self) -> Vector:
+        """The way from its start to its end, of length 1."""
+        x, y, z = ((b - a) / self.bore.length for a, b in zip(self.start, self.end, strict=True))
+        return x, y, z
+
+    @property
+    def mouth(self) -> Vector:
+        """The middle of where it opens."""
+        return self.start if self.opens[0] or not self.opens[1] else self.end
 
     def like(self) -> tuple[float | str, ...]:
         """What bores of one letter have in common."""
@@ -124,7 +144,14 @@ def _group(
         sides=tuple(sides),
         lean=abs(first.lean),
         holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
+        asides=tuple(_asides(alike, [one for one in seen if one is not view])),
     )
+
+
+def _asides(alike: list[_Drilled], seen: list[DrawnFrom]) -> list[Aside]:
+    """Bores from their sides, those that lie behind others once."""
+    rows = [Aside(view.name, view.own.at(one.start), view.own.at(one.end)) for view in seen for one in alike]
+    return list({(row.view, *np.round([*row.start, *row.end], 6).tolist()): row for row in rows}.values())
 
 
 def _drilled(part: Part, made: cq.Solid) -> list[_Drilled]:
@@ -145,9 +172,7 @@ def _drilled(part: Part, made: cq.Solid) -> list[_Drilled]:
         opens, lean = known[kind], 0.0
         if turned is not None and not isinstance(part.body, Turned):
             start, end, lean = _placed(turned, start), _placed(turned, end), turned.angle
-        x, y, z = ((b - a) / bore.length for a, b in zip(start, end, strict=True))
-        mouth = start if opens[0] or not opens[1] else end
-        found.append(_Drilled(bore, bore.role, opens, lean, (x, y, z), mouth))
+        found.append(_Drilled(bore, bore.role, opens, lean, start, end))
     return found
 
 

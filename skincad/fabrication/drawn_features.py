@@ -10,7 +10,7 @@ from skincad.fabrication.drawing_views import ABOVE, FRONT, LIDS
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import SlotPlace, frame, section
 from skincad.shape.curves import Loop, Point
-from skincad.solids.body import Prism
+from skincad.solids.body import Prism, Turned
 from skincad.solids.layout import layout
 from skincad.solids.plan import Part, own
 from skincad.solids.projection import Place
@@ -49,6 +49,18 @@ class NutPocket(NamedTuple):
     depth: float
 
 
+class Notch(NamedTuple):
+    """A notch at 45 degrees across an end plate's upright edge: its leg, mm, in the front view on which side
+    and between which heights, mm, and whether it is in the outer face."""
+
+    role: CutRole
+    leg: float
+    side: Edge
+    low: float
+    high: float
+    outer: bool
+
+
 class Slit(NamedTuple):
     """A comb's slit for a shim or strip, in the front view: the middle of its bottom, width and depth, mm,
     and the direction from its bottom to its mouth, of length 1."""
@@ -68,7 +80,7 @@ class Slit(NamedTuple):
 
 class Groove(NamedTuple):
     """A ridge's groove in a cavity, in the front view: its bottom, mm, how far it leans from upright,
-    degrees, and the sizes of its ridge, mm, before fillets."""
+    degrees, positive when its mouth is to the right, and the sizes of its ridge, mm, before fillets."""
 
     ridge: int
     bottom: Place
@@ -78,17 +90,32 @@ class Groove(NamedTuple):
     tip: float
 
 
+def downward(part: Part) -> bool:
+    """Whether heights count from a part's upper face down: its lower one is bent, as a keeper's is over the
+    slots, and the upper one level."""
+    return part.role is PartRole.KEEPER and not isinstance(part.body, Turned)
+
+
+def leftward(part: Part) -> bool:
+    """Whether widths count from a part's right side to the left: its left one has the ridges."""
+    return part.role is PartRole.RIGHT
+
+
 def datums(part: Part) -> tuple[Datum, ...]:
     """Return the three faces from which a part is measured, the one it sits on in the mold first."""
     if part.role in LIDS:
         what = "lower face, on the skin" if part.role is PartRole.CARRIER else "lower face"
         faces: _Faces = (ABOVE, "top", what), (FRONT, "left", "left side"), (FRONT, "bottom", "face at end a")
     elif part.role in END_PLATES:
-        faces = (ABOVE, "top", "inner face"), (FRONT, "left", "left side"), (FRONT, "bottom", "lower face")
+        edge: Edge = "top" if downward(part) else "bottom"
+        level = "upper face" if downward(part) else "lower face"
+        faces = (ABOVE, "top", "inner face"), (FRONT, "left", "left side"), (FRONT, edge, level)
     else:
+        side: Edge = "right" if leftward(part) else "left"
+        upright = f"lower edge of the {side} side" if part.role is PartRole.BETWEEN else f"{side} side"
         faces = (
             (FRONT, "bottom", "lower face"),
-            (FRONT, "left", "left side"),
+            (FRONT, side, upright),
             (ABOVE, "bottom", "lower edge of the face at end a" if part.straight else "face at end a"),
         )
     return tuple(Datum(letter, *face) for letter, face in zip("ABC", faces, strict=True))
@@ -118,6 +145,17 @@ def pockets(part: Part) -> tuple[NutPocket, ...]:
             at = mirrored * (min(x) + max(x)) / 2, (min(z) + max(z)) / 2
             found.append(NutPocket(at, max(z) - min(z), cut.high - cut.low))
     return tuple(sorted(found, key=lambda p: (-p.at[1], p.at[0])))
+
+
+def notches(part: Part) -> tuple[Notch, ...]:
+    """Return the notches across an end plate's upright edges."""
+    mirrored, found = -1.0 if part.end == "b" else 1.0, []
+    for cut in own(part).cuts:
+        if isinstance(cut, Prism) and cut.role in (CutRole.PRY, CutRole.MARK):
+            x, y = zip(*((s.start.x, s.start.z) for s in cut.outline), strict=True)
+            side: Edge = "right" if mirrored * (min(x) + max(x)) > 0 else "left"
+            found.append(Notch(cut.role, max(y) - min(y), side, cut.low, cut.high, cut.role is CutRole.MARK))
+    return tuple(found)
 
 
 def skins_at(design: Design) -> tuple[float, ...]:
@@ -169,6 +207,6 @@ def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
     for ridge, high in enumerate(made.heights, 1):
         if ridge in cut:
             summit = frame(made, ridge).at(0.0, high)
-            lean, sizes = math.degrees(made.lean(ridge)), (made.ridge.root_width, made.ridge.tip_width)
+            lean, sizes = -math.degrees(made.lean(ridge)), (made.ridge.root_width, made.ridge.tip_width)
             found.append(Groove(ridge, (summit.x + aside, -summit.z), lean, high, *sizes))
     return tuple(found)

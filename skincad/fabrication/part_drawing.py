@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,10 +13,14 @@ from skincad.fabrication.drawn_features import (
     Datum,
     Groove,
     Length,
+    Notch,
     NutPocket,
     Slit,
     datums,
+    downward,
     grooves_of,
+    leftward,
+    notches,
     pockets,
     seat_lengths,
     skins_at,
@@ -33,11 +38,14 @@ from skincad.inputs.design import Design
 from skincad.solids.body import Prism
 from skincad.solids.plan import Part
 from skincad.solids.projection import Projection, Stroke, outlined
+from skincad.solids.roles import CutRole, PartRole
 
 if TYPE_CHECKING:
     import cadquery as cq
 
+Coordinate = Callable[[float], float]
 NUT = "N"
+LEANING = "leaning from upright, positive with the mouth to the right"
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
@@ -82,14 +90,15 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
     datum = datums(part)
     tables = [
         _hole_table(holes, nuts, general_tolerance(design, part)),
-        _places(holes, nuts, seen),
+        _places(holes, nuts, seen, part),
+        _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
-        _groove_table(carved, seen, judged.drops if judged else ()),
+        _groove_table(carved, seen, part, judged.drops if judged else ()),
     ]
     top = seen[FRONT].box()[1][1]
     words = [*notes(design, part), *what_matters(design, part, judged)]
     if design.mold.cavities > 1 and (cut or carved):
-        words.append("Slits and grooves: of the first skin; the others' lie " + _apart(design) + " further.")
+        words.append(_others(design, part))
     return PartDrawing(
         name=part.name,
         design=design.name,
@@ -117,9 +126,13 @@ def _profile(part: Part, front: Projection) -> tuple[Stroke, ...]:
     return front.visible
 
 
-def _apart(design: Design) -> str:
-    places = skins_at(design)
-    return number(places[1] - places[0])
+def _others(design: Design, part: Part) -> str:
+    """Where in the front view the slits and grooves of a gang's further skins lie."""
+    first, *others = skins_at(design)
+    here, there = ("right", "left") if part.end == "b" else ("left", "right")
+    apart = " and ".join(number(x - first) for x in others)
+    what = "Slits" if part.role is PartRole.COMB else "Seat, trough and grooves"
+    return f"{what}: of the skin furthest {here}; the others' are {apart} to the {there} of them."
 
 
 def _overall(seen: dict[str, Projection]) -> tuple[Length, ...]:
@@ -151,7 +164,7 @@ def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limit
 
 
 def _from(group: HoleGroup) -> str:
-    sides = " & ".join(group.sides)
+    sides = " & ".join(group.sides) + (", from each" if group.depth and len(group.sides) == 2 else "")
     return f"{sides}, {_degrees(math.degrees(group.lean))} aslant" if group.lean else sides
 
 
@@ -159,14 +172,37 @@ def _degrees(angle: float) -> str:
     return f"{round(angle, 3) + 0.0:.3f}°"
 
 
-def _places(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection]) -> Listed:
+def _places(
+    holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection], part: Part
+) -> Listed:
     rows = []
     for group in holes:
-        (left, low), _ = seen[group.view].box()
-        rows += [(h.tag, number(h.at[0] - left), number(h.at[1] - low)) for h in group.holes]
-    (left, low), _ = seen[FRONT].box()
-    rows += [(f"{NUT}{i}", number(p.at[0] - left), number(p.at[1] - low)) for i, p in enumerate(nuts, 1)]
-    return Listed("Their places", ("hole", "x", "y"), tuple(rows))
+        x, y = _counted(seen, group.view, part)
+        rows += [(h.tag, number(x(h.at[0])), number(y(h.at[1]))) for h in group.holes]
+    x, y = _counted(seen, FRONT, part)
+    rows += [(f"{NUT}{i}", number(x(p.at[0])), number(y(p.at[1]))) for i, p in enumerate(nuts, 1)]
+    return Listed("Positions of holes", ("hole", "x", "y"), tuple(rows))
+
+
+def _counted(seen: dict[str, Projection], view: str, part: Part) -> tuple[Coordinate, Coordinate]:
+    """How x and y count in a view: from its left and lower edge, or from those opposite."""
+    (left, low), (right, high) = seen[view].box()
+    return (
+        (lambda x: right - x) if leftward(part) else (lambda x: x - left),
+        (lambda y: high - y) if downward(part) and view == FRONT else (lambda y: y - low),
+    )
+
+
+def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part) -> Listed:
+    _, y = _counted(seen, FRONT, part)
+    rows = []
+    for way in dict.fromkeys(notch._replace(side="left") for notch in cut):
+        sides = [notch.side for notch in cut if notch._replace(side="left") == way]
+        use = "mark of the end" if way.role is CutRole.MARK else "to pry at"
+        face = "outer face" if way.outer else "inner face"
+        where = f"{' & '.join(sorted(sides))}, {face}"
+        rows.append((use, f"{number(way.leg)} x 45°", where, *map(number, sorted((y(way.low), y(way.high))))))
+    return Listed("Notches across upright edges", ("notch", "size", "edge", "from y", "to y"), tuple(rows))
 
 
 def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> Listed:
@@ -175,22 +211,22 @@ def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> Listed:
         (f"{s.ridge} {s.side}", number(s.at[0] - left), number(s.at[1] - low), _degrees(s.lean))
         for s in cut[:MOST_ROWS]
     ]
-    size = f"Slits, {number(cut[0].width)} wide: middle of the bottom" if cut else ""
-    return Listed(size, ("ridge", "x", "y", "leans"), tuple(rows))
+    size = f"Slits, {number(cut[0].width)} wide: middle of the bottom; {LEANING}" if cut else ""
+    return Listed(size, ("ridge", "x", "y", "leaning"), tuple(rows))
 
 
 def _groove_table(
-    carved: tuple[Groove, ...], seen: dict[str, Projection], drops: tuple[float, ...]
+    carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
 ) -> Listed:
-    (left, _), _ = seen[FRONT].box()
+    across, _ = _counted(seen, FRONT, part)
     rows: list[tuple[str, ...]] = []
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        row = str(groove.ridge), number(x - left), number(-z), _degrees(groove.lean)
+        row = str(groove.ridge), number(across(x)), number(-z), _degrees(groove.lean)
         allowed = drops[groove.ridge - 1] if drops else None
         rows.append(row if allowed is None else (*row, _allowed(allowed)))
-    heads = ("ridge", "x", "below seat", "leans", "too shallow by")[: 5 if drops else 4]
-    return Listed("Grooves of the ridges: deepest point", heads, tuple(rows))
+    heads = ("ridge", "x", "below seat", "leaning", "too shallow by")[: 5 if drops else 4]
+    return Listed(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
 
 
 def _allowed(drop: float) -> str:

@@ -88,7 +88,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         "",
         f"End plates and cavity by {choice.process}; cover and carrier are plain plates, by any process:",
         "",
-        "| part | cm3 |",
+        "| part | cm³ |",
         "|---|---|",
         *rows,
         "",
@@ -129,8 +129,8 @@ def _shrinkage(design: Design, closed: ClosedMold) -> str:
     part, cavity = skin_part(design).volume, closed.first(PartRole.SKIN).volume
     share = 100 * shrinkage(design)
     return (
-        f"Shrinkage: {share:.3g} % in length, so a skin of {part / 1000:.4f} cm3 comes from a cavity of "
-        f"{cavity / 1000:.4f} cm3."
+        f"Shrinkage: {share:.3g} % in length, so a skin of {part / 1000:.4f} cm³ comes from a cavity of "
+        f"{cavity / 1000:.4f} cm³."
     )
 
 
@@ -155,11 +155,11 @@ def _mix(material: Silicone, volume: float) -> list[str]:
         parts = f"weigh {a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
     pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
     cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
-    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} C"
+    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
     return [
         "## Silicone",
         "",
-        f"{material.name}, {material.density:g} kg/m3; the mold takes {volume / 1000:.4g} cm3, "
+        f"{material.name}, {material.density:g} kg/m³; the mold takes {volume / 1000:.4g} cm³, "
         f"{grams:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
         f"Pot life {pot}; cure {cure} at {warm}.",

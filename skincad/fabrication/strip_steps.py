@@ -22,7 +22,7 @@ def to_buy(design: Design, through: float) -> list[str]:
         return []
     count = 2 * design.ridge.count * design.mold.cavities
     if design.mold.method == "cast-in" and design.film:
-        size = f"{design.film.thickness * 1000:.0f} um"
+        size = f"{design.film.thickness * 1000:.0f} µm"
         return [
             f"{count} strips of PVDF film, {size}, electrodes on both faces, cut by strips.dxf or "
             "strips.svg, and a weight for each tab"
@@ -79,7 +79,7 @@ def freed(design: Design) -> list[str]:
             f"shortens by {100 * released(design):.2g} %, when the strips are released."
         ]
     return [
-        f"Glue each film strip ({film.thickness * 1000:.0f} um, numbered in strips.dxf; {NUMBERS}) by its "
+        f"Glue each film strip ({film.thickness * 1000:.0f} µm, numbered in strips.dxf; {NUMBERS}) by its "
         "tail to the short tail of its shim at end a, wet it with fresh silicone, and draw the shim out "
         f"{way}, towards end b: the strip follows it in. It is too thin to be pushed. Mark its polarity; "
         "the same side faces +x in every slot. Cut the glued tail off at its mark."

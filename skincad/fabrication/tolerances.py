@@ -10,6 +10,7 @@ import math
 from typing import NamedTuple
 
 from skincad.fabrication.bore_fits import PINNED, process_of
+from skincad.fabrication.drawn_features import downward, leftward
 from skincad.fabrication.rules import maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
@@ -62,7 +63,8 @@ def material_words(design: Design, part: Part) -> str:
 def notes(design: Design, part: Part) -> list[str]:
     """Return what holds for the whole part."""
     share = 100 * shrinkage(design)
-    rows = ["Coordinates x, y of a hole from the view's left and lower edge. Exact shape: the STEP file."]
+    edges = f"{'right' if leftward(part) else 'left'} and {'upper' if downward(part) else 'lower'}"
+    rows = [f"Coordinates x, y from the view's {edges} edge. Exact shape: the STEP file."]
     if part.role in CAVITIES and share:
         rows.append(
             f"Trough larger than the skin by the silicone's shrinkage, {share:.3g} %: sizes are the mold's."

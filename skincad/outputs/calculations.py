@@ -187,5 +187,5 @@ def _strain(design: Design, share: float) -> Calculation:
             Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
         ),
         "force over modulus and mean area",
-        "Small strain is meant up to 0.1; beyond it a model of finite strain is asked.",
+        "Small strain holds up to about 0.1; beyond it a model of finite strain is needed.",
     )

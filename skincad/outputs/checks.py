@@ -98,10 +98,10 @@ def _manufacture_lines(check: ContactCheck) -> list[str]:
     if made is None or made.passing.value is None or made.passing.error is None:
         return []
     loss = f"most are lost by {made.largest}" if made.largest else "none of those sampled fails"
-    crests = "  ".join(f"{slope:+.0f}" for slope in made.crest_sensitivity)
+    crests = "  ".join(f"{slope / 100:+.2g}" for slope in made.crest_sensitivity)
     return [
         f"  yield          {made.passing.value:.1%} (± {made.passing.error:.1%}) of parts pass; {loss}",
-        f"  crests         1 mm lower, each changes the force needed by {crests} N",
+        f"  crests         0.01 mm lower, each changes the force needed by {crests} N",
     ]
 
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from skincad.outputs.report_scenes import ScenePart
     from skincad.scenes.simulation import Simulation
 
-SEVERITY = {"error": "fails the design", "warning": "fails it under --strict", "note": "to know"}
+SEVERITY = {"error": "fails the design", "warning": "fails it under --strict", "note": "for information"}
 
 
 def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> str:

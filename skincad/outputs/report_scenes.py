@@ -63,7 +63,7 @@ def scene_part(found: Simulation, source: str) -> ScenePart:
     caption = f"Signals of {found.scene.name} with this skin.{stopped}"
     body = [
         heading(title, title.lower().replace(" ", "-"), new_page=True),
-        paragraph(f"With {', '.join(found.scene.effects) or 'no effect'}."),
+        paragraph(f"Effects: {', '.join(found.scene.effects) or 'none'}."),
         figure(inlined(png(scene_figure(found)), "image/png"), caption, command),
         _told(found),
         _left_out(found),
@@ -79,7 +79,7 @@ def _told(found: Simulation) -> str:
     """What is told of slip, lead times and errors, as `simulate` prints it, without the run's time."""
     lines = [line for line in simulations.lines(found)[1:] if not line.startswith("  model")]
     rows = [(line[2:17].strip(), line[17:]) for line in lines]
-    return table(("told", ""), rows)
+    return table(("result", "value"), rows)
 
 
 def _left_out(found: Simulation) -> str:

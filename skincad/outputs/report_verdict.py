@@ -6,6 +6,7 @@ import math
 
 from skincad.fabrication.making import Job
 from skincad.mechanics.climb import spread_of
+from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import Request
 from skincad.mechanics.sensitivity import sensitivities
 from skincad.mechanics.tiers import winkler
@@ -32,7 +33,7 @@ def verdict_section(check: ContactCheck, command: str) -> str:
         rows.append(("friction of the plate", f"{check.friction:g}"))
     rows.append(("model", f"{check.tier}, {check.unknowns} unknowns"))
     rows += [("note", warning) for warning in check.warnings]
-    told = table(("verdict", ""), rows)
+    told = table(("verdict", "value"), rows)
     return heading("What the verdict rests on", "verdict") + told + _budget(check) + command_line(command)
 
 
@@ -60,7 +61,7 @@ def models_section(job: Job, check: ContactCheck, command: str) -> str:
     """Return the models asked on the way, and their error against time."""
     design, known = job.design, {each.tier: each.unknowns for each in check.climbed}
     known[check.tier] = check.unknowns
-    springs = winkler.answer(design, Request(check.force))
+    springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
     asked = [(each.tier, each.all_touch_force, each.unknowns) for each in check.climbed]
     asked.append((check.tier, check.all_touch_force, check.unknowns))
     if "winkler" not in {name for name, *_ in asked}:
@@ -72,19 +73,23 @@ def models_section(job: Job, check: ContactCheck, command: str) -> str:
 
     rows, points = [], []
     for name, force, unknowns in asked:
-        left = SPRINGS if name == "winkler" else TIERS[name].leaves_out
-        rows.append((name, ", ".join(left) or "neither", unknowns, f"{seconds(name):.2g}", str(force)))
+        left = SPRINGS if name == "winkler" else (*TIERS[name].leaves_out, *plate.left_out(name))
+        rows.append((name, ", ".join(left) or "none of these", unknowns, f"{seconds(name):.2g}", str(force)))
         if force.value and force.error:
             points.append((name, seconds(name), force.error / force.value))
-    head = ("model", "leaves out", "unknowns", "s, by its law", "all ridges touch from")
+    head = ("model", "leaves out", "unknowns", "predicted time, s", "all ridges touch from")
     law = (
-        "Seconds are those of the models' laws on one core, not of this run, so that the same design gives "
-        "the same report; winkler is the closed form below. What is left out is in the error."
+        "Times are predicted for one core, not measured in this run, so that the same design gives the same "
+        "report; winkler is the closed form below. The error includes what a model leaves out."
     )
     drawn = ""
     if len(points) > 1:
         address = inlined(svg(models_figure(points)), SVG)
-        drawn = figure(address, "Error against time of the models asked; diamond: the verdict's.", command)
+        drawn = figure(
+            address,
+            "Error of the models asked against their predicted time; diamond: the one that gave the verdict.",
+            command,
+        )
     return heading("Models asked", "models") + table(head, rows) + paragraph(law, "small") + drawn
 
 
@@ -99,22 +104,22 @@ def yield_section(job: Job, check: ContactCheck, command: str) -> str:
     error = made.passing.error or 0.0
     rows = [
         ("parts that pass", f"{made.passing.value:.1%} ± {error:.1%}"),
-        ("crests, one against another", f"sigma {spread.crest_sigma:g} mm by {spread.process}, normal"),
-        ("modulus of a batch", f"{low:g} to {high:g} MPa, evenly; {now:g} meant"),
-        ("largest loss", made.largest or "none of those sampled fails"),
-        ("force by the modulus", f"{made.modulus_sensitivity:.3g} N per MPa"),
+        ("crests, one against another", f"normal, sigma {spread.crest_sigma:g} mm by {spread.process}"),
+        ("modulus of a batch", f"uniform from {low:g} to {high:g} MPa; nominal {now:g} MPa"),
+        ("most are lost by", made.largest or "nothing: none of those sampled fails"),
+        ("change of the force with the modulus", f"{made.modulus_sensitivity:.3g} N per MPa"),
     ]
     crests = "".join(
         table(
             ("ridge", *(str(first + i) for i in range(1, len(slopes) + 1))),
-            [("N by 0.01 mm lower", *(f"{slope / 100:+.2g}" for slope in slopes))],
+            [("N for 0.01 mm lower", *(f"{slope / 100:+.2g}" for slope in slopes))],
             "small",
         )
         for first in range(0, len(made.crest_sensitivity), IN_A_ROW)
         if (slopes := made.crest_sensitivity[first : first + IN_A_ROW])
     )
     told = paragraph("How much the all-touch force changes when one crest comes out 0.01 mm lower:")
-    return head + table(("yield", ""), rows) + told + crests + command_line(command)
+    return head + table(("yield", "value"), rows) + told + crests + command_line(command)
 
 
 def sensitivity_section(job: Job, check: ContactCheck | None, source: str) -> str:
@@ -128,20 +133,20 @@ def sensitivity_section(job: Job, check: ContactCheck | None, source: str) -> st
     rows = [(each.key, each.now, each.unit, str(each.change)) for each in found]
     by = "the verdict's force" if force else "the closed form's force, as there is no verdict"
     words = (
-        f"By the closed form's exponents times {by}, {force or own:.3g} N; their errors were set against "
-        "plane finite elements on 19 designs, and on 10 others they hold 70 of 78 times. Where the error is "
-        "the larger, the sign is open."
+        f"Exponents of the closed form times {by}, {force or own:.3g} N. Their errors come from plane finite "
+        "elements on 19 designs; on 10 others 70 of 78 changes lay within them. Where the error exceeds the "
+        "change, its sign is uncertain."
     )
     first = found[0]
     better = f"skincad sweep {source} --vary {first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3"
     better += " --tier linear"
     drawn = inlined(svg(sensitivity_figure(found)), SVG)
     caption = (
-        "Change of the all-touch force by 1 % more of each key, by the closed form; more surely of the first:"
+        "Change of the all-touch force for 1 % more of each key, by the closed form. To confirm the first:"
     )
     return (
         head
-        + table(("key", "now", "unit", "by 1 % more of it"), rows)
+        + table(("key", "now", "unit", "for 1 % more of it"), rows)
         + paragraph(words, "small")
         + figure(drawn, caption, better)
     )

@@ -55,7 +55,10 @@ def _slips(found: Simulation) -> str:
     steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
     each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
-    return f"ridge {each}{end}" if steps else "no ridge slips for good"
+    touching = set(found.march.ridge[found.march.readings[-1].touches].tolist())
+    clear = [str(ridge) for ridge in range(1, len(found.slip_steps) + 1) if ridge not in touching]
+    apart = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
+    return f"ridge {each}{end}{apart}" if steps else f"no ridge slips for good{apart}"
 
 
 def _felt_lines(found: Simulation) -> list[str]:

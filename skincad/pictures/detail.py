@@ -13,10 +13,12 @@ from skincad.fabrication.bore_table import number
 from skincad.fabrication.drawn_features import Groove, Slit
 from skincad.fabrication.part_drawing import PartDrawing
 from skincad.pictures.marks import Box, Ink, Mark, Words, aligned, rectangle
-from skincad.pictures.sheet_views import Placed
+from skincad.pictures.sheet_bores import Placed
 from skincad.solids.projection import Arc, Place, Polyline, Stroke
 
-AROUND = (24.0, 14.0)  # mm of paper beside and over it, for dimensions
+AROUND = (10.0, 10.0)  # mm of paper beside and over it, for dimensions and caption
+WIDER, LEAST = (1.3, 1.4), (42.0, 34.0)  # assumption: a window by what it shows, and at least, mm of paper
+SLACK = 1.05  # by how much what is shown may be larger than the window: it has margins of its own
 SCALES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)  # source: ISO 5455
 LETTER, SIZE = "W", 2.0
 CHORD = 0.01  # mm of paper, of arcs that are cut at the window
@@ -32,20 +34,39 @@ class Focus(NamedTuple):
 
 
 def detail_size(drawing: PartDrawing, window: tuple[float, float]) -> tuple[float, float]:
-    """Return width and height of the detail with its dimensions, mm; 0 where there is none."""
-    if not (drawing.slits or drawing.grooves):
+    """Return width and height of the detail with its dimensions in a window of at most this size, mm; 0 where
+    there is none."""
+    focus = _focus(drawing)
+    if focus is None:
         return 0.0, 0.0
-    return window[0] + 2 * AROUND[0], window[1] + 2 * AROUND[1]
+    _, (wide, tall) = _windowed(focus, window)
+    return wide + 2 * AROUND[0], tall + 2 * AROUND[1]
 
 
-def detail_marks(drawing: PartDrawing, front: Placed, corner: Place, size: tuple[float, float]) -> list[Mark]:
-    """Return the detail in a window of this size, mm, the lower left corner of all there, and where it is in
-    the front view, which lies so."""
-    if not (drawing.slits or drawing.grooves):
-        return []
-    focus = _of_slits(drawing.slits) if drawing.slits else _of_groove(drawing.grooves)
-    fits = min(w / e for w, e in zip(size, focus.extent, strict=True))
+def _focus(drawing: PartDrawing) -> Focus | None:
+    if drawing.slits:
+        return _of_slits(drawing.slits)
+    return _of_groove(drawing.grooves) if drawing.grooves else None
+
+
+def _windowed(focus: Focus, most: tuple[float, float]) -> tuple[float, tuple[float, float]]:
+    """The largest standard scale at which a window of at most this size shows it, and the window, mm."""
+    fits = SLACK * min(w / e for w, e in zip(most, focus.extent, strict=True))
     scale = next((s for s in SCALES if s <= fits), SCALES[-1])
+    wide, tall = (
+        min(room, max(least, by * scale * e))
+        for room, least, by, e in zip(most, LEAST, WIDER, focus.extent, strict=True)
+    )
+    return scale, (wide, tall)
+
+
+def detail_marks(drawing: PartDrawing, front: Placed, corner: Place, most: tuple[float, float]) -> list[Mark]:
+    """Return the detail in a window of at most this size, mm, the lower left corner of all there, and where
+    it is in the front view, which lies so."""
+    focus = _focus(drawing)
+    if focus is None:
+        return []
+    scale, size = _windowed(focus, most)
     left, low = corner[0] + AROUND[0], corner[1] + AROUND[1]
     middle = left + size[0] / 2, low + size[1] / 2
     place = Placed((middle[0] - scale * focus.middle[0], middle[1] - scale * focus.middle[1]), scale)
@@ -55,7 +76,7 @@ def detail_marks(drawing: PartDrawing, front: Placed, corner: Place, size: tuple
     for a, b, out, words in focus.sizes:
         marks.append(aligned((place.at(a), place.at(b)), scale * out, scale, words, SIZE))
     caption = f"detail {LETTER} ({scale:g}:1)"
-    marks.append(Words(caption, (middle[0], corner[1] + 1.5), 2.5, "TEXT", "middle"))
+    marks.append(Words(caption, (middle[0], corner[1] + 3.5), 2.5, "TEXT", "middle"))
     return [*marks, *_shown(focus.middle, front, [length / scale for length in size])]
 
 
@@ -97,7 +118,7 @@ def _of_groove(grooves: tuple[Groove, ...]) -> Focus:
     """The groove in the middle: depth, and widths at root and tip before fillets."""
     groove = grooves[len(grooves) // 2]
     lean, h = math.radians(groove.lean), groove.height
-    up, across = (-math.sin(lean), math.cos(lean)), (math.cos(lean), math.sin(lean))
+    up, across = (math.sin(lean), math.cos(lean)), (math.cos(lean), -math.sin(lean))
     mouth = _along(groove.bottom, up, h)
     root = [_along(mouth, across, s * groove.root / 2) for s in (-1, 1)]
     tip = [_along(groove.bottom, across, s * groove.tip / 2) for s in (-1, 1)]
@@ -107,7 +128,7 @@ def _of_groove(grooves: tuple[Groove, ...]) -> Focus:
         (_along(groove.bottom, across, 0.0), mouth, 0.5 * groove.root + 0.4 * h, number(h)),
     )
     middle = _along(groove.bottom, up, h / 2)
-    return Focus(middle, (1.6 * groove.root, 2.0 * h), sizes)
+    return Focus(middle, (1.6 * groove.root, 1.9 * h), sizes)
 
 
 def _along(point: Place, way: Place, far: float) -> Place:

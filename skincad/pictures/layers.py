@@ -33,6 +33,7 @@ LAYERS = {
     "MARK": Layer(5, "CONTINUOUS", 0.18, "#1f3f68", "what is engraved or only marked"),
     "HIDDEN": Layer(8, "HIDDEN", 0.18, "#707070", "edges behind what is seen"),
     "CENTRE": Layer(4, "CENTER", 0.13, "#909090", "centre lines"),
+    "THREAD": Layer(8, "CONTINUOUS", 0.18, "#000000", "threads' major diameters: off for cutting"),
     "DIMENSIONS": Layer(6, "CONTINUOUS", 0.13, "#1f5fa8", "dimensions, leaders and datums: off for cutting"),
     "TEXT": Layer(9, "CONTINUOUS", 0.18, "#000000", "tables and notes: off for cutting"),
     "FRAME": Layer(8, "CONTINUOUS", 0.25, "#000000", "the sheet's frame and title block: off for cutting"),

@@ -10,7 +10,7 @@ from skincad.fabrication.part_drawing import PartDrawing
 from skincad.pictures.detail import detail_marks, detail_size
 from skincad.pictures.marks import Box, Mark, Sheet, rectangle
 from skincad.pictures.sheet_column import COLUMN, Titled, column, column_height
-from skincad.pictures.sheet_views import places, size_of, view_marks
+from skincad.pictures.sheet_views import corner_of, places, size_of, view_marks
 
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02)  # source: ISO 5455
 FILED, EDGE = (
@@ -18,6 +18,7 @@ FILED, EDGE = (
     10.0,
 )  # mm, source: ISO 5457, the frame's distance from the paper at the left and elsewhere
 APART = 6.0  # mm, between views and column
+TAGS, CAPTION = 12.0, 8.0  # mm, between the view from above and a detail to its right; under the left view
 ROOM = 7.0  # mm, assumption: between neighbouring holes on paper, for their tags
 READ = 45.0  # mm, assumption: a view's larger side on paper is at least so long
 
@@ -32,7 +33,7 @@ class Paper(NamedTuple):
     @property
     def window(self) -> tuple[float, float]:
         """Width and height of a detail on it, mm."""
-        return (64.0, 36.0) if self.name == "A4" else (104.0, 60.0)
+        return (52.0, 36.0) if self.name == "A4" else (104.0, 60.0)
 
     @property
     def frame(self) -> Box:
@@ -54,43 +55,62 @@ def scale_words(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
+class Arranged(NamedTuple):
+    """How views and detail lie on a paper: scale, width and height of all, mm, and whether the detail is in
+    the corner between the left view and that from above, or under the views."""
+
+    scale: float
+    size: tuple[float, float]
+    in_corner: bool
+
+
 def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
     """Return the sheet of a part; `date` is "" where it is omitted."""
-    paper, scale = _choice(drawing)
-    left, low, right, high = paper.frame
-    tall = column_height(drawing)
-    if paper.beside:
-        area = left, low, right - COLUMN - APART, high
+    paper, found = _choice(drawing)
+    _, low, right, _ = paper.frame
+    area, detail = _area(drawing, paper), detail_size(drawing, paper.window)
+    titled = Titled(scale_words(found.scale), paper.name, version, date)
+    aside = (area[2] - area[0] - found.size[0]) / 2
+    spare = (area[3] - area[1] - found.size[1]) / (2 if found.in_corner else 3)
+    views = area[0] + aside, area[1], area[2], area[3] - spare
+    placed = places(drawing, found.scale, views)
+    if found.in_corner:
+        corner = area[0] + aside + found.size[0] - detail[0], area[3] - spare - found.size[1]
     else:
-        area = left, low + tall + APART, right, high
-    titled = Titled(scale_words(scale), paper.name, version, date)
-    detail = detail_size(drawing, paper.window)
-    need = size_of(drawing, scale)
-    spare = [(area[2] - area[0] - max(need[0], detail[0])) / 2, (area[3] - area[1] - need[1] - detail[1]) / 3]
-    views = left + spare[0], area[1] + detail[1] + spare[1], area[2], high - spare[1]
-    corner = area[0] + spare[0], area[1] + spare[1]
-    placed = places(drawing, scale, views)
+        corner = area[0] + aside, area[1] + spare
+    taken = (*corner, corner[0] + detail[0], corner[1] + detail[1])
     marks: list[Mark] = [
         rectangle(paper.frame, "FRAME"),
         *column(drawing, titled, right - COLUMN, low),
-        *view_marks(drawing, placed, views),
+        *view_marks(drawing, placed, views, taken),
         *detail_marks(drawing, placed[FRONT], corner, paper.window),
     ]
-    return Sheet(f"{drawing.design}: {drawing.name}", paper.size, scale, tuple(marks))
+    return Sheet(f"{drawing.design}: {drawing.name}", paper.size, found.scale, tuple(marks))
 
 
-def _choice(drawing: PartDrawing) -> tuple[Paper, float]:
+def _area(drawing: PartDrawing, paper: Paper) -> Box:
+    """Where views and detail have room, mm: left of the column, or over it."""
+    left, low, right, high = paper.frame
+    if paper.beside:
+        return left, low, right - COLUMN - APART, high
+    return left, low + column_height(drawing) + APART, right, high
+
+
+def _choice(drawing: PartDrawing) -> tuple[Paper, Arranged]:
     """The smallest paper on which views and holes are read well, or else the one of the largest scale."""
-    best: tuple[Paper, float] | None = None
+    best: tuple[Paper, Arranged] | None = None
     for paper in PAPERS:
-        scale = next((s for s in SCALES if _fits(drawing, paper, s)), None)
-        if scale is None:
+        if paper.beside and column_height(drawing) > paper.frame[3] - paper.frame[1]:
             continue
-        if best is None or scale > best[1]:
-            best = paper, scale
-        if scale * _wanted(drawing) >= 1:
+        fitting = (_fitting(drawing, paper, scale) for scale in SCALES)
+        found = next((one for one in fitting if one is not None), None)
+        if found is None:
+            continue
+        if best is None or found.scale > best[1].scale:
+            best = paper, found
+        if found.scale * _wanted(drawing) >= 1:
             break
-    return best or (PAPERS[-1], SCALES[-1])
+    return best or (PAPERS[-1], _arranged(drawing, PAPERS[-1], SCALES[-1])[-1])
 
 
 def _wanted(drawing: PartDrawing) -> float:
@@ -108,15 +128,20 @@ def _spacing(drawing: PartDrawing) -> float:
     return min((apart for apart in pairs if apart > 1e-6), default=math.inf)
 
 
-def _fits(drawing: PartDrawing, paper: Paper, scale: float) -> bool:
-    left, low, right, high = paper.frame
+def _fitting(drawing: PartDrawing, paper: Paper, scale: float) -> Arranged | None:
+    """How all of it fits on a paper at a scale; None where it does not."""
+    left, low, right, high = _area(drawing, paper)
     wide, tall = right - left - 4.0, high - low - 4.0
-    column_tall = column_height(drawing)
-    if paper.beside:
-        wide -= COLUMN + APART
-        if column_tall > tall:
-            return False
-    else:
-        tall -= column_tall + APART
-    need, aside = size_of(drawing, scale), detail_size(drawing, paper.window)
-    return max(need[0], aside[0]) <= wide and need[1] + aside[1] <= tall
+    rows = _arranged(drawing, paper, scale)
+    return next((one for one in rows if one.size[0] <= wide and one.size[1] <= tall), None)
+
+
+def _arranged(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arranged, ...]:
+    """The ways to lay out views and detail, the most even one first."""
+    views, corner = size_of(drawing, scale), corner_of(drawing, scale)
+    wide, tall = detail_size(drawing, paper.window)
+    if not wide:
+        return (Arranged(scale, views, False),)
+    aside = max(views[0], corner[0] + TAGS + wide), max(views[1], corner[1] + CAPTION + tall)
+    under = max(views[0], wide), views[1] + tall
+    return Arranged(scale, aside, True), Arranged(scale, under, False)

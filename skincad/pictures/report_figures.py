@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import shapely
 
 from skincad.mechanics.sensitivity import Sensitivity
-from skincad.pictures.canvas import BLUE, GREY, VERMILION, LogLocator, NullLocator, Picture, sheet
+from skincad.pictures.canvas import (
+    BLUE,
+    GREY,
+    VERMILION,
+    Axes,
+    Figure,
+    LogLocator,
+    NullLocator,
+    Picture,
+    sheet,
+)
 
 SIZE, DPI = (7.0, 3.0), 100
 ROOM = 3.0  # by which the axes reach beyond the points
+BESIDE = ((7, 7), (-7, -7), (7, -7), (-7, 7), (7, 20), (-7, -20))  # points: where a point's name may begin
+NEAR = 4.0  # pixels, of a name from a point
 FEW = 20.0  # ratio of errors below which more than powers of ten are named
 
 
-def models_figure(asked: Sequence[tuple[str, float, float]]) -> Picture:
+Points = Sequence[tuple[str, float, float]]
+
+
+def models_figure(asked: Points) -> Picture:
     """Return the relative error of the all-touch force against time, s: a point for each model asked, as
     `(name, seconds, error)`; the last one gave the verdict."""
     shown = [each for each in asked if each[2] > 0]
@@ -27,25 +43,33 @@ def models_figure(asked: Sequence[tuple[str, float, float]]) -> Picture:
         axes.scatter(times[-1:], errors[-1:], color=VERMILION, marker="D", s=44, zorder=2)
         axes.set_xlim(min(times) / ROOM, max(times) * ROOM)
         axes.set_ylim(min(errors) / ROOM, max(errors) * ROOM)
-        middle = math.sqrt(min(times) * max(times))
-        for name, time, error in shown:
-            left = time > middle or len(shown) == 1
-            axes.annotate(
-                name,
-                (time, error),
-                xytext=(-7 if left else 7, 7),
-                textcoords="offset points",
-                ha="right" if left else "left",
-                fontsize=8,
-            )
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_minor_locator(NullLocator())
             axis.set_major_formatter("{x:g}")
         if max(errors) < FEW * min(errors):  # with its room: no two powers of ten need lie within
             axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.set_xlabel("time by the models' laws, s")
+        axes.set_xlabel("predicted time, s")
         axes.set_ylabel("error of the all-touch\nforce, relative")
+        _named(figure, axes, shown)
     return figure
+
+
+def _named(figure: Figure, axes: Axes, shown: Points) -> None:
+    """Put each point's name beside it: within the axes, on no other name, point or line."""
+    figure.draw_without_rendering()  # else nothing has its place yet
+    at = axes.transData.transform([(time, error) for _, time, error in shown])
+    taken = [shapely.Point(place).buffer(NEAR) for place in at]
+    taken += [shapely.LineString(at)] if len(at) > 1 else []
+    whole = shapely.box(*axes.bbox.extents)
+    for name, time, error in shown:
+        for x, y in BESIDE:
+            side: dict[str, Any] = {"ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
+            told = axes.annotate(name, (time, error), (x, y), textcoords="offset points", fontsize=8, **side)
+            box = shapely.box(*told.get_window_extent().extents)
+            if (whole.contains(box) and not any(map(box.intersects, taken))) or (x, y) == BESIDE[-1]:
+                break
+            told.remove()
+        taken.append(box)
 
 
 def sensitivity_figure(found: Sequence[Sensitivity]) -> Picture:
@@ -59,6 +83,6 @@ def sensitivity_figure(found: Sequence[Sensitivity]) -> Picture:
         axes.barh(places, values, xerr=errors, color=colours, capsize=2.5, error_kw={"linewidth": 1.0})
         axes.axvline(0.0, color=GREY, linewidth=0.8)
         axes.set_yticks(places, [each.key for each in found])
-        axes.set_xlabel("change of the all-touch force by 1 % more of it, N")
+        axes.set_xlabel("change of the all-touch force for 1 % more of it, N")
         axes.grid(visible=False, axis="y")
     return figure

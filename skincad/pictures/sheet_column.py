@@ -13,7 +13,7 @@ from skincad.solids.projection import Arc, Polyline
 COLUMN = 180.0  # mm, source: ISO 7200, the title block's width
 TEXT, HEAD, LABEL = 1.8, 2.5, 1.3  # mm, height of capitals
 ROW, GAP = 3.9, 3.5  # mm, of a table's row, and between tables
-TITLE = 38.0  # mm, height of the title block
+TITLE = 40.0  # mm, height of the title block
 SPACE = 1.2  # mm, beside a cell's text
 
 
@@ -79,7 +79,7 @@ def _table_height(table: Listed) -> float:
 
 
 def _table(table: Listed, left: float, high: float) -> list[Mark]:
-    marks: list[Mark] = [Words(table.title, (left, high - ROW + 1.2), TEXT, "TEXT")]
+    marks: list[Mark] = [Words(table.title, (left + SPACE, high - ROW + 1.2), TEXT, "TEXT")]
     count, rows, widths = _abreast(table), _rows(table), _natural(table)
     if count == 1 and len(table.heads) > 3:
         spare = (COLUMN - sum(widths)) / len(widths)
@@ -107,38 +107,43 @@ def _grid(
 
 def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> list[Mark]:
     cells: list[tuple[Box, str, str, float]] = [
-        ((0, 26, 96, 38), "title", f"{drawing.name}", 4.0),
-        ((96, 26, 150, 38), "design", drawing.design, HEAD),
-        ((0, 17, 96, 26), "what it is", drawing.what, HEAD),
-        ((96, 17, 150, 26), "document", "part drawing", HEAD),
-        ((0, 8.5, 75, 17), "material (proposal)", drawing.material, HEAD),
-        ((75, 8.5, 125, 17), "process", drawing.process, HEAD),
-        ((125, 8.5, 180, 17), "general tolerance", drawing.tolerance, HEAD),
-        ((0, 0, 52, 8.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
-        ((52, 0, 75, 8.5), "scale", titled.scale, HEAD),
-        ((75, 0, 92, 8.5), "unit", "mm", HEAD),
-        ((92, 0, 108, 8.5), "paper", titled.paper, HEAD),
-        ((108, 0, 120, 8.5), "sheet", "1/1", HEAD),
-        ((120, 0, 155, 8.5), "version (skincad)", titled.version, HEAD),
-        ((155, 0, 180, 8.5), "date", titled.date or "-", HEAD),
+        ((0, 30, 96, TITLE), "title", f"{drawing.name}", 3.5),
+        ((96, 30, 150, TITLE), "design", drawing.design, HEAD),
+        ((0, 22.5, 96, 30), "what it is", drawing.what, HEAD),
+        ((96, 22.5, 150, 30), "document", "part drawing", HEAD),
+        ((0, 15, 75, 22.5), "material (proposal)", drawing.material, HEAD),
+        ((75, 15, 125, 22.5), "process", drawing.process, HEAD),
+        ((125, 15, 180, 22.5), "general tolerance", drawing.tolerance, HEAD),
+        ((0, 7.5, 75, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
+        ((75, 7.5, 125, 15), "drawn by", f"skincad {titled.version}", HEAD),
+        ((125, 7.5, 180, 15), "approved by", "", HEAD),
+        ((0, 0, 52, 7.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
+        ((52, 0, 75, 7.5), "scale", titled.scale, HEAD),
+        ((75, 0, 92, 7.5), "unit", "mm", HEAD),
+        ((92, 0, 108, 7.5), "paper", titled.paper, HEAD),
+        ((108, 0, 120, 7.5), "sheet", "1/1", HEAD),
+        ((120, 0, 180, 7.5), "date", titled.date, HEAD),
     ]
     marks: list[Mark] = []
     for (x0, y0, x1, y1), label, text, height in cells:
         marks.append(rectangle((left + x0, low + y0, left + x1, low + y1), "FRAME"))
-        marks.append(Words(label, (left + x0 + 1.0, low + y1 - 2.2), LABEL, "FRAME"))
+        marks.append(Words(label, (left + x0 + 1.0, low + y1 - 2.0), LABEL, "FRAME"))
+        if not text:
+            continue
         fit = min(height, height * (x1 - x0 - 2.0) / max(width(text, height), 1e-9))
-        marks.append(Words(text, (left + x0 + 1.0, low + y0 + 1.6), fit, "FRAME"))
-    return [*marks, rectangle((left + 150, low + 17, left + 180, low + 38), "FRAME"), *_symbol(left, low)]
+        marks.append(Words(text, (left + x0 + 1.0, low + y0 + 1.5), fit, "FRAME"))
+    marks.append(rectangle((left + 150, low + 22.5, left + 180, low + TITLE), "FRAME"))
+    return [*marks, *_symbol(left, low)]
 
 
 def _symbol(left: float, low: float) -> list[Mark]:
     """First-angle projection's symbol (ISO 5456-2): a cone, its narrow end at the left, and to its right what
     is seen from the left."""
-    x, y = left + 158.0, low + 29.5
+    x, y = left + 158.0, low + 32.5
     cone = Polyline(((x - 4, y - 2), (x + 4, y - 4), (x + 4, y + 4), (x - 4, y + 2), (x - 4, y - 2)))
     circles = [Arc((x + 13.5, y), r, 0.0, 2 * math.pi) for r in (2.0, 4.0)]
     marks: list[Mark] = [Ink(cone, "FRAME"), *(Ink(c, "FRAME") for c in circles)]
     marks += [line((x - 5.5, y), (x + 5.5, y), "CENTRE"), line((x + 8, y), (x + 19, y), "CENTRE")]
     marks.append(line((x + 13.5, y - 5), (x + 13.5, y + 5), "CENTRE"))
-    words = Words("first-angle (ISO 5456-2)", (left + 165.0, low + 19.0), LABEL, "FRAME", "middle")
+    words = Words("first-angle (ISO 5456-2)", (left + 165.0, low + 24.0), LABEL, "FRAME", "middle")
     return [*marks, words]

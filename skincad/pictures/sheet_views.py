@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from skincad.fabrication.bore_table import HoleGroup, number
 from skincad.fabrication.drawing_views import ABOVE, FRONT, LEFT
 from skincad.fabrication.part_drawing import NUT, PartDrawing
@@ -20,36 +18,16 @@ from skincad.pictures.marks import (
     rectangle,
     width,
 )
+from skincad.pictures.sheet_bores import Placed, bore_marks
 from skincad.pictures.tags import Room, tagged
-from skincad.solids.projection import Arc, Place, Polyline, Projection, Stroke
+from skincad.solids.projection import Projection
 
 FIRST, NEXT = 9.5, 6.0  # mm, of a dimension's line from the view, and of the next one from it
-BETWEEN, UNDER = 20.0, 24.0  # mm, between front and left view; between front view and that from above
-FOOT, RIGHT = 12.0, 10.0  # mm, under the lowest view, and right of the last
+BETWEEN, UNDER = 17.0, 22.0  # mm, between front and left view; between front view and that from above
+FOOT, RIGHT = 12.0, 8.0  # mm, under the lowest view, and right of the last
 DRAWN = 6.0  # assumption: what words on a dimension's line cost, by what they do on an edge
 TAG, SIZE = 1.8, 2.0  # mm, height of capitals
-
-
-class Placed(NamedTuple):
-    """A view on paper: `origin` mm is where its (0, 0) lies, `scale` paper by part."""
-
-    origin: Place
-    scale: float
-
-    def at(self, point: Place) -> Place:
-        """Return a view's point on paper, mm."""
-        return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
-
-    def stroke(self, stroke: Stroke) -> Stroke:
-        """Return a view's stroke on paper."""
-        if isinstance(stroke, Arc):
-            return Arc(self.at(stroke.centre), self.scale * stroke.radius, stroke.start, stroke.sweep)
-        return Polyline(tuple(self.at(point) for point in stroke.points))
-
-    def box(self, seen: Projection) -> Box:
-        """Return the rectangle of a view on paper, mm."""
-        low, high = seen.box()
-        return (*self.at(low), *self.at(high))
+RIM = 0.2  # mm, of a circle that no tag comes nearer to
 
 
 def size_of(drawing: PartDrawing, scale: float) -> tuple[float, float]:
@@ -57,6 +35,13 @@ def size_of(drawing: PartDrawing, scale: float) -> tuple[float, float]:
     (fw, fh), (_, ah), (lw, _) = (_extent(drawing.views[name], scale) for name in (FRONT, ABOVE, LEFT))
     left, top = _margins(drawing)
     return left + fw + BETWEEN + lw + RIGHT, top + fh + UNDER + ah + FOOT
+
+
+def corner_of(drawing: PartDrawing, scale: float) -> tuple[float, float]:
+    """Return how far the corner that the three views leave free is from their upper left one, mm."""
+    wide, tall = _extent(drawing.views[FRONT], scale)
+    left, top = _margins(drawing)
+    return left + wide, top + tall
 
 
 def _extent(seen: Projection, scale: float) -> tuple[float, float]:
@@ -71,9 +56,11 @@ def _margins(drawing: PartDrawing) -> tuple[float, float]:
     return left, top
 
 
-def view_marks(drawing: PartDrawing, placed: dict[str, Placed], area: Box) -> list[Mark]:
-    """Return the views as they lie, with dimensions, datums and tags, all within an area, mm."""
+def view_marks(drawing: PartDrawing, placed: dict[str, Placed], area: Box, taken: Box) -> list[Mark]:
+    """Return the views as they lie, with dimensions, datums and tags, all within an area, mm, and none of
+    their tags on what is `taken`."""
     room, marks = Room(area), list[Mark]()
+    room.block(taken)
     for name, place in placed.items():
         marks += _strokes(drawing.views[name], place, room)
         box = place.box(drawing.views[name])
@@ -88,7 +75,7 @@ def view_marks(drawing: PartDrawing, placed: dict[str, Placed], area: Box) -> li
             for drawn in mark.drawn:
                 if isinstance(drawn, Ink):
                     room.cross(drawn.stroke, DRAWN)
-    return [*marks, *_tags(drawing, placed, room)]
+    return [*marks, *bore_marks(drawing.holes, placed), *_tags(drawing, placed, room)]
 
 
 def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, Placed]:
@@ -113,7 +100,7 @@ def _strokes(seen: Projection, place: Placed, room: Room) -> list[Mark]:
     marks: list[Mark] = []
     visible = [place.stroke(s) for s in seen.visible]
     hidden = thinned([place.stroke(s) for s in seen.hidden], visible)
-    for strokes, layer, weight in ((visible, "OUTLINE", 2.0), (hidden, "HIDDEN", 0.6)):
+    for strokes, layer, weight in ((visible, "OUTLINE", 6.0), (hidden, "HIDDEN", 0.6)):
         for stroke in strokes:
             marks.append(Ink(stroke, layer))
             room.cross(stroke, weight)
@@ -177,12 +164,12 @@ def _tags(drawing: PartDrawing, placed: dict[str, Placed], room: Room) -> list[M
     for place, group, at, _ in rows:
         x, y = place.at(at)
         r = place.scale * max(group.diameter, group.far_diameter) / 2
-        room.block((x - 0.8 * r, y - 0.8 * r, x + 0.8 * r, y + 0.8 * r))
+        r += RIM
+        room.block((x - r, y - r, x + r, y + r))
     room.settle()
     marks: list[Mark] = []
     for place, group, at, text in sorted(rows, key=lambda row: -width(row[3], TAG)):
         centre, size = place.at(at), (group.diameter, place.scale)
-        marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
         marks.append(tagged(centre, place.scale * group.diameter / 2, text, size, TAG, room))
     for i, pocket in enumerate(drawing.pockets):
         place = placed[FRONT]
@@ -200,8 +187,3 @@ def _said(group: HoleGroup, index: int, tag: str) -> str:
         return tag
     count = f"{len(group.holes)}x" if len(group.holes) > 1 else ""
     return " ".join(t for t in (tag, count, group.size, group.thread) if t)
-
-
-def _cross(centre: Place, radius: float) -> list[Mark]:
-    out, (x, y) = radius + 1.0, centre
-    return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]

@@ -62,7 +62,7 @@ def solution_figure(found: Solution) -> Picture:
         axes.set_xlabel(_label(knob))
         axes.set_ylabel(_told(key, found.evaluations))
         legend(axes)
-        figure.suptitle(f"{found.name}: {key} against {knob.key}")
+        figure.suptitle(f"{found.name}: {_told(key, found.evaluations).partition(',')[0]} against {knob.key}")
     return figure
 
 
@@ -194,9 +194,9 @@ def _name_ticks(axes: Axes, knob: Knob, side: str = "x") -> None:
 
 
 def _told(key: str, rows: Sequence[Evaluation]) -> str:
-    """A result's key with its unit, as far as the key does not tell it."""
+    """A result's key with its unit, which stands behind a comma, whether or not it ends the key."""
     unit = next((row.results[key].unit for row in rows if key in row.results), "1")
-    return key if unit == "1" or key.endswith(f"_{unit}") else f"{key}, {unit}"
+    return key if unit == "1" else f"{key.removesuffix(f'_{unit}')}, {unit}"
 
 
 def _label(knob: Knob) -> str:

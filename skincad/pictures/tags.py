@@ -13,12 +13,14 @@ from skincad.pictures.marks import Box, Dimension, Words, diameter, overlap
 from skincad.solids.projection import Place, Polyline, Stroke
 
 ANGLES = tuple(math.radians(a) for a in (45, 135, -45, -135, 20, 160, -20, -160, 70, 110, -70, -110))
-REACHES = (2.0, 3.5, 5.5, 8.5, 12.0, 16.0)  # mm, from a circle's rim to its tag's foot
+REACHES = (3.2, 4.5, 6.5, 9.0, 12.0, 16.0)  # mm, from a circle's rim to its tag's foot: past the arrow
 LINE, FAR, WORD = (
     1.0,
     0.25,
     40.0,
 )  # assumption: what a crossed line, a millimetre further, a covered word cost
+CLEAR = 0.6  # mm, of a tag from lines and other words
+LEADER = 6  # points of a leader that are asked for what they lie on
 
 
 class Room:
@@ -52,9 +54,21 @@ class Room:
             return 10 * WORD
         b = self._boxes
         crossed = (b[:, 0] < box[2]) & (b[:, 2] > box[0]) & (b[:, 1] < box[3]) & (b[:, 3] > box[1])
-        return LINE * min(12.0, float(b[crossed, 4].sum())) + WORD * sum(
-            overlap(box, other) for other in self.taken
+        return LINE * min(30.0, float(b[crossed, 4].sum())) + WORD * self.covered(box)
+
+    def covered(self, box: Box) -> int:
+        """Return how many taken rectangles share more than an edge with this one."""
+        return sum(overlap(box, other) for other in self.taken)
+
+    def pierced(self, points: list[Place], own: Place) -> int:
+        """Return on how many taken rectangles one of these points lies, without those in which `own` does."""
+        return sum(
+            any(_inside(box, point) for point in points) for box in self.taken if not _inside(box, own)
         )
+
+
+def _inside(box: Box, point: Place) -> bool:
+    return box[0] < point[0] < box[2] and box[1] < point[1] < box[3]
 
 
 def tagged(
@@ -67,9 +81,11 @@ def tagged(
         for angle in ANGLES:
             c, s = math.cos(angle), math.sin(angle)
             x, y = centre[0] + (radius + reach) * c, centre[1] + (radius + reach) * s
-            foot = y if s > 0 else y - height
-            words = Words(text, (x, foot + 0.4), height, "DIMENSIONS", "start" if c > 0 else "end")
-            cost = room.cost(words.box()) + FAR * reach
+            words = Words(text, (x, y + 0.4), height, "DIMENSIONS", "start" if c > 0 else "end")
+            left, low, right, high = words.box()
+            cost = room.cost((left - CLEAR, low - CLEAR, right + CLEAR, high + CLEAR)) + FAR * reach
+            leader = [radius + reach * i / LEADER for i in range(1, LEADER + 1)]
+            cost += WORD * room.pierced([(centre[0] + r * c, centre[1] + r * s) for r in leader], centre)
             if best is None or cost < best[0] - 1e-9:
                 best = cost, angle, words
         if best and best[0] < LINE + FAR * reach:

@@ -78,18 +78,22 @@ function glass(geometry) {
 function loaded(told, cut) {
   const rest = numbers(told.rest, Float32Array), moved = numbers(told.moved, Float32Array);
   const pressure = numbers(told.pressure, Float32Array), largest = pressure.reduce((a, b) => Math.max(a, b), 0);
-  const geometry = new THREE.BufferGeometry(), points = moved.slice(), paint = new Float32Array(points.length);
-  const plain = new THREE.Color(SKIN);
+  // Faces share no corners: an end's colour is the silicone's, whatever presses on the ridges beside it.
+  const corners = numbers(told.faces, Uint32Array), plain = new THREE.Color(SKIN), shades = new Float32Array(moved.length);
+  const points = new Float32Array(3 * corners.length), paint = new Float32Array(points.length);
+  const ends = corners.map((_, j) => { const k = j - j % 3, y = (i) => rest[3 * corners[k + i] + 1]; return y(0) === y(1) && y(1) === y(2); });
+  const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
   geometry.setAttribute("color", new THREE.BufferAttribute(paint, 3));
-  geometry.setIndex(new THREE.BufferAttribute(numbers(told.faces, Uint32Array), 1));
   const made = solid(geometry, plain, cut, { painted: true });
   const { lines } = made.userData;
-  const plate = told.plate && glass(geometry);
-  if (plate) made.add(plate);
+  let plate = null;
   const set = (share) => {
-    for (let i = 0; i < points.length; i++) points[i] = rest[i] + share * (moved[i] - rest[i]);
-    pressure.forEach((p, i) => (p > 0 && share === 1 ? colourAt(p / largest) : plain).toArray(paint, 3 * i));
+    pressure.forEach((p, i) => (p > 0 && share === 1 ? colourAt(p / largest) : plain).toArray(shades, 3 * i));
+    corners.forEach((corner, j) => {
+      for (let i = 0, from = 3 * corner; i < 3; i++, from++) points[3 * j + i] = rest[from] + share * (moved[from] - rest[from]);
+      if (ends[j]) plain.toArray(paint, 3 * j); else paint.set(shades.subarray(3 * corner, 3 * corner + 3), 3 * j);
+    });
     geometry.attributes.position.needsUpdate = geometry.attributes.color.needsUpdate = true;
     geometry.computeBoundingSphere();
     lines.geometry.dispose();
@@ -97,6 +101,8 @@ function loaded(told, cut) {
     if (plate) plate.position.z = told.plate[0] + share * (told.plate[1] - told.plate[0]);
   };
   set(1);
+  plate = told.plate && glass(geometry);
+  if (plate) { made.add(plate); set(1); }
   return { made, set, largest };
 }
 
@@ -204,6 +210,16 @@ function start(told) {
     size();
   }
 
+  // As near as before, or further off where parts leave the picture.
+  function widen() {
+    const ball = visible().getBoundingSphere(new THREE.Sphere());
+    controls.target.copy(ball.center);
+    camera.position.copy(camera.getWorldDirection(new THREE.Vector3())).multiplyScalar(-3 * ball.radius).add(ball.center);
+    camera.zoom = Math.min(camera.zoom, camera.top / (1.05 * ball.radius));
+    controls.update();
+    size();
+  }
+
   function choose(skin) {
     bench.visible = skin; mold.visible = !skin;
     get("mold").classList.toggle("on", !skin); get("skin").classList.toggle("on", skin);
@@ -241,7 +257,7 @@ function start(told) {
   }
 
   list();
-  get("apart").oninput = place;
+  get("apart").oninput = () => { place(); widen(); };
   get("on").onclick = () => { step += 1; gone = 1; place(); fit(); gone = 0; left = performance.now(); place(); };
   get("back").onclick = () => { step -= 1; gone = 1; place(); fit(); };
   get("over").onclick = () => { over = !over; mold.rotation.x = over ? Math.PI : 0; fit(); section(); };

@@ -27,6 +27,7 @@ from skincad.solids.roles import PartRole
 
 HERE = files("skincad.pictures")
 Data = dict[str, Any]
+SEAM = 1e-9  # mm, how near to x = 0 a half's points on its middle lie
 
 
 def view_page(
@@ -97,21 +98,19 @@ def _load(design: Design, check: ContactCheck | None) -> Data | None:
     """The skin under its force, ridges up: corners at rest and moved, the pressure at each, and the plate."""
     if check is None or not check.deformed:
         return None
-    rest, moved, pressure, faces, first = [], [], [], [], 0
+    loops = [loop for piece in check.deformed for loop in piece]
+    rest, moved = (np.vstack([getattr(loop, key) for loop in loops]) for key in ("rest", "moved"))
+    joined = _joined(rest)
+    caps, first = [], 0
     for piece in check.deformed:
-        ring = [np.vstack([loop.rest for loop in piece]), np.vstack([loop.moved for loop in piece])]
-        wall, cap = _wall([len(loop.rest) for loop in piece]), _cap([loop.rest for loop in piece])
-        count = len(ring[0])
-        faces += [wall[:, ::-1] + first, cap + first, cap[:, ::-1] + count + first]  # seen from outside
-        first += 2 * count
-        rest.append(_along(ring[0], design.skin.length))
-        moved.append(_along(ring[1], design.skin.length))
-        pressure.append(np.tile(np.concatenate([loop.pressure for loop in piece]), 2))
+        caps.append(joined[_cap([loop.rest for loop in piece]) + first])
+        first += sum(len(loop.rest) for loop in piece)
+    cap, wall = np.vstack(caps), _wall([len(loop.rest) for loop in loops], joined)
     return {
-        "rest": _packed(np.vstack(rest)),
-        "moved": _packed(np.vstack(moved)),
-        "pressure": _packed(np.concatenate(pressure)),
-        "faces": _packed(np.vstack(faces)),
+        "rest": _packed(_along(rest, design.skin.length)),
+        "moved": _packed(_along(moved, design.skin.length)),
+        "pressure": _packed(np.tile(np.concatenate([loop.pressure for loop in loops]), 2)),
+        "faces": _packed(np.vstack([wall[:, ::-1], cap, cap[:, ::-1] + len(rest)])),  # seen from outside
         "plate": _plate(design, check),
         "force": f"{check.force:g} N",
         "approach": str(check.approach),
@@ -135,14 +134,23 @@ def _along(section: Array, length: float) -> Array:
     return np.vstack([np.column_stack([section[:, 0], end, section[:, 1]]) for end in ends])
 
 
-def _wall(lengths: Iterable[int]) -> Index:
-    """Faces between the ends of loops of so many points, which lie one loop after the other."""
+def _joined(points: Array) -> Index:
+    """For each point its own index, or on x = 0, where a half meets its image, that of the first there."""
+    found, first = np.arange(len(points)), dict[float, int]()
+    for i in np.flatnonzero(np.abs(points[:, 0]) < SEAM).tolist():
+        found[i] = first.setdefault(round(float(points[i, 1]), 9), i)
+    return found
+
+
+def _wall(lengths: Iterable[int], joined: Index) -> Index:
+    """Faces between the ends of loops of so many points, which lie one loop after the other; none between a
+    half and its image, where one's edge is the other's in reverse."""
     here = np.arange(sum(lengths := list(lengths)))
     onward = np.concatenate([np.roll(part, -1) for part in np.split(here, np.cumsum(lengths)[:-1])])
-    far = len(here)
-    return np.vstack(
-        [np.stack([here, onward, onward + far], 1), np.stack([here, onward + far, here + far], 1)]
-    )
+    far, edges = len(here), np.stack([joined[here], joined[onward]], 1)
+    known = {tuple(edge) for edge in edges.tolist()}
+    a, b = np.array([edge for edge in edges.tolist() if (edge[1], edge[0]) not in known]).T
+    return np.vstack([np.stack([a, b, b + far], 1), np.stack([a, b + far, a + far], 1)])
 
 
 def _cap(loops: list[Array]) -> Index:

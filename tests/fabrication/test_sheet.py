@@ -40,7 +40,7 @@ def test_masses_follow_from_volume_density_and_mix(yamada: Design) -> None:
 def test_the_temperature_of_a_cure_is_told(yamada: Design) -> None:
     warm, hot = (sheet(yamada.with_(material={"name": f"sylgard-184-{c}c"})) for c in (25, 200))
     assert "cure 48 h at room temperature" in warm
-    assert "cure 0.2 h at 200 C" in hot
+    assert "cure 0.2 h at 200 °C" in hot
 
 
 def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:

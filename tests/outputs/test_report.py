@@ -174,6 +174,16 @@ def test_the_verdict_its_error_and_what_it_rests_on(checked: Job) -> None:
         assert finding.remedy in text
 
 
+def test_what_the_models_leave_out_is_what_the_error_has(checked: Job) -> None:
+    """The table of models and the error's parts name the same effects, friction of an unknown plate too."""
+    assert checked.check is not None
+    parts = {part.effect for part in checked.check.left_out}
+    row = re.search(r"<td>linear</td>\s*<td>([^<]*)</td>", page_of(checked))
+    assert row is not None
+    assert "friction" in parts
+    assert {*row[1].split(", ")} == parts
+
+
 @pytest.mark.parametrize("name", [*VARIANTS, "plain-ridges", "fingertip-soft"])
 def test_every_kind_of_design_has_a_report(name: str) -> None:
     design = design_of(name)

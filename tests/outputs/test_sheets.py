@@ -14,19 +14,22 @@ import pytest
 
 import skincad
 from skincad.fabrication.bore_table import hole_groups, number
-from skincad.fabrication.drawing_views import views
+from skincad.fabrication.drawing_views import ABOVE, FRONT, views
+from skincad.fabrication.drawn_features import notches
 from skincad.fabrication.part_drawing import part_drawing
 from skincad.fabrication.tolerances import Judged
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.dxf import write_dxf
-from skincad.pictures.marks import Dimension, Sheet, Words, overlap
+from skincad.pictures.marks import Dimension, Ink, Sheet, Words, overlap
 from skincad.pictures.part_sheet import part_sheet
 from skincad.pictures.sheet_pdf import write_sheet_pdf
 from skincad.pictures.sheet_svg import sheet_svg
+from skincad.solids.body import Turned
 from skincad.solids.mold import mold
-from skincad.solids.occ import solid
+from skincad.solids.occ import projection, solid
 from skincad.solids.plan import Part, bores
+from skincad.solids.projection import Arc
 from skincad.solids.roles import CutRole
 from tests.bent_skin import three_ridges
 
@@ -143,6 +146,135 @@ def test_no_words_lie_on_others_and_all_is_inside_the_frame(name: str) -> None:
             assert high <= tall - 10.0, (part.name, text)
         clashes = [(a, b) for i, (a, x) in enumerate(boxes) for b, y in boxes[:i] if overlap(x, y)]
         assert clashes == [], part.name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: str) -> None:
+    """The solid's cylinders, projected by themselves: each has its centre line in the other views, and
+    each thread of M3 an arc of three quarters, 3 mm wide (ISO 6410-1)."""
+    design = named(name)
+    for part, made in made_parts(design):
+        drawing = part_drawing(design, part, made, None)
+        seen = {view.name: view.of_solid for view in views(part)}
+        faces = cylinders(made)
+        for group in drawing.holes:
+            for aside in group.asides:
+                assert aside.view != group.view
+                way = math.atan2(aside.end[1] - aside.start[1], aside.end[0] - aside.start[0])
+                off = math.inf  # how far the nearest bore's axis passes the centre line's start
+                for direction, at, radius, _ in faces:
+                    (x, y), (u, v) = seen[aside.view].at(at.toTuple()), aside.start
+                    ahead = seen[aside.view].at((at + direction).toTuple())
+                    turn = math.sin(math.atan2(ahead[1] - y, ahead[0] - x) - way)
+                    if abs(2 * radius - group.diameter) < 1e-6 and abs(turn) < 1e-9:
+                        off = min(off, abs((u - x) * math.sin(way) - (v - y) * math.cos(way)))
+                if group.diameter == group.far_diameter:
+                    assert off < 1e-5, (part.name, aside)  # the kernel's tolerance is 1e-7
+        sheet = part_sheet(drawing, "0", "")
+        arcs = [m.stroke for m in sheet.marks if isinstance(m, Ink) and m.layer == "THREAD"]
+        tapped = [hole for group in drawing.holes if group.thread == "M3" for hole in group.holes]
+        assert len(arcs) == len(tapped)
+        for arc in arcs:
+            assert isinstance(arc, Arc)
+            assert arc.radius == pytest.approx(1.5 * sheet.scale)
+            assert arc.sweep == pytest.approx(1.5 * math.pi)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -> None:
+    design = named(name)
+    for part, made in made_parts(design):
+        if isinstance(part.body, Turned):
+            continue  # the solid leans, the notches are told in the plate's own frame
+        seen = {view.name: view.of_solid for view in views(part)}
+        drawn = notches(part)
+        assert len(drawn) == sum(cut.role in (CutRole.PRY, CutRole.MARK) for cut in part.cuts)
+        (left, _), (right, _) = projection(made, seen[FRONT]).box()
+        low, high = projection(made, seen[ABOVE]).box()
+        for notch in drawn:
+            middle, step = (notch.low + notch.high) / 2, 0.3 * notch.leg
+            x = left + step if notch.side == "left" else right - step
+            depth = (
+                low[1] + step if notch.outer else high[1] - step
+            )  # seen from above, the outer face is below
+            up, across = seen[FRONT], seen[ABOVE]
+            place = [
+                x * a + middle * b + depth * c for a, b, c in zip(up.right, up.up, across.up, strict=True)
+            ]
+            assert not made.isInside(cq.Vector(*place), 1e-6), (part.name, notch)
+            deep = [
+                p + 0.5 * notch.leg * (-1 if notch.side == "right" else 1) * a
+                for p, a in zip(place, up.right, strict=True)
+            ]
+            assert made.isInside(cq.Vector(*deep), 1e-6), (part.name, notch)
+
+
+def test_places_count_from_level_faces() -> None:
+    """A keeper's lower edge is bent: heights count from its upper one, which is datum C."""
+    design = skincad.load("yamada-2002")
+    part, made = next(both for both in made_parts(design) if both[0].name == "end-a-keeper")
+    drawing = part_drawing(design, part, made, None)
+    assert drawing.datums[2].edge == "top"
+    assert any("left and upper edge" in note for note in drawing.notes)
+    box = made.BoundingBox(1e-6)
+    rows = next(table.rows for table in drawing.tables if table.title == "Positions of holes")
+    found = {(x, y) for _, x, y in rows}
+    axes = {(number(at.x - box.xmin), number(box.zmax - at.z)) for _, at, _, _ in cylinders(made)}
+    assert found <= axes
+
+
+def test_a_ridges_groove_and_slits_lean_alike() -> None:
+    """Both by the same sign, seen from the same end: the parts lie on each other."""
+    design = skincad.load("yamada-2002")
+    drawn = {part.name: part_drawing(design, part, made, None) for part, made in made_parts(design)}
+    grooves = {groove.ridge: groove.lean for groove in drawn["cavity"].grooves}
+    assert min(grooves.values()) < -1 < 1 < max(grooves.values())
+    for slit in drawn["end-a-comb"].slits:
+        assert slit.lean == pytest.approx(grooves[slit.ridge], abs=1e-6)
+    for slit in drawn["end-b-comb"].slits:
+        assert slit.lean == pytest.approx(-grooves[slit.ridge], abs=1e-6)
+
+
+def test_a_right_piece_counts_from_its_level_side() -> None:
+    design = skincad.load("steep-fingertip")
+    drawn = {
+        part.name: part_drawing(design, part, made, None)
+        for part, made in made_parts(design)
+        if part.name in ("cavity-left", "cavity-right")
+    }
+    left, right = drawn["cavity-left"], drawn["cavity-right"]
+    assert (left.datums[1].edge, right.datums[1].edge) == ("left", "right")
+    assert any("right and lower edge" in note for note in right.notes)
+    tables = [{table.title.split(":")[0]: table.rows for table in each.tables} for each in (left, right)]
+    grooves = [each["Grooves of the ridges"] for each in tables]
+    assert [row[1:3] for row in grooves[0]] == [row[1:3] for row in grooves[1]][::-1]  # its mirror image
+
+
+@pytest.mark.parametrize("end", ["a", "b"])
+def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
+    design = skincad.load("yamada-2002", ["mold.cavities=3"])
+    part = mold(design).part(f"end-{end}-comb")
+    made = solid(part)
+    drawing = part_drawing(design, part, made, None)
+    note = next(note for note in drawing.notes if note.startswith("Slits: of the skin furthest"))
+    found = re.search(r"are ([\d.]+) and ([\d.]+) to the (left|right) of them", note)
+    assert found is not None
+    way = 1 if found[3] == "right" else -1
+    view = next(view.of_solid for view in views(part) if view.name == FRONT)
+    middle = made.Center().y
+    for slit in drawing.slits:
+        for apart in (0.0, float(found[1]), float(found[2])):
+            for up, within in ((0.01, False), (-0.01, True)):  # mm: beyond the slit's bottom, and under it
+                x, z = (at + up * out for at, out in zip(slit.at, slit.out, strict=True))
+                place = cq.Vector((x + way * apart) * view.right[0], middle, z)
+                assert made.isInside(place, 1e-6) == within, (slit, apart, up)
+
+
+def test_a_sheet_is_no_larger_than_its_views_need() -> None:
+    """A4 holds each part of yamada-2002: the detail stands in the corner that three views leave free."""
+    design = skincad.load("yamada-2002")
+    sizes = {part.name: sheet_of(design, part, made).size for part, made in made_parts(design)}
+    assert set(sizes.values()) == {(210.0, 297.0)}, sizes
 
 
 def test_the_same_sheet_has_the_same_bytes_and_no_time(tmp_path: Path) -> None:

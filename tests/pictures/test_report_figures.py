@@ -19,6 +19,20 @@ def test_each_model_is_a_point_with_its_name() -> None:
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
 
 
+def test_no_models_name_lies_on_another_or_on_a_point() -> None:
+    """As gripper-pad has them: the last two errors are nearly the same."""
+    asked = [("winkler", 4e-4, 1.1), ("linear", 1.4, 0.69), ("corrected", 5.9, 0.35)]
+    figure = models_figure([*asked, ("corrected-finite-strain", 15.0, 0.31)])
+    (axes,) = figure.axes
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    points = axes.transData.transform([(time, error) for _, time, error in asked])
+    for i, box in enumerate(boxes):
+        assert box.count_overlaps(boxes) == 1, axes.texts[i].get_text()  # itself
+        assert not any(box.contains(*point) for point in points)
+        assert axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1
+
+
 def test_each_key_is_a_bar_the_first_one_on_top() -> None:
     found = [
         Sensitivity("ridge.pitch", 1.0, "mm", Estimate(0.05, 0.02, "N")),

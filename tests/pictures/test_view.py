@@ -53,6 +53,11 @@ def array(text: str, kind: str = "<f4") -> Any:
     return np.frombuffer(base64.b64decode(text), kind)
 
 
+def rim(picture: Any) -> Any:
+    """What is along the four edges of a picture, `(n, 3)`."""
+    return np.concatenate([*picture[:2], *picture[-2:], *picture[:, :2], *picture[:, -2:]])
+
+
 @pytest.fixture(scope="module")
 def yamada_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page_of("yamada-2002", tmp_path_factory.mktemp("view") / "made")
@@ -107,6 +112,7 @@ def test_a_solid_under_load_is_closed(yamada_page: Path) -> None:
     assert (counts == 1).all()
     assert {tuple(edge) for edge in ways.tolist()} == {tuple(edge) for edge in ways[:, ::-1].tolist()}
     corners = array(load["rest"]).reshape(-1, 3)[faces].astype(float)
+    assert np.abs(corners[:, :, 0]).max(axis=1).min() > 0  # nothing stands where a half meets its image
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6
     design = skincad.load("yamada-2002", ["slot=none", "film=none", "contact.film=none"])  # they are filled
     assert volume == pytest.approx(skincad.section(design).area * design.skin.length, rel=1e-4)  # chords
@@ -135,6 +141,7 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
         closed = seen.picture()
 
         page.fill("#apart", "1")
+        assert rim(seen.picture()).min() > 250  # nothing leaves the picture
         page.click("#fit")
         apart = seen.picture()
         assert np.abs(apart - closed).max() > 50

@@ -1,0 +1,69 @@
+"""Where a view lies on its sheet, and its bores there: centre lines, and threads as ISO 6410-1 draws them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from skincad.fabrication.bore_fits import SCREW
+from skincad.fabrication.bore_table import Aside, HoleGroup
+from skincad.pictures.marks import Box, Ink, Mark, line
+from skincad.solids.projection import Arc, Place, Polyline, Projection, Stroke
+
+BEYOND = 1.0  # mm of paper, of a centre line beyond the bore
+THREE_QUARTERS = math.radians(100.0), math.radians(270.0)  # start and sweep of a thread's circle
+
+
+class Placed(NamedTuple):
+    """A view on paper: `origin` mm is where its (0, 0) lies, `scale` paper by part."""
+
+    origin: Place
+    scale: float
+
+    def at(self, point: Place) -> Place:
+        """Return a view's point on paper, mm."""
+        return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
+
+    def stroke(self, stroke: Stroke) -> Stroke:
+        """Return a view's stroke on paper."""
+        if isinstance(stroke, Arc):
+            return Arc(self.at(stroke.centre), self.scale * stroke.radius, stroke.start, stroke.sweep)
+        return Polyline(tuple(self.at(point) for point in stroke.points))
+
+    def box(self, seen: Projection) -> Box:
+        """Return the rectangle of a view on paper, mm."""
+        low, high = seen.box()
+        return (*self.at(low), *self.at(high))
+
+
+def bore_marks(holes: tuple[HoleGroup, ...], placed: dict[str, Placed]) -> list[Mark]:
+    """Return the bores' centre lines, from their ends and sides, and their threads."""
+    marks: list[Mark] = []
+    for group in holes:
+        place, tapped = placed[group.view], group.thread == SCREW.name
+        for hole in group.holes:
+            centre = place.at(hole.at)
+            marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
+            if tapped:
+                marks.append(Ink(Arc(centre, place.scale * SCREW.diameter / 2, *THREE_QUARTERS), "THREAD"))
+        for aside in group.asides:
+            marks += _along(aside, placed[aside.view], SCREW.diameter / 2 if tapped else None)
+    return marks
+
+
+def _cross(centre: Place, radius: float) -> list[Mark]:
+    out, (x, y) = radius + BEYOND, centre
+    return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]
+
+
+def _along(aside: Aside, place: Placed, radius: float | None) -> list[Mark]:
+    """A bore's centre line from the side, and its thread's lines: hidden, so broken."""
+    start, end = place.at(aside.start), place.at(aside.end)
+    long = math.dist(start, end)
+    u, v = (end[0] - start[0]) / long, (end[1] - start[1]) / long
+    tail, head = (start[0] - BEYOND * u, start[1] - BEYOND * v), (end[0] + BEYOND * u, end[1] + BEYOND * v)
+    marks: list[Mark] = [line(tail, head, "CENTRE")]
+    for side in (-1, 1) if radius else ():
+        x, y = -side * (radius or 0.0) * place.scale * v, side * (radius or 0.0) * place.scale * u
+        marks.append(line((start[0] + x, start[1] + y), (end[0] + x, end[1] + y), "HIDDEN"))
+    return marks
