@@ -5,6 +5,7 @@ A model's broken rule leaves as InputError with the key's dotted name, never as 
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator
 from typing import Any, Self, get_args
@@ -74,6 +75,11 @@ class Document(Table):
         import tomlkit
 
         return tomlkit.dumps(self.model_dump(exclude_none=True))
+
+    @property
+    def revision(self) -> str:
+        """Eight hexadecimal digits that tell these values from others: the first of the TOML's SHA-256."""
+        return hashlib.sha256(self.to_toml().encode()).hexdigest()[:8]
 
 
 class Ranged(Table):

@@ -129,6 +129,7 @@ class MakeResult(Result):
     solids: bool = True  # whether there are exact ones, and so the files that show them
     job: Job | None = field(default=None, compare=False)
     scenes: tuple[Result, ...] = field(default=(), compare=False)
+    revision: str = ""  # of the design
 
     @property
     def passed(self) -> bool:
@@ -149,6 +150,7 @@ class MakeResult(Result):
         """Return the result under the contract's keys; `files` are those of `write`."""
         return {
             "name": self.name,
+            "revision": self.revision,
             "passed": self.passed,
             "preview": self.preview,
             "parts": [part.as_json() for part in self.parts],
@@ -198,7 +200,7 @@ def make(
     volume = job.closed.first(PartRole.SKIN).volume
     made = preview, solids, job, job.scenes
     found = tuple(reports), job.findings, job.check, volume, watch.seconds(), *made
-    return MakeResult(design.name, strict, *found)
+    return MakeResult(design.name, strict, *found, revision=design.revision)
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:

@@ -34,6 +34,7 @@ from skincad.fabrication.tolerances import (
     process_words,
     what_matters,
 )
+from skincad.inputs.catalog import entitled
 from skincad.inputs.design import Design
 from skincad.solids.body import Prism
 from skincad.solids.plan import Part
@@ -63,6 +64,7 @@ class PartDrawing:
 
     name: str
     design: str
+    revision: str
     what: str
     views: dict[str, Projection]
     captions: dict[str, str]
@@ -101,7 +103,8 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
         words.append(_others(design, part))
     return PartDrawing(
         name=part.name,
-        design=design.name,
+        design=entitled(design),
+        revision=design.revision,
         what=part.role.what,
         views=seen,
         captions={view.name: view.words for view in views(part)},

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
 from skincad.fabrication.void import alone, perforated, void
+from skincad.inputs.catalog import entitled
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
@@ -52,9 +54,11 @@ def casting_sheet(
         "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
     )
     lines = [
-        f"# Casting sheet: {design.name}",
+        f"# Casting sheet: {entitled(design)}",
         "",
         f"{summary} {verdict}",
+        "",
+        f"Revision {design.revision} of the design, by skincad {__version__}.",
         "",
         *_parts(design, closed),
         *_mix(material, poured_volume(design, closed)),

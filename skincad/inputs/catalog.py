@@ -48,6 +48,12 @@ def template_names(kind: Kind = "designs") -> list[str]:
     return sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml"))
 
 
+def entitled(design: Design) -> str:
+    """Return a design's name, and that it was changed where it is a template's and the values are not."""
+    ours = design.name in template_names() and design != load_design(design.name)
+    return f"{design.name} (changed)" if ours else design.name
+
+
 def template_text(name: str, kind: Kind = "designs") -> str:
     """Return a template's TOML text; raises InputError for an unknown name."""
     known = template_names(kind)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from skincad.base.version import __version__
 from skincad.fabrication.making import Job, passes
-from skincad.inputs.catalog import load_design, read_table, template_names
+from skincad.inputs.catalog import entitled, load_design, read_table, template_names
 from skincad.inputs.design import Design
 from skincad.inputs.retyped import retyped
 from skincad.mechanics.validity import limits
@@ -134,12 +134,13 @@ def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
         "sheet": "Casting sheet",
         "files": "To make it again",
     }
+    by = f"Revision {job.design.revision}, made with skincad {__version__} by"
     contents = "".join(f'<a href="#{escape(key)}">{escape(text)}</a> ' for key, text in links.items())
     return (
-        f"<h1>{escape(job.design.name)}: {escape(word)}</h1>\n"
+        f"<h1>{escape(entitled(job.design))}: {escape(word)}</h1>\n"
         f'<p class="{"passed" if passed else "failed"}">{escape(verdict)}</p>\n'
         f"{paragraph(_rests_on(job.check)) if job.check else ''}"
-        f"{command_line(made, f'Made with skincad {__version__} by')}<nav>{contents}</nav>\n"
+        f"{command_line(made, by)}<nav>{contents}</nav>\n"
     )
 
 

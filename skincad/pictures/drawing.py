@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from skincad.base.arrays import Array
+from skincad.inputs.catalog import entitled
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
@@ -48,7 +49,8 @@ def drawing(design: Design, closed: ClosedMold) -> str:
     """Return the drawing as an SVG document."""
     bent = design.skin.curvature_radius_y is not None
     rows = [*_section_view(design), *_ridge_view(design), *(_bent_view if bent else _mold_view)(closed)]
-    title = f"{design.name}: all lengths in mm, silicone {design.material.name or 'own'}"
+    which = f"{entitled(design)}, revision {design.revision}"
+    title = f"{which}: all lengths in mm, silicone {design.material.name or 'own'}"
     rows.append(_text(5.0, PAGE[1] - 4.0, title, "start"))
     style = (
         "polygon,rect,circle{stroke:#222;stroke-width:.25}.skin{fill:#f3d3c4}.slot{fill:#fff}.mold{fill:#dde1e6}"

@@ -117,8 +117,9 @@ def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> lis
         ((0, 7.5, 75, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
         ((75, 7.5, 125, 15), "drawn by", f"skincad {titled.version}", HEAD),
         ((125, 7.5, 180, 15), "approved by", "", HEAD),
-        ((0, 0, 52, 7.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
-        ((52, 0, 75, 7.5), "scale", titled.scale, HEAD),
+        ((0, 0, 40, 7.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
+        ((40, 0, 60, 7.5), "revision", drawing.revision, HEAD),
+        ((60, 0, 75, 7.5), "scale", titled.scale, HEAD),
         ((75, 0, 92, 7.5), "unit", "mm", HEAD),
         ((92, 0, 108, 7.5), "paper", titled.paper, HEAD),
         ((108, 0, 120, 7.5), "sheet", "1/1", HEAD),

@@ -1,5 +1,6 @@
 """What is given to a command that takes another kind: told by name and by the file's tables."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import KINDS, Kind, load, template_names, template_text
+from skincad.inputs.catalog import KINDS, Kind, entitled, load, template_names, template_text
 from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad
 
@@ -77,3 +78,13 @@ def test_the_command_leaves_with_2_and_one_line(command: str, source: str, tmp_p
     assert (told.returncode, told.stdout, told.stderr.count("\n")) == (2, "", 1)
     assert told.stderr.startswith(f"skincad: {source}: is a ")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_changed_template_says_so_and_has_another_revision() -> None:
+    as_shipped, changed = load("yamada-2002"), load("yamada-2002", ["ridge.height=0.45"])
+    assert entitled(as_shipped) == "yamada-2002"
+    assert entitled(changed) == "yamada-2002 (changed)"
+    assert entitled(changed.with_(name="my-skin")) == "my-skin"
+    assert re.fullmatch("[0-9a-f]{8}", as_shipped.revision)
+    assert as_shipped.revision != changed.revision
+    assert load("yamada-2002").revision == as_shipped.revision
