@@ -5,7 +5,15 @@ from __future__ import annotations
 
 import math
 
-from skincad.fabrication.drawing_in import HOTTEST, POT_SHARE, SECONDS, at_once, lap, pull_test
+from skincad.fabrication.drawing_in import (
+    HANDLED,
+    HOTTEST,
+    POT_SHARE,
+    at_once,
+    drawing_time,
+    lap,
+    pull_test,
+)
 from skincad.fabrication.pattern import GLUED
 from skincad.fabrication.strips import GRAVITY, strip
 from skincad.inputs.design import Design
@@ -107,21 +115,23 @@ def drawn(design: Design) -> str:
     stop = f"skin's end {other} (its cut-off mark is at end {end} then)" if straight else f"end plate {other}"
     return (
         f"Mix {MIX:g} g of the same silicone and draw in {_batches(design)}. Coat both faces of a strip, all "
-        f"but the mask, grip its shim with pliers at end {end}, and draw it out {way}, in about "
-        f"{SECONDS / 2:g} s: the strip follows it in, wired end last; it is too thin to be pushed. Stop when "
-        f"its mask meets the {stop}. If the strip stretches or stays behind, its lap slips: draw it out, "
+        f"but the mask, grip its shim with pliers at end {end}, and draw it out {way}, in "
+        f"{drawing_time(design):.2g} s or more: the strip follows it in, wired end last; it is too thin to "
+        f"be pushed. Stop when its mask meets the {stop}. If the strip stretches or stays behind, its lap "
+        "slips: draw it out, "
         "clean it, begin anew. Wipe off what came out at both ends before the next."
     )
 
 
 def _batches(design: Design) -> str:
     minutes, most, strips = silicone(design).pot_life_min, at_once(design), count(design)
-    each = f"at {SECONDS:g} s each"
+    seconds = HANDLED + drawing_time(design)
+    each = f"at {seconds:.2g} s each"
     if minutes is None or most is None:
         return f"as many strips as half the pot life on its data sheet takes {each}, then mix anew"
     fresh = f"within {POT_SHARE * minutes:g} min, for later it no longer wets"
     if most >= strips:
-        return f"all {strips} strips with it ({strips * SECONDS / 60:.2g} min {each}) {fresh}"
+        return f"all {strips} strips with it ({strips * seconds / 60:.2g} min {each}) {fresh}"
     mixes = math.ceil(strips / max(most, 1))
     return f"{most} of the {strips} strips with it, {each}, {fresh}; then mix anew, {mixes} times in all"
 

@@ -25,8 +25,10 @@ from skincad.solids.undercut import SAFE_SHARE
 GLUE = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
 LEAST_TAIL = 0.015  # mm, assumption: the thinnest that can be handled; shim steel is sold from 0.01 mm
 LEAST_CONTACT = 2.0  # mm, assumption: of a lead that stays out of a notch and clean, to be contacted
-SECONDS = 14.0  # s a strip, assumption: to coat it, draw it in and wipe its ends
-POT_SHARE = 0.5  # assumption: of the pot life, at whose end the viscosity has doubled: then it doesn't wet
+HANDLED, DRAWN = 7.0, 7.0  # s a strip, assumption: to coat it and wipe its ends, and to draw it in at best
+POT_SHARE = 0.5  # assumption: of the pot life, after which a silicone wets badly
+THICKER = 2.0  # assumption: a mix's viscosity when it is drawn in last, by that of a fresh one
+COAT = 0.01  # mm, assumption: of silicone on each face, to which a soft slot opens at least
 HOTTEST = 80.0  # C, source: piezo film technical manual (Measurement Specialties), use of PVDF: -40 to 80
 BOND = 0.1  # MPa, assumption: shear of a primed film; cohesive failure of a silicone is near 1, bare film 0
 
@@ -62,10 +64,26 @@ def _tolerance(design: Design) -> float:
     return processes(design.printer)[design.mold.end_plate_process or design.mold.process].tolerance
 
 
+def drawing_time(design: Design) -> float:
+    """Return the seconds in which a strip is drawn in: `DRAWN`, or those that its drag asks for. Call where
+    there is a lap.
+
+    Couette flow in the coats on both faces, over the whole length, drags with 2 mu b l^2 / (coat t); that may
+    be `MOST_PULL` of the film's yield force. The lap's own friction is the shim's to bear, not the film's.
+    """
+    slot, film = design.slot, design.film
+    if slot is None or film is None:
+        raise ValueError("without a film nothing is drawn in")
+    coat = max((slot.thickness - film.thickness) / 2, COAT)
+    thick = THICKER * silicone(design).viscosity * 1e-6
+    slow = 2 * thick * design.skin.length**2 / (coat * MOST_PULL * PVDF_YIELD * film.thickness)
+    return max(DRAWN, slow)
+
+
 def at_once(design: Design) -> int | None:
     """Return how many strips are drawn in with one mix of silicone; None where its pot life isn't known."""
     minutes = silicone(design).pot_life_min
-    return None if minutes is None else int(60 * minutes * POT_SHARE / SECONDS)
+    return None if minutes is None else int(60 * minutes * POT_SHARE / (HANDLED + drawing_time(design)))
 
 
 class Pull(NamedTuple):
@@ -134,8 +152,9 @@ def _batch(design: Design) -> Iterator[Finding]:
     """A pot life in which not one strip is drawn in."""
     minutes = silicone(design).pot_life_min
     if minutes is not None and at_once(design) == 0:
-        where, remedy = "strips, drawn in behind their shims", "a silicone with a longer pot life"
-        yield Finding("strip batch", where, SECONDS, 60 * minutes * POT_SHARE, "s", "error", remedy)
+        where, needs = "one strip, drawn in behind its shim", HANDLED + drawing_time(design)
+        remedy = "a thinner silicone or one with a longer pot life, a shorter skin, or a thicker slot"
+        yield Finding("strip batch", where, needs, 60 * minutes * POT_SHARE, "s", "error", remedy)
 
 
 def _heat(design: Design) -> Iterator[Finding]:

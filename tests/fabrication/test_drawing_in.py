@@ -7,7 +7,7 @@ import pytest
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.drawing_in import at_once, drawing_findings, lap, pull_test
+from skincad.fabrication.drawing_in import at_once, drawing_findings, drawing_time, lap, pull_test
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strip_rules import strip_findings
 from skincad.inputs.catalog import template_names
@@ -123,6 +123,17 @@ def test_strips_of_one_mix_fit_half_its_pot_life(yamada: Design) -> None:
     found = by_rule(fast)["strip batch"]
     assert (found.measured, found.limit, found.severity) == (14.0, pytest.approx(12.0), "error")
     assert "strip batch" not in by_rule(yamada)
+
+
+def test_a_long_strip_is_drawn_in_slowly_for_its_drags_sake(yamada: Design) -> None:
+    """40 Pa s in coats of 0.011 mm on both faces of a film that may be pulled with 15 MPa."""
+    assert drawing_time(yamada) == 7.0
+    long = yamada.with_(skin={"length": 100.0})
+    speed, pull = 100.0 / drawing_time(long), 15.0 * 0.028 * 0.25
+    assert 40e-6 * speed / 0.011 * 2 * 0.25 * 100.0 == pytest.approx(pull, rel=1e-12)
+    tight = long.with_(slot={"thickness": 0.028})
+    assert drawing_time(tight) == pytest.approx(1.1 * drawing_time(long), rel=1e-12)  # a coat of 0.010
+    assert at_once(long) == int(0.5 * 45 * 60 / (7 + drawing_time(long)))
 
 
 def test_the_pull_test_is_a_third_of_the_weaker_of_film_and_bond(yamada: Design) -> None:
