@@ -8,6 +8,7 @@ from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
+from skincad.solids.body import Revolved
 from skincad.solids.inserts import GRIP
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
@@ -27,7 +28,7 @@ def screws(design: Design, closed: ClosedMold, hold: str) -> str:
     )
 
 
-def arcs_to_buy(design: Design) -> list[str]:
+def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
     """Return what to buy for the slots: shims cut as arcs, with the radius of each."""
     slot, radius = design.slot, design.skin.curvature_radius_y
     if slot is None or radius is None:
@@ -42,10 +43,17 @@ def arcs_to_buy(design: Design) -> list[str]:
             "stoned, by micrometer), so that film and shim, glued, pass the notches together"
         )
     return [
-        f"{len(arms)} shims of spring steel, {size}, cut or etched as arcs from sheet, deburred{thin}; "
+        f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(closed))} mm long, cut or etched "
+        f"as arcs from sheet, deburred{thin}; "
         f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
         f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
     ]
+
+
+def arc_length(closed: ClosedMold) -> float:
+    """Return how long the longest shim of a doubly curved mold is along its outer edge, mm."""
+    arcs = [part.body for part in closed.of(PartRole.SHIM) if isinstance(part.body, Revolved)]
+    return max((arc.high - arc.low) * (arc.centre - min(s.start.z for s in arc.outline)) for arc in arcs)
 
 
 def arc_radius(design: Design, ridge: int, side: str) -> float:

@@ -84,7 +84,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
         "silicone)",
     ]
-    bought += to_buy(design, through) if skin.curvature_radius_y is None else arcs_to_buy(design)
+    bought += to_buy(design, through) if skin.curvature_radius_y is None else arcs_to_buy(design, closed)
     bought += kit(design)
     return [
         "## Parts",

@@ -1,5 +1,6 @@
 """The sheet's words on films: all that makes them hold, in its order, with amounts and times."""
 
+import math
 import re
 
 import pytest
@@ -60,6 +61,10 @@ def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() ->
     words = [PRIMER, GLUE, MIX, CURE, "take the plates off", PULL]
     found = [place(steps, each) for each in words]
     assert found == sorted(set(found))
+    # 12 mm of the summit's arc at 25 mm, a slot's outer edge at 25.2; plates of 4, grips of 6
+    arm = 25.2
+    long = 2 * arm * (12 / 2 / 25 + math.asin(4 / arm)) + 2 * 6
+    assert int(re.search(r"(\d+) mm long, cut or etched as arcs", text)[1]) == math.ceil(long)
     assert "the last 6 mm at end b thinned to 0.019 mm" in text
     assert "above 0.057 mm it jams" in steps[place(steps, GLUE)]
     assert "over the last 4 mm of the wired end" in steps[place(steps, PRIMER)]  # a lead of 8, a plate of 4
