@@ -77,10 +77,10 @@ def made_ready(design: Design) -> list[str]:
         masked = f"the last {masked_length(design):g} mm of the wired end (end {film.wiring_side})"
         masked += ", where it stays for now"
     return [
-        f"{when} the film strips ready ({1000 * film.thickness:.0f} um, numbered in strips.dxf). Wipe "
+        f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in strips.dxf). Wipe "
         "both faces with isopropanol on a lint-free wipe; from now on touch them by their ends. Fold "
         f"low-tack masking tape over {masked}: what is contacted later must stay free of primer and "
-        f"silicone. Brush primer thinly onto both faces, {rest}. It dries in {PRIMER_MIN} min at 20 to 25 C "
+        f"silicone. Brush primer thinly onto both faces, {rest}. It dries in {PRIMER_MIN} min at 20 to 25 °C "
         "and 40 % humidity or more; where its data sheet says otherwise, that counts. Use the strips within "
         f"{PRIMER_H} h."
     ]
@@ -142,11 +142,11 @@ def cured_in(design: Design) -> list[str]:
     if lap(design) is None:
         return []
     long = "as long as its data sheet asks" if own.cure_h is None else f"{own.cure_h:g} h"
-    warm = "room temperature" if own.cure_c is None else f"{own.cure_c:g} C"
+    warm = "room temperature" if own.cure_c is None else f"{own.cure_c:g} °C"
     if own.cure_c is not None and own.cure_c > HOTTEST:
-        long, warm = "as long as its data sheet asks", f"{HOTTEST:g} C or less"
+        long, warm = "as long as its data sheet asks", f"{HOTTEST:g} °C or less"
     return [
-        f"Let the strips cure in, level and untouched: {long} at {warm}. Above {HOTTEST:g} C film loses its "
+        f"Let the strips cure in, level and untouched: {long} at {warm}. Above {HOTTEST:g} °C film loses its "
         "charge."
         + ("" if design.skin.curvature_radius_y is None else " Then cut the shims off outside the end plate.")
     ]
@@ -181,7 +181,7 @@ def kit(design: Design) -> list[str]:
     coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * design.skin.length / 100
     sheets = f"{design.mold.cavities} times, " if design.mold.cavities > 1 else ""
     rows = [
-        f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} um, electrodes on both faces, cut by "
+        f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, electrodes on both faces, cut by "
         f"strips.dxf or strips.svg, {sheets}and {spare} to spare",
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",

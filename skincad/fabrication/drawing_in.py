@@ -161,6 +161,6 @@ def _heat(design: Design) -> Iterator[Finding]:
     """A cure that a film in the mold goes through; what is drawn in after it is told to cure cooler."""
     warm = silicone(design).cure_c
     if warm is not None and warm > HOTTEST:
-        remedy = f"a silicone, or a longer cure by its data sheet, at {HOTTEST:g} C or less"
+        remedy = f"a silicone, or a longer cure by its data sheet, at {HOTTEST:g} °C or less"
         where = "film in the mold while it cures: it loses its charge"
-        yield Finding("film heat", where, warm, HOTTEST, "C", "warning", remedy)
+        yield Finding("film heat", where, warm, HOTTEST, "°C", "warning", remedy)

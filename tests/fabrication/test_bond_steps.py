@@ -93,7 +93,7 @@ def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
 
 def test_a_film_is_never_baked(yamada: Design) -> None:
     hot = order(sheet(yamada.with_(material={"name": "sylgard-184-200c"})))
-    assert "as long as its data sheet asks at 80 C or less" in hot[place(hot, CURE)]
+    assert "as long as its data sheet asks at 80 °C or less" in hot[place(hot, CURE)]
     cold = order(sheet(yamada))
     assert "16 h at room temperature" in cold[place(cold, CURE)]
 
@@ -102,7 +102,7 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     """18 strips and two to spare; primer for 2 x 20 x 0.25 x 12 mm2 is 0.024 ml, less than the least told."""
     rows = " | ".join(kit(yamada))
     for words in (
-        "18 strips of PVDF film, 28 um",
+        "18 strips of PVDF film, 28 µm",
         "and 2 to spare",
         "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
         "isopropanol, 37 ml, and 54 lint-free wipes",  # 10 and 0.5 a wipe; one a strip, two a shim
