@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
+from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
+from skincad.solids.body import Revolved
+from skincad.solids.inserts import GRIP
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
@@ -25,19 +28,32 @@ def screws(design: Design, closed: ClosedMold, hold: str) -> str:
     )
 
 
-def arcs_to_buy(design: Design) -> list[str]:
+def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
     """Return what to buy for the slots: shims cut as arcs, with the radius of each."""
     slot, radius = design.slot, design.skin.curvature_radius_y
     if slot is None or radius is None:
         return []
     size = f"{slot.thickness:g} x {slot.depth:g} mm"
     arms = [f"{s.ridge} {s.side} {arc_radius(design, s.ridge, s.side):.2f}" for s in section(design).slots]
-    strain = 100 * shim_bend(design)
+    strain, found, film = 100 * shim_bend(design), lap(design), design.film
+    thin = ""
+    if found is not None and film is not None and found.tail < slot.thickness:
+        thin = (
+            f", the last {GRIP:g} mm at end {film.wiring_side} thinned to {found.tail:.3f} mm (etched or "
+            "stoned, by micrometer), so that film and shim, glued, pass the notches together"
+        )
     return [
-        f"{len(arms)} shims of spring steel, {size}, cut or etched as arcs from sheet, deburred; "
+        f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(closed))} mm long, cut or etched "
+        f"as arcs from sheet, deburred{thin}; "
         f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
         f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
     ]
+
+
+def arc_length(closed: ClosedMold) -> float:
+    """Return how long the longest shim of a doubly curved mold is along its outer edge, mm."""
+    arcs = [part.body for part in closed.of(PartRole.SHIM) if isinstance(part.body, Revolved)]
+    return max((arc.high - arc.low) * (arc.centre - min(s.start.z for s in arc.outline)) for arc in arcs)
 
 
 def arc_radius(design: Design, ridge: int, side: str) -> float:
@@ -56,8 +72,8 @@ def close_steps(design: Design, back: str) -> list[str]:
     else:
         ends = (
             "Screw both combs to the cavity's ends. Lay each shim into its notches, its hollow side up and "
-            f"its long end out at end b. Lay the carrier on its ledge ({back}). Then the keepers, which lean "
-            "over it: pressed down onto the combs while you tighten."
+            f"{GRIP:g} mm out at both ends. Lay the carrier on its ledge ({back}). Then the keepers, which "
+            "lean over it: pressed down onto the combs while you tighten."
         )
     rise, tilt = math.degrees(end_angle(design)), design.mold.pour_tilt
     both = (

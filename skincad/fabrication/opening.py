@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from skincad.fabrication.bent_steps import leave_steps
-from skincad.fabrication.strip_steps import freed
+from skincad.fabrication.bond_steps import cured_in, drawn, joined, made_ready, tested
+from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.strip_steps import let_go
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.layout import is_clamped
@@ -31,26 +33,38 @@ def opening_steps(design: Design, closed: ClosedMold) -> list[OpeningStep]:
         role = closed.part(move.parts[0]).role
         known = {PartRole.SHIM: "shims", PartRole.COVER: "lid", **dict.fromkeys(END_PLATES, "ends")}
         by[known.get(role, "skin")].append(move)
-    steps = [OpeningStep(words, tuple(by["shims"])) for words in freed(design)]
-    if design.skin.curvature_radius_y is None:
-        steps += map(OpeningStep, _taken_off(design), (tuple(by["ends"]), tuple(by["lid"])))
-    else:
-        steps += map(OpeningStep, leave_steps(), (tuple(by["lid"]), tuple(by["ends"])))
-    return [*steps, OpeningStep(_out(design, closed), tuple(by["skin"]))]
+    shims, straight = tuple(by["shims"]), design.skin.curvature_radius_y is None
+    first = _still(let_go(design) if lap(design) is None else made_ready(design))
+    drawn_in = [*_still(joined(design)), OpeningStep(drawn(design), shims)] if shims else []
+    drawn_in += _still(cured_in(design))
+    out, proof = OpeningStep(_out(design, closed), tuple(by["skin"])), _still(tested(design))
+    if not straight:
+        taken = map(OpeningStep, leave_steps(), (tuple(by["lid"]), tuple(by["ends"])))
+        return [*first, *drawn_in, *taken, out, *proof]
+    ends, lid = map(OpeningStep, _taken_off(design), (tuple(by["ends"]), tuple(by["lid"])))
+    if lap(design) is None:  # cast in, or no film
+        return [*first, ends, *drawn_in, lid, out, *proof]
+    return [*first, ends, *drawn_in, *proof, lid, out]
+
+
+def _still(lines: list[str]) -> list[OpeningStep]:
+    """Steps in which nothing leaves."""
+    return [OpeningStep(words, ()) for words in lines]
 
 
 def _taken_off(design: Design) -> list[str]:
-    """How end plates and cover come off."""
+    """How end plates and cover come off; the cover holds skin and carrier until the shims are out."""
+    slides = "along y,"
+    if design.slot is not None:
+        cast_in = design.mold.method == "cast-in" and design.film
+        slides += " over the strips," if cast_in else " over the shims (hold these back by their other ends),"
+    held = "clamps" if is_clamped(poured(design)) else "bolts"
     return [
-        (
-            "Take the clamps off and all bolts out. "
-            if is_clamped(poured(design))
-            else "Take all bolts out, the cover's first. "
-        )
-        + ("Cut the sprue at the gate, take" if gate(design) else "Take")
-        + " the end plates off along y, with a screwdriver in the notches at their sides.",
-        "Lift the cover where it overhung the end plates; the silicone in the reservoir and the bleeds tears "
-        "off, or is cut flush.",
+        "Take the end plates' bolts out; the cover stays on. "
+        + ("Cut the sprue at the gate, and slide" if gate(design) else "Slide")
+        + f" the end plates off {slides} with a screwdriver in the notches at their sides.",
+        f"Take the cover's {held} off and lift it where it overhung the end plates; the silicone in the "
+        "reservoir and the bleeds tears off, or is cut flush.",
     ]
 
 

@@ -109,8 +109,7 @@ def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> Stri
         ends, marks = (-other - tab, wired + tab), (-other, wired)
         holes = [_hole(x) for x in (-other - tab + 2 * HOLE, wired + tab - 2 * HOLE)]
     else:
-        ends = (-other - GLUED, wired) if wired_a else (-other, wired + GLUED)
-        marks, holes = (-other if wired_a else wired,), []
+        ends, marks, holes = (-other - GLUED, wired), (-other,), []
         cut = _straight(*ends, h)
     e, tip = h - margin, wired - margin - (h if ends[1] == wired else 0.0)  # clear of the corner
 

@@ -6,6 +6,8 @@ import math
 
 from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, screws
+from skincad.fabrication.bond_steps import kit, made_ready, released_where
+from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.opening import opening_steps
@@ -86,7 +88,8 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
         "silicone)",
     ]
-    bought += to_buy(design, through) if skin.curvature_radius_y is None else arcs_to_buy(design)
+    bought += to_buy(design, through) if skin.curvature_radius_y is None else arcs_to_buy(design, closed)
+    bought += kit(design)
     return [
         "## Parts",
         "",
@@ -172,7 +175,6 @@ def _mix(material: Silicone, volume: float) -> list[str]:
 
 
 def _order(design: Design, closed: ClosedMold) -> list[str]:
-    slots = design.slot is not None
     back = (
         "its holes widen upward and hold the skin like rivets"
         if perforated(closed)
@@ -180,9 +182,8 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
     )
     close = [
         ("End a has the gate. " if gate(design) else "")
-        + "Clean and dry all parts. Put release agent on cavity, end plates"
-        + (", cover and shims" if slots and design.mold.method == "shim" else " and cover")
-        + "; none on the carrier.",
+        + f"Clean and dry all parts. Put release agent on {released_where(design)}",
+        *([] if lap(design) else made_ready(design)),
         *_closed_up(design, back),
         "Lay the mold level to cure. Top up the reservoir over the vent: it makes up for shrinkage and "
         "for bubbles that rise.",

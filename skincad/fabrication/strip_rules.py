@@ -6,8 +6,10 @@ import math
 from collections.abc import Iterator
 from typing import Literal
 
+from skincad.fabrication.drawing_in import drawing_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strips import (
+    MOST_PULL,
     PVDF_YIELD,
     Pour,
     Strip,
@@ -22,7 +24,6 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 
-MOST_PULL = 1 / 3  # assumption: of the yield stress; more creeps in the hours of a cure
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
 SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures
 DRIFT_SHARE = 0.25  # of the silicone beside it; further, a capillary force that grows as 1 / gap pulls it on
@@ -38,13 +39,14 @@ def misplaced(design: Design) -> float:
 
 
 def strip_findings(design: Design) -> list[Finding]:
-    """Return the rules `strip sag`, `strip stress`, `strip drift`, `strip release` and `strip place`; none
-    without slots."""
+    """Return the rules `strip sag`, `strip stress`, `strip drift`, `strip release` and `strip place`, and
+    those of drawing in; none without slots."""
     rod, flow = strip(design), pour(design)
     if rod is None or flow is None or design.slot is None:
         return []
     cast = [*_sag(design, rod), *_stress(rod, flow)] if design.mold.method == "cast-in" else []
-    return [*cast, *_drift(design, rod, flow), *_release(design, rod), *_place(design)]
+    moved = [*_drift(design, rod, flow), *_release(design, rod), *_place(design)]
+    return [*cast, *moved, *drawing_findings(design)]
 
 
 def _sag(design: Design, rod: Strip) -> Iterator[Finding]:

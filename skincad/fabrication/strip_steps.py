@@ -4,33 +4,22 @@ from __future__ import annotations
 
 import math
 
+from skincad.fabrication.bond_steps import NUMBERS, count
 from skincad.fabrication.strip_rules import misplaced
 from skincad.fabrication.strips import deflection, pour, released, strip, weight
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.solids.inserts import GRIP
 
-NUMBERS = (
-    "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
-    "two at end b, where the reservoir is"
-)
-
 
 def to_buy(design: Design, through: float) -> list[str]:
-    """Return what to buy for the slots; `through` is the length over both end plates, mm."""
-    if design.slot is None:
+    """Return what to buy to keep the slots free; `through` is the length over both end plates, mm."""
+    if design.slot is None or design.mold.method == "cast-in":
         return []
-    count = 2 * design.ridge.count * design.mold.cavities
-    if design.mold.method == "cast-in" and design.film:
-        size = f"{design.film.thickness * 1000:.0f} µm"
-        return [
-            f"{count} strips of PVDF film, {size}, electrodes on both faces, cut by strips.dxf or "
-            "strips.svg, and a weight for each tab"
-        ]
     size = f"{design.slot.thickness:g} x {design.slot.depth:g} mm"
     return [
-        f"{count} shims of spring steel, {size}, {math.ceil(through + GRIP)} mm long: slit or etched from "
-        "feeler stock, edges deburred"
+        f"{count(design)} shims of spring steel, {size}, {math.ceil(through + 2 * GRIP)} mm long: slit or "
+        "etched from feeler stock, edges deburred"
     ]
 
 
@@ -39,13 +28,14 @@ def laid_in(design: Design) -> str:
     rod = strip(design)
     if rod is None or design.mold.method == "shim":
         return (
-            "combs first; lay the shims into the notches, their long end out at end b, and pull them "
+            f"combs first; lay the shims into the notches, {GRIP:g} mm out at both ends, and pull them "
             "straight; then the keepers, pressed down onto the combs while you tighten."
         )
     load = weight(rod, silicone(design).density)
     return (
-        "combs first. Prime the strips for silicone between their marks. Lay each into its notches, + "
-        f"side to +x ({NUMBERS}), lead the tabs over rods a little below the notches and hang "
+        "combs first. Lay each strip, primed and dry, into its notches, + "
+        f"side to +x ({NUMBERS}). Tie a thread to each tab's hole, lead it along y over a rod that lies "
+        "a little below the notches on one board with the mold, so that the strip stays upright, and hang "
         f"{rod.hung:.3g} g on each ({rod.tension:.3g} N, {rod.stress:.3g} MPa): it stands on the notches' "
         f"bottoms, its datum, and is within {misplaced(design):.2g} mm of its place; in silicone it sags by "
         f"{abs(deflection(rod, load)):.2g} mm at most. Then the keepers, pressed down onto the combs while "
@@ -64,23 +54,12 @@ def filled_slowly(design: Design) -> str:
     )
 
 
-def freed(design: Design) -> list[str]:
-    """Return what is done with shims or strips before the mold is opened."""
-    if design.slot is None:
+def let_go(design: Design) -> list[str]:
+    """Return what is done with strips that are cast in before the mold is opened; nothing where none is."""
+    if design.mold.method != "cast-in" or design.film is None:
         return []
-    film = design.film
-    way = "along y" if design.skin.curvature_radius_y is None else "along its arc"
-    if film is None:
-        return [f"Draw the shims out {way}, towards end b."]
-    if design.mold.method == "cast-in":
-        return [
-            "Take the weights off and cut the strips' tabs off at their marks, outside the end plates; mark "
-            "each lead's number and + side. What is left is straight and slides through its notch. The skin "
-            f"shortens by {100 * released(design):.2g} %, when the strips are released."
-        ]
     return [
-        f"Glue each film strip ({film.thickness * 1000:.0f} µm, numbered in strips.dxf; {NUMBERS}) by its "
-        "tail to the short tail of its shim at end a, wet it with fresh silicone, and draw the shim out "
-        f"{way}, towards end b: the strip follows it in. It is too thin to be pushed. Mark its polarity; "
-        "the same side faces +x in every slot. Cut the glued tail off at its mark."
+        "Take the weights off and cut the strips' tabs off at their marks, outside the end plates; mark "
+        "each lead's number and + side. What is left is straight and slides through its notch. The skin "
+        f"shortens by {100 * released(design):.2g} %, when the strips are released."
     ]

@@ -27,6 +27,7 @@ GRAVITY = 9.81  # m/s2
 PVDF_DENSITY = 1780.0  # kg/m3, source: piezo film technical manual (Measurement Specialties), table 1
 PVDF_YIELD = 45.0  # MPa, source: there, 45 to 55 along the stretch axis
 STEEL_DENSITY, STEEL_MODULUS = 7850.0, 200e3  # kg/m3, MPa, source: handbooks, spring steel
+MOST_PULL = 1 / 3  # assumption: of the yield stress; more creeps in the hours of a cure
 USUAL_PULL = 0.05  # assumption: of the yield stress, where no tension is given: straight, little to release
 _STIFF = 1e-2  # u below which the tension's part is lost in rounding; it is u^2 / 2.5 there
 _SLACK = 500.0  # u above which 1 / cosh u is below any float

@@ -69,7 +69,8 @@ class Film(Table):
         "mm", "how far a strip stands out on the wiring side, to be contacted", ge=1.0, le=200.0, default=8.0
     )
     wiring_side: Literal["a", "b"] = Field(
-        default="b", description="the mold's end at which the leads come out; the gate is at end a"
+        default="b",
+        description="the mold's end of leads, at which strips are drawn in; the gate is at end a",
     )
     tension: float | None = quantity(
         "N",

@@ -247,13 +247,13 @@ def _from_back(bore: Bore, grid: Grid) -> Bore:
 
 
 def _shims(design: Design, grid: Grid) -> list[Part]:
-    """Shims as arcs through both end plates, with a grip at end b."""
+    """Shims as arcs through both end plates, with a grip beyond each."""
     found = []
     for part in shims(design):
         if isinstance(part.body, Prism):
             arm = grid.centre - part.body.outline[0].start.z
-            out = grid.half + math.asin(design.mold.end_plate / arm)
-            body = Revolved(part.body.outline, grid.centre, -out, out + GRIP / arm, grid=grid)
+            out = grid.half + math.asin(design.mold.end_plate / arm) + GRIP / arm
+            body = Revolved(part.body.outline, grid.centre, -out, out, grid=grid)
             found.append(replace(part, body=body))
     return found
 

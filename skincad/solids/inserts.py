@@ -10,21 +10,27 @@ from skincad.solids.plan import Part
 from skincad.solids.roles import End, PartRole
 
 PIN_RADIUS = 1.0  # mm, source: ISO 2338 dowel pin, 2 mm
-GRIP = 6.0  # mm, assumption: what pliers hold of a shim beyond the end plates
+GRIP = 6.0  # mm, assumption: of a shim beyond each end plate: pliers hold it there, and a film is glued to it
 STUB = 2.0  # mm, assumption: room for a knife between an end plate and a strip's tab
 
 
 def shims(design: Design) -> list[Part]:
-    """Return a shim for every slot: the slot's rectangle, through both end plates, with a grip at +y."""
+    """Return a shim for every slot: the slot's rectangle, through both end plates and a grip beyond each."""
     half = design.skin.length / 2 + design.mold.end_plate
     return [
         Part(
             f"shim-{slot.ridge}-{slot.side}",
             PartRole.SHIM,
-            Prism(flipped(slot.loop()), "y", -half, half + GRIP),
+            Prism(flipped(slot.loop()), "y", -half - GRIP, half + GRIP),
         )
         for slot in section(design).slots
     ]
+
+
+def drawn_to(design: Design) -> End:
+    """Return the end towards which shims are drawn: away from the wiring side, so that a film follows with
+    its other end first and no contact goes through a slot; end b without film."""
+    return "a" if design.film and design.film.wiring_side == "b" else "b"
 
 
 def strips(design: Design) -> list[Part]:

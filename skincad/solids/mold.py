@@ -17,7 +17,9 @@ An end plate closes each y end. Where there are slots it is split across the sli
 comb below has a notch a slot, open towards the keeper above, so that a strip with tabs can be laid in and
 a slit of 0.05 mm never has to be cut closed.
 
-A shim leaves first, along y, and a strip is drawn in behind it. A strip that is cast in lies in the notches
+The end plates slide off along y over the shims; then each shim is drawn out along y, and a strip glued to its
+tail follows it. The lap of both is thicker than a notch, and has none on its way: only the slot, which is
+soft. A strip that is cast in lies in the notches
 instead, under tension: it stands on the notch's bottom, which is its datum, has the slit clearance at its
 sides, and the keeper over the notch's mouth keeps it from rising. Nothing squeezes it there: weights on its
 tabs hold it until the silicone has cured. Tabs are wider than a notch and would block the combs, so they are
@@ -43,7 +45,7 @@ from skincad.solids.bent import bent_parts, check_bent, shims_turn
 from skincad.solids.body import Prism
 from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted
 from skincad.solids.ends import end_plates, refused_ends
-from skincad.solids.inserts import pin, shims, strips
+from skincad.solids.inserts import drawn_to, pin, shims, strips
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
 from skincad.solids.plan import Part, moved
@@ -137,10 +139,10 @@ def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
 
 
 def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges: list[int]) -> ClosedMold:
-    """The mold of these parts, opened. Shims leave first, along y or by turning along their arc, then end
-    plates and cover, of which a bent mold's end plates are under the cover and leave square to their faces.
-    A whole cavity lets the skin be pulled up with its carrier; the pieces of a split one leave the skin, its
-    base first, then the outer ones, then the others from the middle."""
+    """The mold of these parts, opened. End plates slide off over straight shims, which leave along y; then
+    the cover. Shims that are arcs are turned out first, then the cover, then end plates, square to their
+    faces. A whole cavity lets the skin be pulled up with its carrier; the pieces of a split one leave the
+    skin, its base first, then the outer ones, then the others from the middle."""
     bent, closed = design.skin.curvature_radius_y is not None, ClosedMold(parts, ())
     far = 2 * design.skin.length + 4 * design.mold.end_plate
     high = 2 * (place.top - place.bottom) + (design.skin.length if bent else 0.0)
@@ -149,10 +151,12 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
         found = closed.of(*roles)
         return Move(tuple(p.name for p in found if end in (None, p.end)), way, travel)
 
+    sign = 1.0 if drawn_to(design) == "b" else -1.0
     drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
-    plates = [leave("y", way, *END_PLATES, end=end) for end, way in zip(ENDS, (-far, far), strict=True)]
+    shims = [drawn._replace(travel=sign * drawn.travel)] if drawn.parts else []
+    plates = [leave("y", y, *END_PLATES, end=end) for end, y in zip(ENDS, (-far, far), strict=True)]
     lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN)
-    steps = [*([drawn] if drawn.parts else []), *([lid, *plates] if bent else [*plates, lid])]
+    steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:
         steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.STRIP))
         return replace(closed, opening=tuple(steps))

@@ -16,21 +16,26 @@ VOLUME = 1e-9  # relative, of the kernel that wrote it against the one that read
 # mm3: what the kernel's quadrature of a thin strip is off, whose faces are 1000 times as long as thick
 STRIP = 1e-8
 COLOUR = 1e-3
+TAIL = 5.0  # mm, of a shim beyond a comb: the lap by which it draws its film in
 _SCRIPT = """SetFactory("OpenCASCADE");
 Geometry.OCCTargetUnit = "MM";
 solids() = ShapeFromFile("{path}");
 For i In {{0 : #solids() - 1}}
   mass() = Mass Volume{{solids(i)}};
   Printf("VOLUME %.17g", mass(0));
+  box() = BoundingBox Volume{{solids(i)}};
+  Printf("LENGTH %.17g %.17g", box(1), box(4));
 EndFor
 """
 
 
 @dataclass(frozen=True)
 class Read:
-    """What gmsh says of a STEP file: volumes in mm3, names and linear colours by solid."""
+    """What gmsh says of a STEP file: volumes in mm3, least and largest y in mm, names and linear colours by
+    solid."""
 
     volumes: tuple[float, ...]
+    along: tuple[tuple[float, float], ...]
     names: tuple[str, ...]
     colours: tuple[tuple[float, ...], ...]
 
@@ -52,6 +57,7 @@ def read(path: Path) -> Read:
         raise RuntimeError(f"gmsh on {path.name}: {(done.stdout + done.stderr)[-2000:]}")
     return Read(
         tuple(float(volume) for volume in re.findall(r"VOLUME (\S+)", done.stdout)),
+        tuple((float(low), float(high)) for low, high in re.findall(r"LENGTH (\S+) (\S+)", done.stdout)),
         tuple(name.rpartition("/")[2] for name in re.findall(r"Label '(.*?)' \(3D\)", done.stdout)),
         tuple(
             tuple(float(c) for c in colour.split(","))
@@ -80,7 +86,21 @@ def _of_assembly(job: Job) -> list[str]:
             wrong.append(f"assembly.step: {part.name} of {volume:.12g} mm3, planned {part.volume:.12g}")
         if any(abs(a - _linear(b)) > COLOUR for a, b in zip(colour, part.colour, strict=True)):
             wrong.append(f"assembly.step: {part.name} is coloured {colour}")
-    return wrong
+    return wrong + short_tails(found)
+
+
+def short_tails(found: Read) -> list[str]:
+    """Return every straight shim of an assembly that does not stand out of both ends' combs by `TAIL`."""
+    rows = list(zip(found.names, found.along, strict=True))
+    if not all(any(name == f"end-{end}-comb" for name, _ in rows) for end in "ab"):
+        return []
+    low = min(along[0] for name, along in rows if name == "end-a-comb")
+    high = max(along[1] for name, along in rows if name == "end-b-comb")
+    return [
+        f"assembly.step: {name} stands out by {low - a:.3f} and {b - high:.3f} mm"
+        for name, (a, b) in rows
+        if name.startswith("shim") and min(low - a, b - high) < TAIL
+    ]
 
 
 def _linear(value: float) -> float:

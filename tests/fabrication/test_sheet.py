@@ -79,9 +79,22 @@ def test_two_inserts_a_ridge_and_cavity_are_to_be_bought(name: str, cavities: in
 
 
 @pytest.mark.parametrize(
-    ("name", "coated"), [("yamada-2002", True), ("cast-in", False), ("plain-ridges", False)]
+    ("name", "settings", "coated"),
+    [
+        ("yamada-2002", [], False),
+        ("yamada-2002", ["skin.curvature_radius_y=200"], False),
+        ("yamada-2002", ["film=none", "contact.film=loose"], True),
+        ("cast-in", [], False),
+        ("plain-ridges", [], False),
+    ],
 )
-def test_shims_are_coated_and_strips_that_stay_are_not(name: str, coated: bool) -> None:
-    agent = next(line for line in sheet(load(name)).splitlines() if "release agent on cavity" in line)
+def test_no_release_agent_comes_to_where_a_film_must_hold(
+    name: str, settings: list[str], coated: bool
+) -> None:
+    """What a shim has on it, it leaves on the slot's walls."""
+    lines = sheet(load(name, settings)).splitlines()
+    (agent,) = (line for line in lines if "release agent on cavity" in line)
     assert ("cover and shims;" in agent) == coated
-    assert ("end plates and cover;" in agent) != coated
+    assert ("end plates and cover" in agent) != coated
+    assert ("none on the shims" in agent) == (name == "yamada-2002" and not coated)
+    assert ("none on the strips" in agent) == (name == "cast-in")

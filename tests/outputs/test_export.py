@@ -168,7 +168,17 @@ def test_a_strip_behind_a_shim_has_its_area_by_formula(yamada: Design, tmp_path:
     loops = pattern(yamada, tmp_path)
     assert area(loops["CUT"][0]) == pytest.approx(0.25 * 25 - 0.125**2 / 2, rel=1e-9)
     assert area(loops["ELECTRODE"][0]) == pytest.approx((0.25 - 0.04) * (12 - 0.02), rel=1e-9)
-    assert area(loops["LEAD"][0]) == pytest.approx((0.25 - 0.04) * (8 - 0.02), rel=1e-9)
+    # clear of the corner that is cut off there, half a strip's width
+    assert area(loops["LEAD"][0]) == pytest.approx((0.25 - 0.04) * (8 - 0.02 - 0.125), rel=1e-9)
+
+
+@pytest.mark.parametrize("side", ["a", "b"])
+def test_a_drawn_in_strips_tail_is_at_its_unwired_end(side: str, tmp_path: Path, yamada: Design) -> None:
+    """Its contact never goes through wet silicone; the mark at which the tail is cut is the skin's end."""
+    cut = pattern(yamada.with_(film={"wiring_side": side}), tmp_path)["CUT"][0]
+    ends = sorted(abs(f(p.start.x for p in cut)) for f in (min, max))
+    assert ends == pytest.approx([6.0 + GLUED, 6.0 + 8.0])
+    assert (max(p.start.x for p in cut) > 12.0) == (side == "b")
 
 
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])

@@ -104,7 +104,7 @@ def test_cavity_and_skin_fill_the_trough_between_them(yamada: Design) -> None:
     yamada = yamada.with_(mold={"shrinkage": 0.0})
     closed = mold(yamada)
     cavity, skin = manifold(closed.part("cavity"), 1e-4), manifold(closed.part("skin"), 1e-4)
-    shims = sum(manifold(p, 1e-4).volume() for p in closed.parts if p.name.startswith("shim")) * 12 / 26
+    shims = sum(manifold(p, 1e-4).volume() for p in closed.parts if p.name.startswith("shim")) * 12 / 32
     block = 37.0 * 12.0 * (4.0 + section(yamada).top + 9.0)
     seat = 2 * (5.5 + LEDGE + yamada.mold.clearance) * 12.0 * 4.0
     bores = sum(c.volume for c in closed.part("cavity").cuts)
@@ -148,12 +148,30 @@ def test_a_skin_without_slots_has_plain_end_plates() -> None:
     assert not any("comb" in n or "shim" in n for n in names)
 
 
-def test_opening_takes_shims_then_plates_then_cover_then_skin(yamada: Design) -> None:
+def test_a_shim_stands_out_by_its_grip_at_both_ends(yamada: Design) -> None:
+    """A film is glued to one of them, pliers hold the other."""
+    closed = mold(yamada.with_(mold={"shrinkage": 0.0, "end_plate": 5.0}))
+    shims = closed.of(PartRole.SHIM)
+    assert len(shims) == 18
+    assert {(s.body.low, s.body.high) for s in shims} == {(-6.0 - 5.0 - 6.0, 6.0 + 5.0 + 6.0)}
+
+
+@pytest.mark.parametrize(("side", "way"), [("a", 1), ("b", -1)])
+def test_shims_leave_away_from_the_wiring_side(yamada: Design, side: str, way: int) -> None:
+    """So that the film's contact is what comes last, and goes through no slot."""
+    for design in (yamada, yamada.with_(skin={"curvature_radius_y": 100.0})):
+        opening = mold(design.with_(film={"wiring_side": side})).opening
+        (step,) = (s for s in opening if s.parts[0].startswith("shim"))
+        assert math.copysign(1, step.travel) == way
+
+
+def test_opening_takes_plates_then_shims_then_cover_then_skin(yamada: Design) -> None:
+    """The lap of film and shim is thicker than a notch: the combs are off before it comes by."""
     steps = mold(yamada).opening
     assert [(s.axis, s.parts[0].split("-")[0]) for s in steps] == [
+        ("y", "end"),
+        ("y", "end"),
         ("y", "shim"),
-        ("y", "end"),
-        ("y", "end"),
         ("z", "cover"),
         ("z", "skin"),
     ]

@@ -1,0 +1,126 @@
+"""The sheet's words on films: all that makes them hold, in its order, with amounts and times."""
+
+import math
+import re
+
+import pytest
+
+import skincad
+from skincad.fabrication.bond_steps import kit, released_where
+from skincad.fabrication.opening import opening_steps
+from skincad.fabrication.sheet import casting_sheet
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.solids.mold import mold
+from tests.bent_skin import three_ridges
+
+ALCOHOL, SHIMS, PRIMER, GLUE, MIX, CURE, PULL = (
+    "Put release agent on",
+    "water-break",
+    "Brush primer",
+    "cyanoacrylate between",
+    "g of the same silicone and draw in",
+    "Let the strips cure in",
+    "Pull test: hang",
+)
+FILMED = [name for name in template_names() if skincad.load(name).film]
+
+
+def sheet(design: Design) -> str:
+    return casting_sheet(design, mold(design), [], "Passes.", True)
+
+
+def order(text: str) -> list[str]:
+    """The numbered steps."""
+    return re.findall(r"^\d+\. (.*)$", text.partition("## In this order")[2], re.MULTILINE)
+
+
+def place(steps: list[str], words: str) -> int:
+    (found,) = (i for i, step in enumerate(steps) if words in step)
+    return found
+
+
+@pytest.mark.parametrize("name", FILMED)
+def test_a_film_is_prepared_drawn_in_cured_and_tested_in_this_order(name: str) -> None:
+    design = skincad.load(name)
+    steps = order(sheet(design))
+    cast = design.mold.method == "cast-in"
+    words = [ALCOHOL, PRIMER, "Degas", PULL] if cast else [ALCOHOL, "Degas", PRIMER, GLUE, MIX, CURE, PULL]
+    found = [place(steps, each) for each in words]
+    assert found == sorted(set(found))
+    if not cast:
+        assert place(steps, SHIMS) < place(steps, "lay the shims into the notches")
+        assert place(steps, "slide the end plates off") < place(steps, GLUE)
+        assert place(steps, PULL) < place(steps, "Take the cover's")
+
+
+def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() -> None:
+    design = three_ridges()
+    text = sheet(design)
+    steps = order(text)
+    words = [PRIMER, GLUE, MIX, CURE, "take the plates off", PULL]
+    found = [place(steps, each) for each in words]
+    assert found == sorted(set(found))
+    # 12 mm of the summit's arc at 25 mm, a slot's outer edge at 25.2; plates of 4, grips of 6
+    arm = 25.2
+    long = 2 * arm * (12 / 2 / 25 + math.asin(4 / arm)) + 2 * 6
+    assert int(re.search(r"(\d+) mm long, cut or etched as arcs", text)[1]) == math.ceil(long)
+    assert "the last 6 mm at end b thinned to 0.019 mm" in text
+    assert "above 0.057 mm it jams" in steps[place(steps, GLUE)]
+    assert "over the last 4 mm of the wired end" in steps[place(steps, PRIMER)]  # a lead of 8, a plate of 4
+
+
+@pytest.mark.parametrize(("side", "drawn"), [("a", "b"), ("b", "a")])
+def test_the_wired_end_is_masked_and_comes_last(yamada: Design, side: str, drawn: str) -> None:
+    steps = order(sheet(yamada.with_(film={"wiring_side": side})))
+    assert f"the last 8 mm of the wired end (end {side})" in steps[place(steps, PRIMER)]
+    assert f"tail at end {side}" in steps[place(steps, GLUE)]
+    assert f"draw it out along y, towards end {drawn}" in steps[place(steps, MIX)]
+    assert f"its mask meets the skin's end {side}" in steps[place(steps, MIX)]
+
+
+def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
+    """Six skins of seven ridges; 20 min: 42 of them in 10 min."""
+    settings = ["ridge.count=7", "mold.cavities=6", "material.name=dragon-skin-10"]
+    design = skincad.load("yamada-2002", settings)
+    text = sheet(design)
+    assert "draw in 42 of the 84 strips with it, at 14 s each, within 10 min" in text
+    assert "2 times in all" in text
+    assert "4 g more of the silicone" in text
+    own = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
+    assert "as half the pot life on its data sheet takes at 14 s each" in own
+
+
+def test_a_film_is_never_baked(yamada: Design) -> None:
+    hot = order(sheet(yamada.with_(material={"name": "sylgard-184-200c"})))
+    assert "as long as its data sheet asks at 80 °C or less" in hot[place(hot, CURE)]
+    cold = order(sheet(yamada))
+    assert "16 h at room temperature" in cold[place(cold, CURE)]
+
+
+def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
+    """18 strips and two to spare; primer for 2 x 20 x 0.25 x 12 mm2 is 0.024 ml, less than the least told."""
+    rows = " | ".join(kit(yamada))
+    for words in (
+        "18 strips of PVDF film, 28 µm",
+        "and 2 to spare",
+        "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
+        "isopropanol, 37 ml, and 54 lint-free wipes",  # 10 and 0.5 a wipe; one a strip, two a shim
+        "masking tape, 0.32 m",  # 20 folded over 8 mm
+        "cyanoacrylate, 1 g",
+        "2 g more of the silicone",
+        "10.7 g together, and 0.3 m of thread",  # 0.105 N
+    ):
+        assert words in rows
+    cast = " | ".join(kit(skincad.load("cast-in")))
+    assert "36 weights of 5.1 g and 10.8 m of thread" in cast
+    assert "cyanoacrylate" not in cast
+
+
+def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
+    bare = yamada.with_(film=None, contact={"film": "loose"})
+    assert kit(bare) == []
+    words = [step.words for step in opening_steps(bare, mold(bare))]
+    assert words[1] == "Draw each shim out along y, towards end b."
+    assert not any("film" in each or "strip" in each for each in words)
+    assert "cover and shims" in released_where(bare)
