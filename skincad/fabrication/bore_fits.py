@@ -15,7 +15,6 @@ PINNED = frozenset({CutRole.END_PIN, CutRole.COVER_PIN, CutRole.BASE_PIN})
 CLEARING = frozenset({CutRole.END_BOLT, CutRole.COVER_BOLT})
 H13 = 0.18  # mm, source: ISO 286-2, of 3 to 6 mm; ISO 273 has it for the medium series of clearance holes
 H7 = 0.010  # mm, source: ISO 286-2, up to 3 mm: what a dowel pin m6 is pressed into
-LOOSE = 0.1  # mm, source: ISO 2768-1 m, 0.5 to 6 mm: what silicone or air goes through
 _FOR = {
     CutRole.END_BOLT: "M3 bolt of end plate",
     CutRole.END_THREAD: "M3 bolt of end plate",
@@ -33,10 +32,9 @@ _FOR = {
 }
 
 
-def process_of(design: Design, part: Part) -> Process | None:
-    """Return the limits of the process that makes a part; None where any does."""
-    name = maker(design, part)
-    return processes(design.printer)[name] if name else None
+def process_of(design: Design, part: Part) -> Process:
+    """Return the limits of the process that makes a part."""
+    return processes(design.printer)[maker(design, part)]
 
 
 def is_pressed(part: Part, role: CutRole) -> bool:
@@ -65,12 +63,11 @@ def thread(design: Design, part: Part, role: CutRole) -> str:
 def limits(design: Design, part: Part, role: CutRole) -> str:
     """Return the limits of a bore's diameter, mm: its fit's, where the process keeps it, or the process's."""
     process = process_of(design, part)
-    own = process.tolerance if process else LOOSE
-    either = f"±{own:g}"
+    either = f"±{process.tolerance:g}"
     if role in CLEARING:
-        return f"+{H13:g}/0 (H13)" if process is None or own <= H13 / 2 else either
+        return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
     if role in PINNED and is_pressed(part, role):
-        return either if process and process.layer else f"+{H7:.3f}/0 (H7)"
-    if role in THREADED and not (process and process.layer and role is not CutRole.PULL):
+        return either if process.layer else f"+{H7:.3f}/0 (H7)"
+    if role in THREADED and not (process.layer and role is not CutRole.PULL):
         return "6H"
     return either

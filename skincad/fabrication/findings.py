@@ -38,9 +38,9 @@ def process_findings(design: Design, closed: ClosedMold) -> list[Finding]:
     known = processes(design.printer)
     told: dict[tuple[str, str], Finding] = {}
     for part in closed.parts:
-        name = maker(design, part)
-        if part.made != "made" or name is None:
+        if part.made != "made":
             continue
+        name = maker(design, part)
         case = Case(design, part, name, known[name])
         fresh = [f for f in judged(case) if (f.rule, f.where) not in told]
         if fresh:

@@ -66,14 +66,14 @@ class Feature(NamedTuple):
     height: float
 
 
-def maker(design: Design, part: Part) -> str | None:
-    """Return the process that makes a part, None for any: carrier and cover are plain plates."""
+def maker(design: Design, part: Part) -> str:
+    """Return the process that makes a part."""
     choice = design.mold
     if part.role in CAVITIES:
         return choice.process
     if part.role in END_PLATES:
         return choice.end_plate_process or choice.process
-    return choice.lid_process
+    return choice.lid_process or choice.process
 
 
 def grooves(case: Case) -> list[Feature]:

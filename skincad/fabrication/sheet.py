@@ -9,6 +9,7 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
+from skincad.fabrication.tolerances import process_words
 from skincad.fabrication.void import alone, perforated, void
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -67,7 +68,8 @@ def casting_sheet(
 
 def _parts(design: Design, closed: ClosedMold) -> list[str]:
     skin, choice = poured(design).skin, design.mold
-    rows = [f"| {p.name} | {p.volume / 1000:.5g} |" for p in closed.parts if p.made == "made"]
+    made = (p for p in closed.parts if p.made == "made")
+    rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made]
     through = skin.length + 2 * choice.end_plate
     pins: dict[str, int] = {}
     for dowel in (own(part).body for part in closed.of(*PINS)):
@@ -86,10 +88,8 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
     return [
         "## Parts",
         "",
-        f"End plates and cavity by {choice.process}; cover and carrier are plain plates, by any process:",
-        "",
-        "| part | cm3 |",
-        "|---|---|",
+        "| part | made by | cm3 |",
+        "|---|---|---|",
         *rows,
         "",
         _shrinkage(design, closed),

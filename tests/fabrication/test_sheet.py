@@ -3,6 +3,7 @@ import re
 import pytest
 
 from skincad.fabrication.meshes import manifold
+from skincad.fabrication.rules import maker
 from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
@@ -26,6 +27,14 @@ def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
     void = [p.volume() for p in space.decompose() if p.bounding_box()[0] < 0 < p.bounding_box()[3]]
     # clearances of the carrier's seat and the shims' slits are in the void too, 1 % of it; chords
     assert poured_volume(yamada, closed) == pytest.approx(max(void), rel=0.015)
+
+
+def test_each_part_is_said_to_be_made_by_what_judges_it() -> None:
+    design = load("milled-pad")
+    rows = dict(re.findall(r"^\| (\S+) \| (\w+), ", sheet(design), re.MULTILINE))
+    made = {p.name: p for p in mold(design).parts if p.made == "made"}
+    assert rows == {name: maker(design, part) for name, part in made.items()}
+    assert (rows["cavity"], rows["end-a-comb"], rows["cover"]) == ("cnc", "edm", "cnc")
 
 
 def test_masses_follow_from_volume_density_and_mix(yamada: Design) -> None:
