@@ -57,7 +57,8 @@ def thread(design: Design, part: Part, role: CutRole) -> str:
     """Return the thread of a bore, or what brings one; "" where it has none."""
     if role not in THREADED:
         return ""
-    return "M3 insert" if fits(design, maker(design, part)).printed and role is not CutRole.PULL else "M3"
+    insert = fits(design, maker(design, part)).insert
+    return f"M3 insert, {insert}" if insert and role is not CutRole.PULL else "M3"
 
 
 def limits(design: Design, part: Part, role: CutRole) -> str:
@@ -68,6 +69,6 @@ def limits(design: Design, part: Part, role: CutRole) -> str:
         return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
     if role in PINNED and is_pressed(part, role):
         return either if process.layer else f"+{H7:.3f}/0 (H7)"
-    if role in THREADED and not (process.layer and role is not CutRole.PULL):
+    if role in THREADED and (process.thread == "tapped" or role is CutRole.PULL):
         return "6H"
     return either

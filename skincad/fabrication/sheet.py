@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, screws
+from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, close_steps, screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.opening import opening_steps
@@ -110,7 +110,9 @@ def _bolts(design: Design, closed: ClosedMold, through: float) -> list[str]:
     ends = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled" if tapped else nuts
     thread = fits(design, design.mold.process)
     upper = "two clamps that hold the cover down on the cavity"
-    hold = f"inserts in holes of {2 * thread.thread:g} mm" if thread.printed else "tapped holes"
+    hold = (
+        f"{thread.insert} inserts in holes of {2 * thread.thread:g} mm" if thread.insert else "tapped holes"
+    )
     if not is_clamped(poured(design)):
         blocks = closed.of(*CAVITIES)
         passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
@@ -206,7 +208,7 @@ def _fastened(design: Design) -> str:
 def _by_syringe(design: Design, back: str) -> list[str]:
     return [
         f"Lay the carrier on its ledge ({back}), then cover and {_fastened(design)}.",
-        f"Degas the mix. Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
+        f"{DEGAS} Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
         "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
         + filled_slowly(design),
         "Plug the gate or leave the syringe in it: it is the lowest point.",
@@ -216,8 +218,8 @@ def _by_syringe(design: Design, back: str) -> list[str]:
 def _open(design: Design, back: str) -> list[str]:
     held = "shims" if design.mold.method == "shim" else "strips"
     return [
-        "Degas the mix. Lay the mold level and pour in a thin stream along one side, until the silicone "
-        f"stands a little above the ledge; degas once more, pierce any bubbles left on ridges and {held}."
+        f"{DEGAS} Lay the mold level and pour in a thin stream along one side, until the silicone "
+        f"stands a little above the ledge; pierce any bubbles left on ridges and {held}."
         + filled_slowly(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",

@@ -40,10 +40,10 @@ def process_words(design: Design, part: Part) -> str:
     """Return how a part is made."""
     name, process = maker(design, part), process_of(design, part)
     based = f" (as {process.based_on})" if process.based_on not in (None, name) else ""
-    return f"{name}{based}{_TOOLS[process.tool] if not process.layer else ', printed'}"
+    return f"{name}{based}{_TOOLS.get(process.tool, '') if not process.layer else ', printed'}"
 
 
-_TOOLS = {"none": "", "mill": ", milled", "wire": ", wire erosion"}
+_TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
 
 
 def material_words(design: Design, part: Part) -> str:

@@ -53,6 +53,7 @@ class Fits(NamedTuple):
     slide: float
     press: float
     thread: float
+    insert: str  # how an insert is set into that, "" where it is tapped
     printed: bool
 
 
@@ -86,7 +87,8 @@ def fits(design: Design, name: str) -> Fits:
     process = processes(design.printer)[name]
     gap, printed = max(design.mold.clearance, process.clearance), process.layer > 0
     press = PIN_RADIUS + (PRESS_SHARE * gap if printed else 0.0)
-    return Fits(PIN_RADIUS + gap, press, INSERT_RADIUS if printed else TAP_RADIUS, printed)
+    insert = "" if process.thread == "tapped" else process.thread
+    return Fits(PIN_RADIUS + gap, press, INSERT_RADIUS if insert else TAP_RADIUS, insert, printed)
 
 
 def end_fits(design: Design) -> Fits:

@@ -11,7 +11,15 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
 from tests.templates import KINDS
 
-LARGEST_IS_BEST = {"tool reach", "slender", "tool depth", "overhang", "undercut", "cure inhibition"}
+LARGEST_IS_BEST = {
+    "tool reach",
+    "slender",
+    "tool depth",
+    "overhang",
+    "undercut",
+    "cure inhibition",
+    "build volume",
+}
 
 
 def warnings(design: Design) -> dict[str, Finding]:
@@ -86,7 +94,7 @@ def test_lids_are_judged_by_the_molds_process_unless_they_have_one(yamada: Desig
 
 
 def test_a_finer_machine_of_ones_own_is_what_would_make_it(yamada: Design) -> None:
-    fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.02, "layer": 0.02}}
+    fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.009, "layer": 0.02}}
     coarse = by(yamada, "sla").with_(printer=fine)
     slit = next(f for f in design_findings(coarse) if f.rule == "gap")
     assert slit.remedy.endswith("or by edm or fine")

@@ -52,6 +52,24 @@ def test_the_temperature_of_a_cure_is_told(yamada: Design) -> None:
     assert "cure 0.2 h at 200 C" in hot
 
 
+@pytest.mark.parametrize("change", [{}, {"pour": "open"}])
+def test_the_mix_is_degassed_open_and_no_filled_mold_is_put_under_vacuum(
+    yamada: Design, change: dict
+) -> None:
+    bent = yamada.with_(skin={"curvature_radius_y": 200.0})
+    for design in (yamada.with_(mold=change), bent):
+        text = sheet(design)
+        assert text.count("Degas the mix in its open cup") == text.count("never put the closed mold") == 1
+        assert text.lower().count("degas") == text.count("vacuum") == 1
+
+
+@pytest.mark.parametrize(("name", "insert"), [("lab-bench", "glued"), ("nozzle-04", "heat-set")])
+def test_a_resin_is_not_asked_to_melt_round_an_insert(name: str, insert: str) -> None:
+    assert f"into {insert} inserts in holes of 4 mm" in sheet(load(name))
+    tapped = load(name, [f'printer.{load(name).mold.process}.thread="tapped"'])
+    assert "into tapped holes" in sheet(tapped)
+
+
 def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:
     own = sheet(yamada.with_(material={"name": None, "young_modulus": 0.5}))
     assert "by its data sheet" in own
