@@ -16,6 +16,11 @@ from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.shrinkage import poured
 
+DEGAS = (
+    "Degas the mix in its open cup, four times as high as the mix, for it rises; never put the closed mold, "
+    "filled, under vacuum: its silicone would foam out and air come in."
+)
+
 
 def screws(design: Design, closed: ClosedMold, hold: str) -> str:
     """Return the end plates' screws as the parts have them; `hold` is what they go into."""
@@ -84,7 +89,7 @@ def close_steps(design: Design, back: str) -> list[str]:
     return [
         ends,
         "Cover and bolts.",
-        f"Degas the mix. Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
+        f"{DEGAS} Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
         "through the gate at end a, and tape each bleed as silicone shows in it, until silicone stands in "
         "the reservoir.",
         "Plug the gate or leave the syringe in it.",

@@ -26,7 +26,6 @@ PINNED = frozenset({CutRole.END_PIN, CutRole.COVER_PIN, CutRole.BASE_PIN})
 CLEARING = frozenset({CutRole.END_BOLT, CutRole.COVER_BOLT})
 H13 = 0.18  # mm, source: ISO 286-2, of 3 to 6 mm; ISO 273 has it for the medium series of clearance holes
 H7 = 0.010  # mm, source: ISO 286-2, up to 3 mm: what a dowel pin m6 is pressed into
-LOOSE = 0.1  # mm, source: ISO 2768-1 m, 0.5 to 6 mm: what silicone or air goes through
 _FOR = {
     CutRole.END_BOLT: "M3 bolt of end plate",
     CutRole.END_THREAD: "M3 bolt of end plate",
@@ -44,10 +43,9 @@ _FOR = {
 }
 
 
-def process_of(design: Design, part: Part) -> Process | None:
-    """Return the limits of the process that makes a part; None where any does."""
-    name = maker(design, part)
-    return processes(design.printer)[name] if name else None
+def process_of(design: Design, part: Part) -> Process:
+    """Return the limits of the process that makes a part."""
+    return processes(design.printer)[maker(design, part)]
 
 
 def is_pressed(part: Part, role: CutRole) -> bool:
@@ -70,19 +68,18 @@ def thread(design: Design, part: Part, role: CutRole) -> str:
     """Return the thread of a bore, or what brings one; "" where it has none."""
     if role not in THREADED:
         return ""
-    printed = fits(design, maker(design, part)).printed and role is not CutRole.PULL
-    return f"{SCREW.name} insert" if printed else SCREW.name
+    insert = fits(design, maker(design, part)).insert
+    return f"{SCREW.name} insert, {insert}" if insert and role is not CutRole.PULL else SCREW.name
 
 
 def limits(design: Design, part: Part, role: CutRole) -> str:
     """Return the limits of a bore's diameter, mm: its fit's, where the process keeps it, or the process's."""
     process = process_of(design, part)
-    own = process.tolerance if process else LOOSE
-    either = f"±{own:g}"
+    either = f"±{process.tolerance:g}"
     if role in CLEARING:
-        return f"+{H13:g}/0 (H13)" if process is None or own <= H13 / 2 else either
+        return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
     if role in PINNED and is_pressed(part, role):
-        return either if process and process.layer else f"+{H7:.3f}/0 (H7)"
-    if role in THREADED and not (process and process.layer and role is not CutRole.PULL):
+        return either if process.layer else f"+{H7:.3f}/0 (H7)"
+    if role in THREADED and (process.thread == "tapped" or role is CutRole.PULL):
         return "6H"
     return either

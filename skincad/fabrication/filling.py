@@ -1,8 +1,8 @@
 """Air that stays in the mold while silicone rises in it, where it lies, and at which tilt least stays.
 
 Statics: the level rises slowly, wets everything and leaves no bubble of its own; what silicone's viscosity
-catches besides, vacuum has to take out. An open pour is two fillings: the level trough with its back open,
-then the closed mold at the tilt at which the carrier is laid on.
+catches besides, and what the mix holds, has to be taken out of it before. An open pour is two fillings: the
+level trough with its back open, then the closed mold at the tilt at which the carrier is laid on.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ TILTS = (
     2.0,
     60.0,
 )  # deg, assumption: below 2 a flat face leads no bubble along; mold.pour_tilt's upper limit
+PRESSED = "brush silicone into the grooves before closing, or cure in a pressure pot"
 NEAR = 1e-6  # mm; closer than this a pocket's top is on a surface
 
 
@@ -109,7 +110,7 @@ def _bent_findings(design: Design) -> list[Finding]:
     the straight mold of the section at that end's slope: a pocket is short against curvature_radius_y."""
     straight = design.with_(skin={"curvature_radius_y": None})
     closed, rise, tilt = mold(straight), math.degrees(end_angle(design)), design.mold.pour_tilt
-    remedy, found = "fill under vacuum, or hold the filled mold under it before cure", []
+    remedy, found = PRESSED, []
     if tilt <= rise:
         where = "end a, which stays high unless mold.pour_tilt exceeds the angle by which it leans"
         leave = f"mold.pour_tilt above {rise:.3g}; or fill slowly: its air escapes round the carrier"
@@ -152,10 +153,9 @@ def _finding(design: Design, own: list[Pocket], remedy: str) -> Finding:
 
 def _remedy(design: Design, closed: ClosedMold, now: float) -> str:
     tilt, least = best_tilt(design, closed)
-    vacuum = "fill under vacuum, or hold the filled mold under it before cure"
     if least > 0.9 * now:
-        return f"no tilt traps less: {vacuum}"
-    rest = f"which traps {least:.2g} mm3: {vacuum}" if least else "which traps none"
+        return f"no tilt traps less: {PRESSED}"
+    rest = f"which traps {least:.2g} mm3: {PRESSED}" if least else "which traps none"
     return f"mold.pour_tilt = {tilt:g}, {rest}"
 
 

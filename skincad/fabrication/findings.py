@@ -9,12 +9,13 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, maker, material_findings, shim_findings
 from skincad.fabrication.rules_of_layers import LAYER_RULES
+from skincad.fabrication.rules_of_machines import MACHINE_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.solids.mold import ClosedMold, mold
 
-ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES)
+ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}
 
 
@@ -38,9 +39,9 @@ def process_findings(design: Design, closed: ClosedMold) -> list[Finding]:
     known = processes(design.printer)
     told: dict[tuple[str, str], Finding] = {}
     for part in closed.parts:
-        name = maker(design, part)
-        if part.made != "made" or name is None:
+        if part.made != "made":
             continue
+        name = maker(design, part)
         case = Case(design, part, name, known[name])
         fresh = [f for f in judged(case) if (f.rule, f.where) not in told]
         if fresh:

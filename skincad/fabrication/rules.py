@@ -66,14 +66,19 @@ class Feature(NamedTuple):
     height: float
 
 
-def maker(design: Design, part: Part) -> str | None:
-    """Return the process that makes a part, None for any: carrier and cover are plain plates."""
+def maker(design: Design, part: Part) -> str:
+    """Return the process that makes a part."""
     choice = design.mold
     if part.role in CAVITIES:
         return choice.process
     if part.role in END_PLATES:
         return choice.end_plate_process or choice.process
-    return choice.lid_process
+    return choice.lid_process or choice.process
+
+
+def coating(design: Design, process: Process) -> float:
+    """Return how thick a coat a process's parts need against the design's silicone, mm."""
+    return process.coating if process.inhibits_platinum and silicone(design).platinum_cure else 0.0
 
 
 def grooves(case: Case) -> list[Feature]:
@@ -162,8 +167,9 @@ def _hole(case: Case) -> Iterator[Finding]:
 
 
 def _clearance(case: Case) -> Iterator[Finding]:
-    """One key for all that slides, so one finding a process."""
-    given, least = case.design.mold.clearance, case.process.clearance
+    """One key for all that slides, so one finding a process. A coat is on both parts."""
+    least = case.process.clearance + 2 * coating(case.design, case.process)
+    given = case.design.mold.clearance
     if given < least - _ROUNDING:
         place = f"sliding parts, by {case.name}"
         yield Finding("clearance", place, given, least, "mm", "warning", f"mold.clearance of {least:g} mm")

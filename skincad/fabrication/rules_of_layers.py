@@ -33,8 +33,7 @@ def on_end(part: Part, process: Process) -> bool:
 
 def laid_on_end(design: Design, part: Part) -> bool:
     """Whether a part of a design is printed with its y face on the bed."""
-    name = maker(design, part)
-    return name is not None and on_end(part, processes(design.printer)[name])
+    return on_end(part, processes(design.printer)[maker(design, part)])
 
 
 def _details(case: Case) -> Iterator[Finding]:

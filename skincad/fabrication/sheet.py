@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 from skincad.base.version import __version__
-from skincad.fabrication.bent_steps import arcs_to_buy, close_steps, screws
+from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, close_steps, screws
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Measure, inspection_lines
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
+from skincad.fabrication.tolerances import process_words
 from skincad.fabrication.void import alone, perforated, void
 from skincad.inputs.catalog import entitled
 from skincad.inputs.design import Design
@@ -73,7 +74,8 @@ def casting_sheet(
 
 def _parts(design: Design, closed: ClosedMold) -> list[str]:
     skin, choice = poured(design).skin, design.mold
-    rows = [f"| {p.name} | {p.volume / 1000:.5g} |" for p in closed.parts if p.made == "made"]
+    made = (p for p in closed.parts if p.made == "made")
+    rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made]
     through = skin.length + 2 * choice.end_plate
     pins: dict[str, int] = {}
     for dowel in (own(part).body for part in closed.of(*PINS)):
@@ -93,10 +95,8 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
     return [
         "## Parts",
         "",
-        f"End plates and cavity by {choice.process}; cover and carrier are plain plates, by any process:",
-        "",
-        "| part | cm³ |",
-        "|---|---|",
+        "| part | made by | cm³ |",
+        "|---|---|---|",
         *rows,
         "",
         _shrinkage(design, closed),
@@ -117,7 +117,9 @@ def _bolts(design: Design, closed: ClosedMold, through: float) -> list[str]:
     ends = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled" if tapped else nuts
     thread = fits(design, design.mold.process)
     upper = "two clamps that hold the cover down on the cavity"
-    hold = f"inserts in holes of {2 * thread.thread:g} mm" if thread.printed else "tapped holes"
+    hold = (
+        f"{thread.insert} inserts in holes of {2 * thread.thread:g} mm" if thread.insert else "tapped holes"
+    )
     if not is_clamped(poured(design)):
         blocks = closed.of(*CAVITIES)
         passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
@@ -211,7 +213,7 @@ def _fastened(design: Design) -> str:
 def _by_syringe(design: Design, back: str) -> list[str]:
     return [
         f"Lay the carrier on its ledge ({back}), then cover and {_fastened(design)}.",
-        f"Degas the mix. Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
+        f"{DEGAS} Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
         "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
         + filled_slowly(design),
         "Plug the gate or leave the syringe in it: it is the lowest point.",
@@ -221,8 +223,8 @@ def _by_syringe(design: Design, back: str) -> list[str]:
 def _open(design: Design, back: str) -> list[str]:
     held = "shims" if design.mold.method == "shim" else "strips"
     return [
-        "Degas the mix. Lay the mold level and pour in a thin stream along one side, until the silicone "
-        f"stands a little above the ledge; degas once more, pierce any bubbles left on ridges and {held}."
+        f"{DEGAS} Lay the mold level and pour in a thin stream along one side, until the silicone "
+        f"stands a little above the ledge; pierce any bubbles left on ridges and {held}."
         + filled_slowly(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",

@@ -28,6 +28,9 @@ MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
 SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures
 DRIFT_SHARE = 0.25  # of the silicone beside it; further, a capillary force that grows as 1 / gap pulls it on
 PLACE_SHARE = 0.1  # assumption: of slot.offset; more unbalances a pair by more than a fifth
+UNBALANCED = (
+    0.5  # assumption: by which S1 and S2 may differ; their difference, the signal, is in doubt beyond
+)
 SETTLED = 0.1  # assumption: of the pot life, in which a strip must be back
 
 
@@ -94,8 +97,8 @@ def _release(design: Design, rod: Strip) -> Iterator[Finding]:
 
 
 def _place(design: Design) -> list[Finding]:
-    """A note: stress across the film grows about as its distance from the axis (assumption), so a pair is out
-    of balance by up to both errors by the offset."""
+    """A note, or a warning beyond `UNBALANCED`: stress across the film grows about as its distance from the
+    axis (assumption), so a pair is out of balance by up to both errors by the offset."""
     off, offset = misplaced(design), design.slot.offset if design.slot else math.inf
     if off <= PLACE_SHARE * offset:
         return []
@@ -103,4 +106,5 @@ def _place(design: Design) -> list[Finding]:
         f"calibrate each pair: S1 and S2 may differ by {100 * 2 * off / offset:.0f} %; or a smaller "
         "slit_clearance, a finer process for the combs, or a larger design"
     )
-    return [Finding("strip place", "strips in their slits", off, PLACE_SHARE * offset, "mm", "note", remedy)]
+    grave: Literal["note", "warning"] = "warning" if 2 * off / offset > UNBALANCED + 1e-9 else "note"
+    return [Finding("strip place", "strips in their slits", off, PLACE_SHARE * offset, "mm", grave, remedy)]

@@ -34,27 +34,22 @@ class Judged(NamedTuple):
 
 def general_tolerance(design: Design, part: Part) -> str:
     """Return what holds where a size has no limits of its own."""
-    process = process_of(design, part)
-    return f"±{process.tolerance:g} (by {maker(design, part)})" if process else "ISO 2768-mK"
+    return f"±{process_of(design, part).tolerance:g} (by {maker(design, part)})"
 
 
 def process_words(design: Design, part: Part) -> str:
     """Return how a part is made."""
     name, process = maker(design, part), process_of(design, part)
-    if process is None:
-        return "any that keeps the tolerances"
     based = f" (as {process.based_on})" if process.based_on not in (None, name) else ""
-    return f"{name}{based}{_TOOLS[process.tool] if not process.layer else ', printed'}"
+    return f"{name}{based}{_TOOLS.get(process.tool, '') if not process.layer else ', printed'}"
 
 
-_TOOLS = {"none": "", "mill": ", milled", "wire": ", wire erosion"}
+_TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
 
 
 def material_words(design: Design, part: Part) -> str:
     """Return of what a part can be: assumption, by what its process cuts."""
     process = process_of(design, part)
-    if process is None:
-        return "rigid plate: acrylic, aluminium"
     if process.layer:
         return "rigid resin or filament" + (", sealed against silicone" if process.inhibits_platinum else "")
     return "brass or tool steel" if process.tool == "wire" else "aluminium or brass"
@@ -74,7 +69,7 @@ def notes(design: Design, part: Part) -> list[str]:
     else:
         rows.append("Edges broken 0.1 to 0.3; the face on the silicone flat and free of scratches.")
     process = process_of(design, part)
-    if process and process.inhibits_platinum:
+    if process.inhibits_platinum:
         rows.append("The process may keep platinum silicone from curing: wash, cure fully and seal the part.")
     return rows
 
@@ -104,17 +99,14 @@ def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]
     return rows
 
 
-def _kept(process: Process | None, gap: float) -> str:
-    if process is None:
-        return "no process is named that keeps it."
+def _kept(process: Process, gap: float) -> str:
     word = "keeps" if process.tolerance <= gap else "does not keep"
     return f"the process, ±{process.tolerance:g}, {word} that gap."
 
 
 def _crests(design: Design, part: Part, judged: Judged | None) -> list[str]:
     """What the crests' heights may differ by: the grooves' depths."""
-    process = process_of(design, part)
-    sigma = f"{process.crest_sigma:g}" if process else "not known"
+    sigma = f"{process_of(design, part).crest_sigma:g}"
     if judged is None:
         return [UNCHECKED]
     rows = []

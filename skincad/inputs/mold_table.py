@@ -27,7 +27,7 @@ class Mold(Table):
     )
     lid_process: str | None = Field(
         default=None,
-        description="how carrier and cover are made; any plain plate if not given",
+        description="how carrier and cover are made, if not as the cavity",
         json_schema_extra=_A_PROCESS,
     )
     wall: float | None = quantity(

@@ -36,9 +36,10 @@ class Process(Table):
         "mm", "least gap per side at which parts slide into each other", ge=0.0, le=10.0, default=0.0
     )
     tolerance: float = quantity("mm", "a surface comes out within ± this", gt=0.0, le=10.0, default=0.1)
-    tool: Literal["none", "mill", "wire"] = Field(
+    tool: Literal["none", "mill", "wire", "screen"] = Field(
         default="none",
-        description="what cuts: a mill, which comes from above, a wire, which is straight, or none",
+        description="what shapes: a mill, which comes from above, a wire, which is straight, a screen, whose "
+        "pixels are whole, or none",
     )
     tool_radius: float = quantity("mm", "of a ball-end mill or a wire", ge=0.0, le=100.0, default=0.0)
     spark_gap: float = quantity("mm", "between wire and work", ge=0.0, le=10.0, default=0.0)
@@ -48,6 +49,22 @@ class Process(Table):
     tooth_ratio: float = quantity("1", "height of a free tooth by its width", ge=0.0, le=1000.0, default=0.0)
     pixel: float = quantity("mm", "finest detail in a layer's plane", ge=0.0, le=10.0, default=0.0)
     layer: float = quantity("mm", "height of a layer", ge=0.0, le=10.0, default=0.0)
+    coating: float = quantity(
+        "mm",
+        "of what seals its parts against platinum silicone, where they keep that from curing",
+        ge=0.0,
+        le=1.0,
+        default=0.0,
+    )
+    build_x: float = quantity(
+        "mm", "build volume of the machine, the longer side", ge=0.0, le=1e5, default=0.0
+    )
+    build_y: float = quantity("mm", "the shorter side", ge=0.0, le=1e5, default=0.0)
+    build_z: float = quantity("mm", "and its height", ge=0.0, le=1e5, default=0.0)
+    thread: Literal["tapped", "heat-set", "glued"] = Field(
+        default="tapped",
+        description="how its parts get an M3 thread: cut in, or by an insert that is melted or glued in",
+    )
     overhang: float = quantity(
         "deg", "steepest overhang without support, from the vertical", ge=0.0, le=90.0, default=90.0
     )

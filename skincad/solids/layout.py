@@ -53,6 +53,7 @@ class Fits(NamedTuple):
     slide: float
     press: float
     thread: float
+    insert: str  # how an insert is set into that, "" where it is tapped
     printed: bool
 
 
@@ -81,18 +82,28 @@ class Layout(NamedTuple):
     clamped: bool  # whether the cover has no bolts
 
 
-def fits(design: Design, name: str | None) -> Fits:
-    """Return the holes of a part that a process makes; None is any process, which keeps the design's gap."""
-    process: Process | None = processes(design.printer)[name] if name else None
-    gap = max(design.mold.clearance, process.clearance if process else 0.0)
-    printed = process is not None and process.layer > 0
+def fits(design: Design, name: str) -> Fits:
+    """Return the holes of a part that a process makes."""
+    process = processes(design.printer)[name]
+    gap, printed = max(design.mold.clearance, process.clearance), process.layer > 0
     press = PIN_RADIUS + (PRESS_SHARE * gap if printed else 0.0)
-    return Fits(PIN_RADIUS + gap, press, INSERT_RADIUS if printed else TAP_RADIUS, printed)
+    insert = "" if process.thread == "tapped" else process.thread
+    return Fits(PIN_RADIUS + gap, press, INSERT_RADIUS if insert else TAP_RADIUS, insert, printed)
 
 
 def end_fits(design: Design) -> Fits:
     """Return the fits of the end plates' process."""
     return fits(design, design.mold.end_plate_process or design.mold.process)
+
+
+def lid_process(design: Design) -> Process:
+    """Return the process of carrier and cover."""
+    return processes(design.printer)[design.mold.lid_process or design.mold.process]
+
+
+def lid_fits(design: Design) -> Fits:
+    """Return the fits of carrier and cover."""
+    return fits(design, design.mold.lid_process or design.mold.process)
 
 
 def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tuple[Layout, list[InputError]]:

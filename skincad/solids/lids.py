@@ -19,7 +19,8 @@ from skincad.solids.layout import (
     Layout,
     cover_bolts,
     cover_pins,
-    fits,
+    lid_fits,
+    lid_process,
 )
 from skincad.solids.plan import Part, box, drilled, moved
 from skincad.solids.roles import CutRole, PartRole
@@ -28,7 +29,7 @@ HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, sp
 MOST_HOLES = (
     60  # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
 )
-BLEED = 0.4  # mm, assumption: radius of the cover's bleed over each of them, or it would fill with air only
+BLEED = 0.4  # mm, assumption: least radius of the cover's bleed over each of them, which would keep its air
 VENT = 1.0  # mm, assumption: through which silicone rises without much pressure
 LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
@@ -71,9 +72,14 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide, role=CutRole.RESERVOIR)
 
 
-def _bleed(hole: tuple[float, float]) -> tuple[float, float]:
+def _bleed_radius(design: Design) -> float:
+    """Radius of a bleed, mm: what the cover's process makes, but no wider than the hole that it bleeds."""
+    return min(max(BLEED, lid_process(design).hole / 2), HOLD[1])
+
+
+def _bleed(design: Design, hole: tuple[float, float]) -> tuple[float, float]:
     """Place of the bleed over a carrier's hole: inside its rim, at end b's side, which is the highest."""
-    return hole[0], hole[1] + HOLD[1] - BLEED
+    return hole[0], hole[1] + HOLD[1] - _bleed_radius(design)
 
 
 def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[float, float]]:
@@ -81,7 +87,7 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
     shall have holes has no room for one."""
     if design.mold.carrier == "plain":
         return []
-    beside = cup.far_radius + BLEED + EDGE / 2
+    beside = cup.far_radius + _bleed_radius(design) + EDGE / 2
     small, large, spacing = HOLD
     wide, long = design.skin.width - 2 * (small + EDGE), 2 * place.end - 2 * (large + EDGE)
     spacing = max(spacing, math.sqrt(max(wide, 0.0) * max(long, 0.0) / MOST_HOLES))
@@ -90,7 +96,7 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
         for x in _grid(wide, spacing)
         for y in _grid(long, spacing)
         if math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
-        and math.dist(_bleed((x, y)), cup.start[:2]) > beside
+        and math.dist(_bleed(design, (x, y)), cup.start[:2]) > beside
     ]
     if not places and design.mold.carrier == "perforated":
         raise InputError(
@@ -149,10 +155,10 @@ def cover(design: Design, place: Layout) -> Part:
     """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
     plates: once these are off, it is lifted there."""
     thick, end, low = design.mold.cover, place.cover, place.top
-    press = fits(design, design.mold.lid_process).press
+    press = lid_fits(design).press
     _, cup, rivets = _openings(design, place)
-    bleeds = [_bleed(hole) for hole in rivets]
-    over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, BLEED)]
+    bleeds = [_bleed(design, hole) for hole in rivets]
+    over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]
     cuts = (
         *drilled(CutRole.COVER_BOLT, "z", cover_bolts(place), low, thick, BOLT_RADIUS),
         *drilled(CutRole.COVER_PIN, "z", cover_pins(place), low, thick, press),

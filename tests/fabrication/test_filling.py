@@ -149,7 +149,7 @@ def test_a_tilt_is_advised_where_it_saves_a_tenth_of_the_air(
     hood, traps = hooded(mold(yamada)), filling_findings(yamada, hooded(mold(yamada)))[0].measured
     monkeypatch.setattr(filling, "best_tilt", lambda *_: (7.0, least * traps))
     (finding,) = filling_findings(yamada, hood)
-    assert finding.remedy.startswith("mold.pour_tilt = 7" if helps else "no tilt traps less: fill under")
+    assert finding.remedy.startswith("mold.pour_tilt = 7" if helps else "no tilt traps less: brush")
 
 
 def test_the_best_tilt_is_the_best_of_all_half_degrees_near_it(yamada: Design) -> None:
@@ -168,9 +168,7 @@ def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None
     assert (finding.rule, finding.severity, finding.unit) == ("trapped air", "warning", "mm3")
     tilt, least = best_tilt(yamada, hooded(mold(yamada)))
     assert least < 0.5 * finding.measured
-    assert finding.remedy.startswith(
-        f"mold.pour_tilt = {tilt:g}, which traps {least:.2g} mm3: fill under vac"
-    )
+    assert finding.remedy.startswith(f"mold.pour_tilt = {tilt:g}, which traps {least:.2g} mm3: brush sil")
 
 
 @pytest.mark.parametrize("name", KINDS)

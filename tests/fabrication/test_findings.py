@@ -11,7 +11,15 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
 from tests.templates import KINDS
 
-LARGEST_IS_BEST = {"tool reach", "slender", "tool depth", "overhang", "undercut", "cure inhibition"}
+LARGEST_IS_BEST = {
+    "tool reach",
+    "slender",
+    "tool depth",
+    "overhang",
+    "undercut",
+    "cure inhibition",
+    "build volume",
+}
 
 
 def warnings(design: Design) -> dict[str, Finding]:
@@ -72,13 +80,21 @@ def test_end_plates_and_lids_have_their_own_process(yamada: Design) -> None:
     assert any("comb" in where for where in warnings(milled))
     wired = milled.with_(mold={"end_plate_process": "edm"})
     assert all(where.startswith("cavity") for where in warnings(wired))
-    bleed = wired.with_(mold={"lid_process": "fdm", "clearance": 0.2})
-    (hole,) = (f for f in warnings(bleed).values() if f.rule == "hole")
-    assert (hole.where, hole.measured, hole.limit) == ("cover, bore, by fdm", pytest.approx(0.8), 1.0)
+    printed = wired.with_(mold={"lid_process": "fdm", "clearance": 0.2})
+    assert [f for f in warnings(printed).values() if f.rule == "hole"] == []
+    coarse = printed.with_(printer={"fdm": {"hole": 1.5}})  # bleeds grow with it, the vent doesn't
+    (hole,) = (f for f in warnings(coarse).values() if f.rule == "hole")
+    assert (hole.where, hole.measured, hole.limit) == ("carrier, bore, by fdm", pytest.approx(1.0), 1.5)
+
+
+def test_lids_are_judged_by_the_molds_process_unless_they_have_one(yamada: Design) -> None:
+    printed = by(yamada, "fdm").with_(mold={"clearance": 0.2}, printer={"fdm": {"hole": 1.5}})
+    assert "carrier, bore, by fdm" in warnings(printed)
+    assert not any("carrier" in where for where in warnings(printed.with_(mold={"lid_process": "edm"})))
 
 
 def test_a_finer_machine_of_ones_own_is_what_would_make_it(yamada: Design) -> None:
-    fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.02, "layer": 0.02}}
+    fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.009, "layer": 0.02}}
     coarse = by(yamada, "sla").with_(printer=fine)
     slit = next(f for f in design_findings(coarse) if f.rule == "gap")
     assert slit.remedy.endswith("or by edm or fine")

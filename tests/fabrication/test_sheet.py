@@ -3,6 +3,7 @@ import re
 import pytest
 
 from skincad.fabrication.meshes import manifold
+from skincad.fabrication.rules import maker
 from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
@@ -28,6 +29,14 @@ def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
     assert poured_volume(yamada, closed) == pytest.approx(max(void), rel=0.015)
 
 
+def test_each_part_is_said_to_be_made_by_what_judges_it() -> None:
+    design = load("milled-pad")
+    rows = dict(re.findall(r"^\| (\S+) \| (\w+), ", sheet(design), re.MULTILINE))
+    made = {p.name: p for p in mold(design).parts if p.made == "made"}
+    assert rows == {name: maker(design, part) for name, part in made.items()}
+    assert (rows["cavity"], rows["end-a-comb"], rows["cover"]) == ("cnc", "edm", "cnc")
+
+
 def test_masses_follow_from_volume_density_and_mix(yamada: Design) -> None:
     grams = poured_volume(yamada, mold(yamada)) * 1080e-6 + DEAD_VOLUME
     a, b = map(float, re.findall(r"weigh ([\d.]+) g of A and ([\d.]+) g of B", sheet(yamada))[0])
@@ -41,6 +50,24 @@ def test_the_temperature_of_a_cure_is_told(yamada: Design) -> None:
     warm, hot = (sheet(yamada.with_(material={"name": f"sylgard-184-{c}c"})) for c in (25, 200))
     assert "cure 48 h at room temperature" in warm
     assert "cure 0.2 h at 200 °C" in hot
+
+
+@pytest.mark.parametrize("change", [{}, {"pour": "open"}])
+def test_the_mix_is_degassed_open_and_no_filled_mold_is_put_under_vacuum(
+    yamada: Design, change: dict
+) -> None:
+    bent = yamada.with_(skin={"curvature_radius_y": 200.0})
+    for design in (yamada.with_(mold=change), bent):
+        text = sheet(design)
+        assert text.count("Degas the mix in its open cup") == text.count("never put the closed mold") == 1
+        assert text.lower().count("degas") == text.count("vacuum") == 1
+
+
+@pytest.mark.parametrize(("name", "insert"), [("lab-bench", "glued"), ("nozzle-04", "heat-set")])
+def test_a_resin_is_not_asked_to_melt_round_an_insert(name: str, insert: str) -> None:
+    assert f"into {insert} inserts in holes of 4 mm" in sheet(load(name))
+    tapped = load(name, [f'printer.{load(name).mold.process}.thread="tapped"'])
+    assert "into tapped holes" in sheet(tapped)
 
 
 def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:

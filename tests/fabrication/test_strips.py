@@ -156,8 +156,10 @@ def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -
 
 
 @pytest.mark.parametrize("name", template_names())
-def test_templates_have_no_strip_finding_above_a_note(name: str) -> None:
-    assert all(finding.severity == "note" for finding in strip_findings(skincad.load(name)))
+def test_templates_have_no_strip_finding_above_a_note_but_what_a_nozzle_leaves(name: str) -> None:
+    """A comb of 0.2 mm tolerance leaves S1 and S2 by two thirds out of balance."""
+    above = [f.rule for f in strip_findings(skincad.load(name)) if f.severity != "note"]
+    assert above == (["strip place"] if name == "nozzle-04" else [])
 
 
 def test_the_cast_in_template_has_none_at_all(cast: Design) -> None:

@@ -76,7 +76,7 @@ def test_pins_press_and_slide_as_the_process_needs(yamada: Design) -> None:
         assert own.slide == 1.0 + known[name].clearance
         assert 1.0 <= own.press < own.slide
         assert (own.press == 1.0) == (known[name].layer == 0)  # metal is reamed
-    assert fits(yamada, None).slide == 1.0 + yamada.mold.clearance
+    assert fits(yamada, "edm").slide == 1.0 + yamada.mold.clearance
 
 
 def test_holes_of_an_end_plate_are_those_of_its_process(yamada: Design) -> None:

@@ -1,0 +1,123 @@
+"""Build volume, pixels and coats, by hand and by an exposed raster."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import skincad
+from bench.table_processes import by
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.meshes import laid, mesh
+from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.rules_of_machines import extent, passage
+from skincad.fabrication.strip_rules import strip_findings
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
+from skincad.solids.mold import mold
+from tests.bent_skin import three_ridges
+
+
+def found(design: Design, rule: str) -> list[skincad.fabrication.finding.Finding]:
+    return [f for f in design_findings(design) if f.rule == rule]
+
+
+@pytest.mark.parametrize("design", [skincad.load("lab-bench"), three_ridges()], ids=["straight", "bent"])
+def test_extents_are_those_of_the_mesh_on_the_bed(design: Design) -> None:
+    for part in mold(design).parts:
+        if (
+            part.made != "made" or part.straight or (design.skin.curvature_radius_y and part.end)
+        ):  # cut at the edge
+            continue
+        low, high = laid(mesh(part, 0.01), laid_on_end(design, part), part).bounds
+        assert sorted(extent(part)) == pytest.approx(sorted(high - low), abs=0.02)  # chords of arcs
+
+
+def test_a_gang_too_long_for_the_bed_is_an_error_that_tells_how_many_fit() -> None:
+    plain = skincad.load("plain-ridges")
+    assert found(plain, "build volume") == []
+    told = found(plain.with_(mold={"cavities": 6}), "build volume")
+    assert {f.where for f in told} == {"cavity, by sla", "end plates, by sla", "cover, by sla"}
+    for finding in told:
+        assert (finding.severity, finding.limit) == ("error", 120.0)
+        count = int(finding.remedy.split("at most ")[1].split(",")[0])
+        assert found(plain.with_(mold={"cavities": count}), "build volume") == []
+        assert found(plain.with_(mold={"cavities": count + 1}), "build volume") != []
+
+
+def test_prints_stand_as_they_lie_and_stock_is_turned() -> None:
+    flat = skincad.load("plain-ridges")  # a cavity of 37 x 12, 17.5 high
+    low = {"build_x": 60.0, "build_y": 60.0, "build_z": 17.0}
+    (tall,) = found(flat.with_(printer={"sla": low}), "build volume")
+    assert (tall.where, tall.measured) == ("cavity, by sla", pytest.approx(17.52, abs=0.05))
+    assert found(by(flat, "cnc").with_(printer={"cnc": low}), "build volume") == []
+    boundless = dict.fromkeys(low, 0.0)
+    many = flat.with_(mold={"cavities": 12}, printer={"sla": boundless})
+    assert found(many, "build volume") == []
+
+
+def thickest(width: float, depth: float, lean: float, pixel: float, shift: tuple[float, float]) -> float:
+    """The thickest leaning plate that passes a notch exposed by pixels, whose middles are `shift` aside."""
+    along, across = (math.sin(lean), math.cos(lean)), (math.cos(lean), -math.sin(lean))
+    most = math.ceil((depth + width) / pixel) + 2
+    x, z = np.meshgrid(*((np.arange(-most, most + 1) + s) * pixel for s in shift))
+    a, c = x * along[0] + z * along[1], x * across[0] + z * across[1]
+    solid = (abs(c) > width / 2) & (abs(a) <= depth / 2)  # pixels beside the notch, which stand in
+    half = pixel / 2 * (abs(across[0]) + abs(across[1]))
+    right, left = c[solid & (c > 0)].min() - half, c[solid & (c < 0)].max() + half
+    return float(right - left)
+
+
+def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
+    """And not less by more than a pixel: the bound is that of the worst place on the screen."""
+    design = skincad.load("lab-bench")
+    assert design.slot is not None
+    width, pixel = 0.156, 0.05
+    least = {}
+    for slot in section(design).slots:
+        lean = design.lean(slot.ridge)
+        shifts = [(i / 8, j / 8) for i in range(8) for j in range(8)]
+        least[slot.ridge] = min(thickest(width, slot.depth, lean, pixel, shift) for shift in shifts)
+    bound = passage(design, width, pixel)
+    assert bound <= min(least.values()) + 1e-9
+    assert bound > min(least.values()) - pixel
+    assert least[5] >= 0.15 - 1e-9  # the middle one is upright: three whole pixels
+
+
+def test_a_notch_that_pixels_make_narrower_than_its_shim_is_told_with_the_clearance_that_does() -> None:
+    design = skincad.load("lab-bench")
+    assert found(design, "notch") == []
+    (told,) = found(design.with_(mold={"slit_clearance": 0.01}), "notch")
+    assert (told.severity, told.limit) == ("warning", 0.1)
+    assert told.measured == pytest.approx(0.12 - 0.05 * (math.cos(0.06668) + math.sin(0.06668)), abs=1e-4)
+    least = float(told.remedy.split(" of ")[1].split(" mm")[0])
+    assert found(design.with_(mold={"slit_clearance": least}), "notch") == []
+    assert found(design.with_(mold={"slit_clearance": least - 0.001}), "notch") != []
+    flat = design.with_(skin={"curvature_radius": 1e8}, mold={"slit_clearance": 0.01})
+    finer = flat.with_(printer={"sla": {"pixel": 0.04725}})  # two pixels of a common printer: 0.0945
+    assert [f.measured for f in found(finer, "notch")] == pytest.approx([0.0945], abs=1e-9)
+    drawn = design.with_(mold={"slit_clearance": 0.01}, printer={"sla": {"tool": "none"}})
+    assert found(drawn, "notch") == []
+
+
+def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> None:
+    design = skincad.load("lab-bench", ["printer.sla.coating=0.01"])
+    (notch,), (gap,) = found(design, "notch"), found(design, "clearance")
+    assert notch.measured == pytest.approx(passage(design, 0.156, 0.05) - 0.02, abs=1e-12)
+    least = float(notch.remedy.split(" of ")[1].split(" mm")[0])
+    assert (gap.measured, gap.limit) == (0.05, pytest.approx(0.07))
+    wider = design.with_(mold={"slit_clearance": least, "clearance": 0.07})
+    assert found(wider, "notch") == found(wider, "clearance") == []
+    tin = design.with_(printer={"sla": {"inhibits_platinum": False, "coating": 0.01}})
+    assert found(tin, "notch") == found(tin, "clearance") == []
+
+
+def test_a_pair_out_of_balance_by_more_than_half_is_a_warning() -> None:
+    design = skincad.load("yamada-2002")
+    assert design.slot is not None
+    for share, grave in ((0.4, ["note"]), (0.6, ["warning"])):
+        off = share / 2 * design.slot.offset
+        wide = design.with_(mold={"slit_clearance": off - 0.003})  # the wire's tolerance
+        assert [f.severity for f in strip_findings(wide) if f.rule == "strip place"] == grave
