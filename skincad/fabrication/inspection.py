@@ -1,21 +1,41 @@
-"""What to measure on the cast skin, and within which limits it is the one that was checked."""
+"""What to measure on the cast skin, and within which limits it is what its process makes.
+
+Limits hold what good parts of the process do: all rows together reject ODDS of them. What they mean for the
+verdict is said beside them (crest_limits.py).
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from skincad.fabrication.crest_limits import (
+    SCATTER,
+    Crests,
+    crest_limits,
+    layers_say,
+    verdict_says,
+)
+from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
-from skincad.shape.crests import summits
-from skincad.solids.plan import Part
+from skincad.shape.cross_section import section
+from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import bores
+from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.skin import skin_part
 
-SHARE_OF_WALL = 3.0  # standard deviations: what the process itself lets a crest differ by
-CALLIPERS = 0.03  # mm, assumption: how well a soft part is measured across
-SCATTER = 0.002  # relative, assumption: what shrinkage differs by from batch to batch
-DENSITY = 0.01  # relative, assumption: a data sheet's density of a cured silicone
-LEAST_BUBBLE = 0.02  # of the skin's mass, assumption: less can't be told from flash that was left on
+MICROSCOPE = 0.005  # mm, assumption: standard deviation of a crest's place along x
+CALLIPERS = 0.01  # mm, assumption: standard deviation of a soft part's width
+BALANCE = 0.001  # g, assumption: a laboratory balance
+DENSITY = 0.01  # relative, assumption: standard deviation of a data sheet's density of a cured silicone
+FLASH = 0.02  # of the silicone's mass, assumption: what may be left on
+MEASURED = (
+    "`skincad check design.toml --measured crests.csv` judges all crest heights together, from a CSV with "
+    "columns `ridge,crest_mm`, the first and the third of the table: its verdict counts, not each crest's."
+)
 
 
 @dataclass(frozen=True)
@@ -30,39 +50,48 @@ class Measure:
     how: str
 
 
-def inspection(design: Design, skin: Part, allowed_drops: tuple[float, ...] = ()) -> tuple[Measure, ...]:
-    """Return the inspection list of a cast `skin`, its film strips drawn or not yet in.
+class Inspection(NamedTuple):
+    """What is measured: crests one by one, all else, and what is said of the limits."""
+
+    crests: Crests
+    measures: tuple[Measure, ...]
+    said: tuple[str, ...]
+
+
+def inspection(design: Design, closed: ClosedMold, allowed_drops: tuple[float, ...] = ()) -> Inspection:
+    """Return the inspection of a cast skin on its carrier.
 
     `allowed_drops` `(ridges,)` mm is how much lower each crest may lie alone until the verdict's margin is
-    used up (inf where lowering it does no harm); the process's own three standard deviations otherwise.
+    used up (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
-    limits = processes(design.printer)
-    body = limits[design.mold.process]
-    end = limits[design.mold.end_plate_process or design.mold.process]
-    wide = 2 * body.tolerance + CALLIPERS
-    rows = [
-        _symmetric("width across the back", design.skin.width, wide, "callipers, lightly"),
-        _symmetric(*_length(design), wide + 2 * end.tolerance, "callipers, lightly"),
-        _symmetric("pitch of the ridges", design.ridge.pitch, wide, "microscope, mean of all"),
-    ]
-    own = SHARE_OF_WALL * body.crest_sigma
-    back = "flat back" if design.skin.curvature_radius_y is None else "back, in the middle of its length"
-    crests = summits(design)
-    for ridge in range(1, design.ridge.count + 1):
-        height = crests[ridge - 1]
-        allowed = allowed_drops[ridge - 1] if allowed_drops else own
-        drop = min(own, allowed)
-        rows.append(
-            Measure(
-                f"crest of ridge {ridge} over the {back}",
-                height,
-                height - drop,
-                height + own,
-                "mm",
-                "height gauge or profile projector, without force",
-            )
-        )
-    return (*rows, _mass(design, skin))
+    crests = crest_limits(design, closed)
+    said = [*layers_say(design, crests), verdict_says(design, crests, allowed_drops)]
+    if design.skin.curvature_radius_y is None and design.ridge.count > 1:
+        said.append(MEASURED)
+    return Inspection(crests, tuple(_measures(design, closed, crests)), tuple(said))
+
+
+def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measure]:
+    known, skin, ridge = processes(design.printer), design.skin, design.ridge
+    body = known[design.mold.process]
+    end = known[design.mold.end_plate_process or design.mold.process]
+    mean, place = math.fsum(crests.heights) / ridge.count, "the flat back"
+    if skin.curvature_radius_y is not None:
+        place = "the back, in the middle of its length"
+    what, how = f"mean crest over {place}", "mean of the third column: the thickness"
+    rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
+    if ridge.count > 1:
+        spans = ridge.count - 1
+        how = f"the line's rise from crest 1 to crest {ridge.count}"
+        rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
+        how = f"microscope, from crest 1 to crest {ridge.count}" + (f", by {spans}" if spans > 1 else "")
+        tool = MICROSCOPE * math.sqrt(2) / spans
+        rows.append(_across("mean pitch", ridge.pitch, 2 * body.tolerance / spans, tool, crests, how))
+    what, length = _length(design)
+    how = "callipers, lightly"
+    rows.append(_across("width across the back", skin.width, 2 * body.tolerance, CALLIPERS, crests, how))
+    rows.append(_across(what, length, 2 * end.tolerance, CALLIPERS, crests, how))
+    return [*rows, _mass(design, closed, crests)]
 
 
 def _length(design: Design) -> tuple[str, float]:
@@ -75,37 +104,37 @@ def _length(design: Design) -> tuple[str, float]:
     )
 
 
-def _symmetric(what: str, nominal: float, tolerance: float, how: str) -> Measure:
-    spread = tolerance + SCATTER * nominal
+def _across(what: str, nominal: float, mold: float, tool: float, crests: Crests, how: str) -> Measure:
+    """A size across: the mold's surfaces lie `mold` mm off at most, the batch and the tool scatter."""
+    spread = mold + crests.deviations * math.hypot(SCATTER * nominal, tool)
     return Measure(what, nominal, nominal - spread, nominal + spread, "mm", how)
 
 
-def _mass(design: Design, skin: Part) -> Measure:
-    """Mass of the bare skin: too light means a bubble or a short shot, too heavy means flash."""
-    volume = skin.volume
-    grams = volume * silicone(design).density * 1e-6
-    tolerance = processes(design.printer)[design.mold.process].tolerance
-    surface = 2 * design.skin.width * design.skin.length
-    spread = grams * (DENSITY + LEAST_BUBBLE + tolerance * surface / volume)
-    how = "balance; the trimmed skin without rivets, or less what the carrier weighed"
-    return Measure("mass of the skin alone", grams, grams - spread, grams + spread, "g", how)
+def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
+    """What stays on the carrier: skin, rivets, the vent's plug and films. Too light means a bubble or a short
+    shot, too heavy means flash."""
+    density, skin = silicone(design).density * 1e-6, design.skin
+    held = bores(closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
+    films, glue = _films(design)
+    body = density * (skin_part(design).volume + glue)
+    rubber = body + density * math.fsum(bore.volume for bore in held)
+    process = processes(design.printer)[design.mold.process]
+    sides = process.tolerance * math.sqrt(2 / 3) * math.hypot(1 / skin.width, 1 / skin.length)  # two, evenly
+    shape = body * math.hypot(crests.mean / crests.deviations / skin.thickness, sides)
+    spread = math.hypot(rubber * DENSITY, rubber * 3 * SCATTER, shape, BALANCE) * crests.deviations
+    its = [word for word, there in (("rivets", len(held) > 1), ("films", films > 0)) if there]
+    what = "mass of the skin" + (f" with {' and '.join(its)}" if its else "")
+    how = "balance, cut flush with the carrier's top, less what the carrier weighed"
+    nominal = rubber + films
+    return Measure(what, nominal, nominal - spread, nominal + spread + FLASH * rubber, "g", how)
 
 
-def inspection_lines(measures: tuple[Measure, ...]) -> list[str]:
-    """Return the list as Markdown."""
-    rows = [
-        f"| {m.what} | {m.nominal:.3f} | {m.low:.3f} to {m.high:.3f} | {m.unit} | {m.how} |" for m in measures
-    ]
-    return [
-        "## Inspection",
-        "",
-        "Measure the cured skin on its carrier, a day after it was cast:",
-        "",
-        "| what | as designed | limits | unit | with |",
-        "|---|---|---|---|---|",
-        *rows,
-        "",
-        "`skincad check design.toml --measured crests.csv` judges all crest heights together, from a CSV "
-        "with columns `ridge,crest_mm`: its verdict counts, not each crest alone.",
-        "",
-    ]
+def _films(design: Design) -> tuple[float, float]:
+    """Mass of the films with their leads, g, and the silicone's volume beside them in their slots, mm3."""
+    film, slot = design.film, design.slot
+    if film is None or slot is None:
+        return 0.0, 0.0
+    count, long = 2 * design.ridge.count, design.skin.length
+    beside = section(design).slots[0].thickness - film.thickness
+    glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
+    return count * film.thickness * slot.depth * (long + film.lead) * PVDF_DENSITY * 1e-6, glue

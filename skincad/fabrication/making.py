@@ -256,17 +256,13 @@ def _build(
 ) -> tuple[Job, list[PartReport]]:
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
-    from skincad.fabrication.measures import FINER, interference
-    from skincad.fabrication.meshes import mesh
+    from skincad.fabrication.measures import interference
+    from skincad.fabrication.meshes import asked_chord, mesh, print_chord
     from skincad.fabrication.strip_rules import strip_findings
-    from skincad.inputs.process import processes
     from skincad.solids.skin import skin_part
 
     designed = skin_part(design)
-    known, choice = processes(design.printer), design.mold
-    makers = {choice.process, choice.end_plate_process, choice.lid_process}
-    asked = min(known[name].chord for name in makers if name)
-    chord = asked / (1 + 1 / FINER)  # the reference mesh's own error is added to it
+    asked, chord = asked_chord(design), print_chord(design)
     with watch.stage("meshes"):
         meshes = {part.name: mesh(part, chord) for part in closed.parts}
         skin = mesh(designed, chord)

@@ -13,7 +13,7 @@ from manifold3d import Manifold
 
 from skincad.base.arrays import Mask
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.meshes import manifold
+from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.shape.curves import polygon
 from skincad.solids.body import Body, Prism, Reaching, Revolved, Turned
@@ -22,7 +22,6 @@ from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 from skincad.solids.swept import Way, swept
 
-FINER = 10.0  # the reference mesh's chords are this many times finer
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
 SLIVER = 1e-9  # mm3; a common volume below this is rounding of touching faces
 

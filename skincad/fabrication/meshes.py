@@ -11,13 +11,28 @@ from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
 from skincad.base.errors import needing
+from skincad.inputs.design import Design
+from skincad.inputs.process import processes
 from skincad.shape import curves
 from skincad.solids.body import Body, Bore, Prism, Reaching, Revolved, Turned, corners
 from skincad.solids.grid import turn_steps
 from skincad.solids.plan import Part, own
 
+FINER = 10.0  # the mesh that a print mesh is measured against has chords this many times finer
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
 _X_IS_THIRD = np.array([2, 0, 1])
+
+
+def asked_chord(design: Design) -> float:
+    """Return how far print meshes of a design's mold may leave the true surface, mm: the finest process's."""
+    known, choice = processes(design.printer), design.mold
+    makers = {choice.process, choice.end_plate_process, choice.lid_process}
+    return min(known[name].chord for name in makers if name)
+
+
+def print_chord(design: Design) -> float:
+    """Return the chord tolerance of the print meshes, mm: the reference mesh's own error is added to it."""
+    return asked_chord(design) / (1 + 1 / FINER)
 
 
 def manifold(part: Part, tolerance: float) -> Manifold:

@@ -9,7 +9,8 @@ from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, close_steps, scre
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.inspection import Measure, inspection_lines
+from skincad.fabrication.inspection import Inspection
+from skincad.fabrication.inspection_form import inspection_lines
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
 from skincad.fabrication.tolerances import process_words
@@ -48,10 +49,10 @@ def casting_sheet(
     findings: list[Finding],
     verdict: str,
     passed: bool,
-    measures: tuple[Measure, ...] = (),
+    inspected: Inspection | None = None,
 ) -> str:
     """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job,
-    `measures` the inspection list."""
+    `inspected` what to measure on the skin."""
     material = silicone(design)
     summary = (
         "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
@@ -67,7 +68,7 @@ def casting_sheet(
         *_mix(material, poured_volume(design, closed)),
         *_order(design, closed),
         *_findings(closed, findings),
-        *(inspection_lines(measures) if measures else []),
+        *(inspection_lines(inspected) if inspected else []),
     ]
     return "\n".join(lines) + "\n"
 

@@ -13,8 +13,8 @@ import numpy as np
 import trimesh
 
 from skincad.base.stopwatch import Progress
-from skincad.fabrication.measures import FINER, measure
-from skincad.fabrication.meshes import mesh
+from skincad.fabrication.measures import measure
+from skincad.fabrication.meshes import FINER, mesh
 from skincad.inputs.design import Design
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
 from skincad.solids.occ import solid, tessellate, triangles

@@ -220,10 +220,10 @@ def _sheet_of(job: Job) -> str:
     from skincad.fabrication.inspection import inspection
     from skincad.fabrication.sheet import casting_sheet
 
-    measures = inspection(job.design, job.closed.first(PartRole.SKIN), checks.allowed_drops(job.check))
+    measured = inspection(job.design, job.closed, checks.allowed_drops(job.check))
     found, said = list(job.findings), _verdict(job)
     passed = passes(job.check, job.findings, strict=False)
-    return casting_sheet(job.design, job.closed, found, said, passed, measures)
+    return casting_sheet(job.design, job.closed, found, said, passed, measured)
 
 
 def _text(text: str, path: Path) -> None:

@@ -36,7 +36,7 @@ def missing() -> str:
 
 def info(path: Path) -> list[dict[str, str]]:
     """Return what `--info` says of each object in an STL or 3MF."""
-    text = _run("--info", str(path))
+    text = run("--info", str(path))
     return [dict(re.findall(r"^(\w+) = +(.*?) *$", part, re.M)) for part in text.split(f"[{path.name}]")[1:]]
 
 
@@ -75,7 +75,7 @@ def sliced(path: Path, closing: float = 0.0) -> float:
     options = [f"--{key}={value}" for key, value in settings.items()]
     with tempfile.TemporaryDirectory() as folder:
         layers = Path(folder) / "layers.sl1"
-        _run("--export-sla", str(path), "-o", str(layers), *options)
+        run("--export-sla", str(path), "-o", str(layers), *options)
         filled = _grey(layers)
     return filled * (wide / across[0]) * (deep / across[1]) * high / LAYERS
 
@@ -91,7 +91,8 @@ def _grey(archive: Path) -> float:
     return total
 
 
-def _run(*arguments: str) -> str:
+def run(*arguments: str) -> str:
+    """Run the program and return what it prints; raises RuntimeError with its words where it fails."""
     done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False, timeout=300)
     if done.returncode:
         raise RuntimeError(f"{PROGRAM} {' '.join(arguments)}: {done.stderr[-2000:]}")

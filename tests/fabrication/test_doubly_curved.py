@@ -208,7 +208,7 @@ def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed:
     for node in root.iter("{http://www.w3.org/2000/svg}polygon"):
         places = [tuple(map(float, corner.split(","))) for corner in node.attrib["points"].split()]
         assert all(0 <= x <= PAGE[0] and 0 <= y <= PAGE[1] for x, y in places)
-    rows = {m.what: m for m in inspection(design, closed.part("skin"))}
+    rows = {m.what: m for m in inspection(design, closed).measures}
     chord = rows["length of the back, straight from end to end"].nominal
     assert chord == pytest.approx(2 * 21 * math.sin(6 / 25), rel=1e-12)
 

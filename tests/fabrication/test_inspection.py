@@ -7,41 +7,106 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from skincad.fabrication.inspection import inspection, inspection_lines
+import skincad
+from skincad.fabrication.inspection import Measure, inspection
+from skincad.fabrication.inspection_form import inspection_lines
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
 from skincad.pictures.page import page
+from skincad.shape.crests import summits
+from skincad.shape.cross_section import section
 from skincad.solids.mold import mold
+from skincad.solids.roles import CutRole
 
 
-def rows(design: Design, drops: tuple[float, ...] = ()) -> dict[str, tuple[float, float, float]]:
-    listed = inspection(design, mold(design).part("skin"), drops)
-    return {m.what: (m.low, m.nominal, m.high) for m in listed}
+def rows(design: Design) -> dict[str, Measure]:
+    return {m.what: m for m in inspection(design, mold(design)).measures}
 
 
-def test_crests_may_sink_until_the_margin_is_used_up(yamada: Design) -> None:
-    drops = (0.002, *(math.inf,) * 8)
-    found = rows(yamada, drops)
-    low, nominal, high = found["crest of ridge 1 over the flat back"]
+def test_crests_have_limits_beside_their_line(yamada: Design) -> None:
+    found = inspection(yamada, mold(yamada)).crests
     # by hand: 60.5 mm on an axis leaning by 4 pitches / 60 mm
-    assert nominal == pytest.approx(4.0 - 60.0 + 60.5 * math.cos(4.0 / 60.0), abs=1e-9)
-    assert nominal - low == pytest.approx(0.002)
-    assert high - nominal == pytest.approx(3 * 0.003)  # edm: three standard deviations
-    middle = found["crest of ridge 5 over the flat back"]
-    assert middle[1] == 4.5
-    assert middle[1] - middle[0] == pytest.approx(0.009)  # what the process lets it differ by
+    assert found.heights[0] == pytest.approx(4.0 - 60.0 + 60.5 * math.cos(4.0 / 60.0), abs=1e-9)
+    # by hand: 0.005 of both sides of 15 rows is 3.588 deviations; of 3 um by wire and 2 um by the gauge a
+    # line through nine crests leaves 1 - 1/9 - 16/60 at its ends and 1 - 1/9 in its middle
+    sigma = 3.588 * math.hypot(0.003, 0.002)
+    assert found.beside[0] == found.beside[8] == pytest.approx(sigma * math.sqrt(0.6222), rel=1e-3)
+    assert found.beside[4] == pytest.approx(sigma * math.sqrt(0.8889), rel=1e-3)
 
 
-def test_the_mass_is_the_skins(yamada: Design) -> None:
-    low, nominal, high = rows(yamada)["mass of the skin alone"]
-    assert nominal == pytest.approx(mold(yamada).part("skin").volume * 1080e-6)
-    assert low < 0.97 * nominal < 1.03 * nominal < high
+@pytest.mark.parametrize("count", [1, 2])
+def test_nothing_lies_beside_a_line_through_two_crests(yamada: Design, count: int) -> None:
+    design = yamada.with_(ridge={"count": count})
+    found = inspection(design, mold(design))
+    assert found.crests.beside == ()
+    assert ("tilt of the crests" in {m.what for m in found.measures}) is (count == 2)
+    assert len([line for line in inspection_lines(found) if line.endswith("| - |")]) == count
 
 
-def test_the_list_is_a_table(yamada: Design) -> None:
-    lines = inspection_lines(inspection(yamada, mold(yamada).part("skin")))
-    assert sum(line.startswith("| crest of ridge") for line in lines) == 9
+def test_a_margin_that_the_process_uses_up_is_told(yamada: Design) -> None:
+    """By wire: 3.588 deviations of 3 um, of two crests and two sides of the ledge at 8/11 of its width."""
+    taken = 3.588 * 0.003 * math.sqrt(2 + 2 * (8 / 11) ** 2)
+
+    def said(room: float) -> str:
+        return " ".join(inspection(yamada, mold(yamada), (*[math.inf] * 8, room)).said)
+
+    assert "crest 9" in said(1.01 * taken)
+    assert "parts within these limits pass it" in said(1.01 * taken)
+    assert "These limits don't decide" in said(0.99 * taken)
+    assert "leaves no margin or was not asked" in " ".join(inspection(yamada, mold(yamada)).said)
+
+
+def test_the_mass_is_what_stays_on_the_carrier(yamada: Design) -> None:
+    found = rows(yamada)["mass of the skin with rivets and films"]
+    closed = mold(yamada)
+    held = [c for c in closed.part("carrier").cuts if c.role in (CutRole.RIVET, CutRole.VENT)]
+    silicone = section(yamada).area * 12.0 + 18 * (0.05 - 0.028) * 0.25 * 12.0 + sum(c.volume for c in held)
+    films = 18 * 0.028 * 0.25 * (12.0 + 8.0)  # with their leads
+    assert found.nominal == pytest.approx(silicone * 1080e-6 + films * 1780e-6, rel=1e-9)
+    assert found.low < 0.97 * found.nominal < 1.03 * found.nominal < found.high
+
+
+def test_without_films_or_rivets_the_mass_is_the_skins(yamada: Design) -> None:
+    bare = yamada.with_(slot=None, film=None, contact={"film": None}, mold={"carrier": "plain"})
+    found = rows(bare)["mass of the skin"]
+    vent = next(c for c in mold(bare).part("carrier").cuts if c.role is CutRole.VENT)
+    assert found.nominal == pytest.approx((section(bare).area * 12.0 + vent.volume) * 1080e-6, rel=1e-9)
+
+
+def test_the_mean_pitch_is_limited_by_the_way_from_first_to_last(yamada: Design) -> None:
+    coarse = skincad.load("nozzle-04")
+    found = rows(coarse)["mean pitch"]
+    assert found.high - found.nominal < 0.12  # mm, of 6; two surfaces of 0.2 mm by six pitches are 0.067
+    assert found.high - found.nominal > 0.4 / 6
+    assert rows(yamada)["mean pitch"].high < 1.01
+
+
+@pytest.mark.parametrize(
+    "changes", [{"orientation": "end"}, {"orientation": "end", "pixel": 0.02}, {"pixel": 0.0}]
+)
+def test_steps_that_fall_anywhere_widen_the_limits(changes: dict[str, object]) -> None:
+    """On its end a section lies in the pixels; flat, its layers are told and the pixels don't matter."""
+    flat = skincad.load("plain-ridges")
+    other = flat.with_(printer={"sla": changes})
+    told, found = (inspection(each, mold(each)).crests for each in (flat, other))
+    pixel = float(str(changes.get("pixel", 0.05)))
+    if "orientation" not in changes:
+        assert found == told
+        return
+    assert found.heights == pytest.approx(summits(flat), abs=1e-12)
+    assert found.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
+    assert told.sigma == 0.015
+    assert any("not known beforehand" in said for said in inspection(other, mold(other)).said)
+
+
+def test_the_list_is_a_form(yamada: Design) -> None:
+    found = inspection(yamada, mold(yamada))
+    text = inspection_lines(found)
+    assert sum(line.startswith(tuple(f"| {i} |" for i in range(1, 10))) for line in text) == 9
+    assert sum(line.startswith(tuple(f"| {m.what} |" for m in found.measures)) for line in text) == 6
+    # a spreadsheet's columns: the table's first row is row 1
+    assert any("`=D2-FORECAST(A2,D$2:D$10,A$2:A$10)`" in line for line in text)
 
 
 @pytest.mark.parametrize("name", template_names())

@@ -1,0 +1,119 @@
+"""Within which limits a part's crests are what their process makes, and whether that passes the verdict.
+
+Crests are judged beside the line through all of them, which neither a shifted nor a tilted gauge moves; the
+line's rise and its height have limits of their own. The mold's ledge, on which the back is cast, is taken
+for as far off as a groove, on each side by itself: the same machine along the same axis (assumption).
+"""
+
+from __future__ import annotations
+
+import math
+from statistics import NormalDist
+from typing import NamedTuple
+
+from skincad.fabrication.printed_heights import come_out, unknown_step
+from skincad.inputs.design import Design
+from skincad.inputs.process import processes
+from skincad.shape.crests import summits
+from skincad.solids.mold import ClosedMold
+
+ODDS = 0.005  # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
+OTHER_ROWS = 6  # tilt, mean crest, width, length, pitch, mass
+GAUGE = 0.002  # mm, assumption: standard deviation of a measuring microscope's or projector's height
+READINGS = 4  # of each crest, where single parts are judged: so that GAUGE counts half
+SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
+
+
+class Crests(NamedTuple):
+    """What crests of good parts do, mm: their heights over the back as they come out `(ridges,)`, each one's
+    limit beside their line `(ridges,)`, both ways (empty for two ridges or one), the line's rise from first
+    to last, and its height in the middle; how many standard deviations all these limits are."""
+
+    heights: tuple[float, ...]
+    beside: tuple[float, ...]
+    rise: float
+    mean: float
+    deviations: float
+    sigma: float  # mm, of one crest, ridge against ridge
+    told: bool  # whether layers, if there are any, are known where they fall
+
+
+def crest_limits(design: Design, closed: ClosedMold) -> Crests:
+    """Return the limits of a cast skin's crests."""
+    process, count = processes(design.printer)[design.mold.process], design.ridge.count
+    told = come_out(design, closed)
+    heights, step = told or summits(design), 0.0 if told else unknown_step(process)
+    sigma = math.hypot(process.crest_sigma, step / math.sqrt(12))  # a step falls anywhere
+    deviations = NormalDist().inv_cdf(1 - ODDS / 2 / (count + OTHER_ROWS))
+    read = math.hypot(sigma, GAUGE)
+    places = [i - (count - 1) / 2 for i in range(count)]
+    squares = math.fsum(place**2 for place in places)
+    beside = [math.sqrt(1 - 1 / count - place**2 / squares) for place in places] if count > 2 else []
+    rise = math.hypot(read * (count - 1) / math.sqrt(squares or 1.0), sigma * math.sqrt(2) * _span(design))
+    own = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE, SCATTER * math.fsum(heights) / count
+    return Crests(
+        heights,
+        tuple(deviations * read * share for share in beside),
+        deviations * rise,
+        deviations * math.hypot(*own),
+        deviations,
+        sigma,
+        told is not None,
+    )
+
+
+def _span(design: Design) -> float:
+    """Return how far it is from the first crest to the last, by the distance of the ledge's two sides."""
+    return (design.ridge.count - 1) * design.ridge.pitch / design.skin.width
+
+
+def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
+    """Return what layers do to the crests."""
+    process = processes(design.printer)[design.mold.process]
+    if not process.layer:
+        return ()
+    if not crests.told:
+        return (
+            f"Where the steps of {design.mold.process} fall on the crests is not known beforehand: the "
+            f"limits hold one of {unknown_step(process):g} mm.",
+        )
+    off = [out - meant for out, meant in zip(crests.heights, summits(design), strict=True)]
+    middle = math.fsum(off) / len(off)
+    aside = max(abs(each - middle) for each in off)
+    return (
+        f"Slice the cavity in layers of {process.layer:g} mm from the bed on, the first one too: then "
+        f"crests come out as in the table, {middle:+.3f} mm from the design in the mean, and from there up "
+        f"to {aside:.3f} mm up or down.",
+    )
+
+
+def verdict_says(design: Design, crests: Crests, allowed_drops: tuple[float, ...]) -> str:
+    """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
+    each crest may lie lower alone until the verdict's margin is used up, empty where there is none."""
+    if design.ridge.count == 1:
+        return "One ridge touches in any case: its height changes no verdict."
+    if not allowed_drops:
+        return (
+            "The check leaves no margin or was not asked: the limits say what the process does, not whether "
+            "all ridges touch."
+        )
+    drops = [meant - out for meant, out in zip(summits(design), crests.heights, strict=True)]
+    which = min(range(len(drops)), key=lambda i: allowed_drops[i] - drops[i])
+    room = allowed_drops[which] - (drops[which] - min(drops))
+    if math.isinf(room):
+        return "No crest that lies lower does harm to the verdict."
+    # a crest counts against a mean of the others, at most against one of them; the ledge's sides are two more
+    share = math.sqrt(2 + 2 * _span(design) ** 2)
+    taken = crests.deviations * crests.sigma * share
+    one = f"crest {which + 1}, which counts most, {max(room, 0.0):.3f} mm against the others"
+    if taken < room:
+        return (
+            f"The verdict allows {one}, and {design.mold.process} takes {taken:.3f} mm at most: parts within "
+            "these limits pass it."
+        )
+    return (
+        f"**These limits don't decide.** The verdict allows {one}, and {design.mold.process} alone may take "
+        f"{taken:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good ones "
+        f"pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; near its edge "
+        "good parts are lost by the gauge. Or take a finer process or more margin (`ridge.levelling`)."
+    )

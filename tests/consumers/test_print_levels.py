@@ -1,0 +1,62 @@
+"""Crests come out of a slicer's layers as high as the casting sheet says: resin pictures and G-code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skincad
+from skincad.base.arrays import Array
+from skincad.fabrication.inspection import inspection
+from skincad.fabrication.meshes import laid, mesh, print_chord
+from skincad.inputs.design import Design
+from skincad.inputs.process import processes
+from skincad.outputs.export import write_stl
+from skincad.shape.crests import summits
+from skincad.solids.mold import mold
+from skincad.solids.shrinkage import shrinkage
+from tests.consumers import prusaslicer
+from tests.consumers.print_levels import filament_levels, resin_levels
+
+pytestmark = [
+    pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()),
+    pytest.mark.slow,
+]
+CLOSE = 0.02  # mm, asked: below half a layer of 0.05, so that another layer is seen
+
+
+def crests_as_sliced(design: Design, folder: Path) -> Array:
+    """The cured skin's crests over its back, mm, by the levels of the cavity's grooves and its ledge."""
+    process, closed = processes(design.printer)[design.mold.process], mold(design)
+    part = closed.part("cavity")
+    write_stl(laid(mesh(part, print_chord(design)), False, part), folder / "cavity.stl")
+    grown = 1 / (1 - shrinkage(design))
+    radius, height = design.skin.curvature_radius, np.array(design.heights)
+    lean = (np.arange(design.ridge.count) - (design.ridge.count - 1) / 2) * design.ridge.pitch / radius
+    ledge = design.skin.width / 2 * grown + 1.0  # mm, in the middle of its 2 mm
+    places = np.array([*((radius + height) * np.sin(lean) * grown), ledge])
+    if process.pixel < 0.1:
+        found = resin_levels(folder / "cavity.stl", places, process.layer, process.pixel, folder)
+    else:
+        found = filament_levels(folder / "cavity.stl", places, process.layer, folder)
+    return np.asarray((found[-1] - found[:-1]) / grown)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("lab-bench", []),
+        ("plain-ridges", []),
+        ("plain-ridges", ["ridge.levelling=0.5", "mold.floor=9.02"]),
+        ("lab-bench", ["printer.sla.layer=0.08"]),
+        ("nozzle-04", []),
+        ("nozzle-04", ["printer.fdm.layer=0.15"]),
+    ],
+)
+def test_crests_come_out_as_the_sheet_says(name: str, changes: list[str], tmp_path: Path) -> None:
+    design = skincad.load(name, changes)
+    said = np.array(inspection(design, mold(design)).crests.heights)
+    assert np.abs(said - summits(design)).max() > 2e-3  # there is something to say
+    assert crests_as_sliced(design, tmp_path) == pytest.approx(said, abs=CLOSE)
