@@ -10,6 +10,7 @@ import typer
 import skincad
 from skincad.base.bars import stage_bar, step_bar
 from skincad.base.errors import InputError
+from skincad.coupon_command import coupon
 from skincad.live_command import live
 from skincad.make_commands import advised, make, watch
 from skincad.options import (
@@ -118,6 +119,7 @@ def new(
 
 app.command()(make)
 app.command()(watch)
+app.command()(coupon)
 
 
 @app.command()

@@ -25,6 +25,8 @@ COMMANDS = (
     "solve",
     "sweep",
     "optimise",
+    "coupon",
+    "coupon-reading",
 )
 
 

@@ -36,6 +36,13 @@ class Process(Table):
         "mm", "least gap per side at which parts slide into each other", ge=0.0, le=10.0, default=0.0
     )
     tolerance: float = quantity("mm", "a surface comes out within ± this", gt=0.0, le=10.0, default=0.1)
+    growth: float = quantity(
+        "mm",
+        "material comes out thicker by this a side, a notch narrower by twice that; below 0: thinner",
+        ge=-1.0,
+        le=1.0,
+        default=0.0,
+    )
     tool: Literal["none", "mill", "wire", "screen"] = Field(
         default="none",
         description="what shapes: a mill, which comes from above, a wire, which is straight, a screen, whose "

@@ -132,6 +132,9 @@ COMMANDS = [
     ["simulate", EVIL],
     ["circuit", "yamada-2002", "--measured", EVIL],
     ["accuracy", "yamada-2002", "--ladder", EVIL],
+    ["coupon", EVIL],
+    ["coupon", "sla", "--silicone", EVIL],
+    ["coupon", "sla", "--measured", EVIL],
     ["fit-material", EVIL],
     ["fit-material", "x.csv", "--design", EVIL],
 ]

@@ -1,0 +1,133 @@
+"""A coupon's filled-in forms read back: what is known of the process now, and its table for printer.toml."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import tomlkit
+
+from skincad.base.errors import InputError, did_you_mean
+from skincad.base.estimate import Estimate
+from skincad.base.reading import text_of
+from skincad.base.result import Result
+from skincad.base.stopwatch import Progress, Stopwatch
+from skincad.fabrication.coupon_fit import CrestResult, NotchResult, crest_result, notch_result
+from skincad.inputs.catalog import LARGEST_FILE, load_design
+from skincad.inputs.coupon_forms import CREST_FORM, NOTCH_FORM, read_crests, read_notches
+from skincad.inputs.process import Process, processes
+from skincad.solids.coupon import NOTCHES
+
+
+class MeasuredKey(NamedTuple):
+    """A key of a process as a coupon gave it, mm, with what its line says of where it is from."""
+
+    key: str
+    value: float
+    said: str
+
+
+@dataclass(frozen=True, repr=False)
+class CouponReading(Result):
+    """What the forms in `folder` say of the process `name`, which was `before`.
+
+    `own` is the text of one's own printer.toml, or "". `notches` and `crests` are None where their form is
+    not there.
+    """
+
+    shown_by = "skincad.outputs.coupon_readings"
+    name: str
+    folder: Path
+    before: Process
+    own: str
+    notches: NotchResult | None
+    crests: CrestResult | None
+    seconds: dict[str, float] = field(compare=False)
+
+    @property
+    def keys(self) -> list[MeasuredKey]:
+        """The process's keys that are known now."""
+        return list(_keys(self))
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object of `--json`; the unit is the key's suffix."""
+        notches, crests = self.notches, self.crests
+        return {
+            "name": self.name,
+            "passed": True,
+            "growth_mm": _json(notches.growth if notches else None),
+            "gap_mm": _json(notches.gap if notches else None),
+            "crest_sigma_mm": _json(crests.sigma if crests else None),
+            "crest_offset_mm": _json(crests.offset if crests else None),
+            "keys": {row.key: row.value for row in self.keys},
+            "seconds": dict(self.seconds),
+        }
+
+    def to_toml(self) -> str:
+        """Return one's own printer.toml with the process's keys as they are known now."""
+        document = tomlkit.parse(self.own)
+        if self.name not in document:
+            document[self.name] = tomlkit.table()
+        table: Any = document[self.name]
+        for key, value, said in self.keys:
+            item = tomlkit.item(value)
+            item.comment(said)
+            table[key] = item
+        text = tomlkit.dumps(document).lstrip("\n")
+        load_design("plain-ridges", printer=tomllib.loads(text))  # what is written can be read
+        return text
+
+
+def _json(found: Estimate | None) -> dict[str, float | None]:
+    return found.as_json() if found else {"value": None, "error": None}
+
+
+def _keys(found: CouponReading) -> Iterator[MeasuredKey]:
+    by = "measured on a coupon"
+    if (notches := found.notches) is not None:
+        if notches.gap:
+            shut = "the narrowest notch that is open, of the ladder's"
+            yield MeasuredKey("gap", float(notches.gap), f"{by}: {shut}")
+        if notches.growth:
+            said = f"{by}: ± {notches.growth.error:.4f} (95 %)"
+            yield MeasuredKey("growth", round(float(notches.growth), 4), said)
+    if (crests := found.crests) is not None:
+        said = f"{by}: ± {crests.sigma.error:.4f} (95 %)"
+        yield MeasuredKey("crest_sigma", round(float(crests.sigma), 4), said)
+    worst = max((each.worst for each in (notches, crests) if each), default=0.0)
+    if worst > found.before.tolerance:
+        said = f"{by}: the largest error of a side or a crest"
+        yield MeasuredKey("tolerance", round(worst, 4), said)
+
+
+def read_coupon(
+    process: str, folder: Path, *, printer: Path | None = None, progress: Progress | None = None
+) -> CouponReading:
+    """Return what the filled-in forms in a folder say of a process that ships or is one of `printer`'s.
+
+    Raises InputError for an unknown process, forms that are not filled in, and a folder without any.
+    """
+    clock = Stopwatch(progress)
+    with clock.stage("read"):
+        known = processes(load_design("plain-ridges", printer=printer).printer)
+        if process not in known:
+            raise InputError("process", "unknown process", process, did_you_mean(process, known))
+        own = text_of(printer, str(printer), LARGEST_FILE, "TOML") if printer else ""
+        notches, crests = read_notches(folder), read_crests(folder)
+    if notches is None and crests is None:
+        rule = f"must hold {NOTCH_FORM} or {CREST_FORM}, filled in"
+        raise InputError("measured", rule, str(folder), "name the folder of the coupon's forms")
+    with clock.stage("fit"):
+        ladder = notch_result(notches) if notches else None
+        steps = crest_result(crests) if crests else None
+    return CouponReading(process, folder, known[process], own, ladder, steps, clock.seconds())
+
+
+def shut_words() -> str:
+    """Return what is said where no growth can be told."""
+    return (
+        f"fewer than three notches are open: growth is not known, and the gap may be above {NOTCHES[-1]:g} mm"
+    )

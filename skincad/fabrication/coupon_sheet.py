@@ -1,0 +1,207 @@
+"""The coupon's sheet and forms: what to make, cast and measure, step by step, and where to write it."""
+
+from __future__ import annotations
+
+from skincad.fabrication.coupon_kit import CouponKit
+from skincad.fabrication.sheet import DEAD_VOLUME
+from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, form
+from skincad.inputs.material_test import PRESSED, STRETCHED
+from skincad.inputs.process import Process
+from skincad.solids.coupon import END_LAND, HEIGHTS, NOTCH_LENGTH, REPEATS, drawn_steps
+from skincad.solids.tensile_bar import BAR, BARS
+
+BAR_FORM, PAD_FORM, PAD_DESIGN = "tensile.csv", "pad.csv", "pad.toml"
+# mm; assumption: up to a strain of 0.3 for the modulus, in steps that a calliper tells, to 0.6 for the laws
+EXTENSIONS = (*(0.5 * i for i in range(13)), *(6.0 + 0.75 * i for i in range(1, 9)))
+APPROACHES = tuple(0.05 * i for i in range(1, 13))  # mm; the pad's model goes to 0.64 mm at 0.5 MPa
+TELLS = 3  # assumption: a gauge that resolves a third of the scatter adds 0.5 % to it
+FINEST = 0.001  # mm, of common gauges
+PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
+
+
+def coupon_forms(kit: CouponKit) -> dict[str, str]:
+    """Return the forms by their names, as CSV; that of the notches only where there are any."""
+    notches = [(str(i), f"{width:.2f}", "", "") for i, width in enumerate(kit.notches, 1)]
+    steps = [(str(i), f"{height:.2f}", "") for i, height in enumerate(drawn_steps(), 1)]
+    blades = ["goes_mm: the thickest blade that goes in by its own weight, 0 for none", "stops_mm: the next"]
+    bars = [
+        f"{fit_bar_command(BAR_FORM)}",
+        f"area: {BAR.width:g} mm times {BAR.thickness:g} mm as drawn; give what you measured",
+    ]
+    pads = [fit_pad_command(PAD_FORM, PAD_DESIGN)]
+    return {
+        **({NOTCH_FORM: form(NOTCH_COLUMNS, notches, blades)} if notches else {}),
+        CREST_FORM: form(CREST_COLUMNS, steps, ["measured_mm: height of the step's top over the land"]),
+        BAR_FORM: form(STRETCHED, [(f"{e:g}", "") for e in EXTENSIONS], bars),
+        PAD_FORM: form(PRESSED, [(f"{a:.2f}", "") for a in APPROACHES], pads),
+    }
+
+
+def fit_bar_command(file: str) -> str:
+    """Return the command that reads a bar's form."""
+    return f"skincad fit-material {file} --gauge-length {BAR.gauge_length:g} --area {BAR.area:g}"
+
+
+def fit_pad_command(file: str, design: str) -> str:
+    """Return the command that reads a pad's form."""
+    return f"skincad fit-material {file} --design {design}"
+
+
+def read_command(kit: CouponKit) -> str:
+    """Return the command that reads the forms back."""
+    own = " --printer FILE" if kit.pad.printer else ""
+    return f"skincad coupon {kit.name}{own} --measured DIR"
+
+
+def coupon_sheet(kit: CouponKit) -> str:
+    """Return the sheet as Markdown."""
+    lines = [
+        f"# Coupon sheet: {kit.name}, {kit.silicone.name}",
+        "",
+        "Make these parts once on your own machine, and measure them. What they say replaces the assumptions "
+        "about the process and the silicone. Do it anew after a change of machine, resin, exposure or batch.",
+        "",
+        *_make(kit),
+        *(_notches() if kit.notches else _no_notches(kit)),
+        *_steps(kit.process),
+        *_cast(kit),
+        *_bar(),
+        *_pad(),
+        *_read(kit),
+    ]
+    return "\n".join(lines)
+
+
+def _section(title: str, *paragraphs: str, steps: tuple[str, ...] = ()) -> list[str]:
+    """A section of the sheet: its paragraphs, then its steps, numbered."""
+    numbered = "\n".join(f"{i}. {step}" for i, step in enumerate(steps, 1))
+    return [line for text in (f"## {title}", *paragraphs, numbered) if text for line in (text, "")]
+
+
+def _make(kit: CouponKit) -> list[str]:
+    rows = [f"| {part.name} | {part.volume / 1000:.4g} |" for part in kit.parts]
+    place = " Lay them on the bed as they lie in coupon.3mf" if kit.process.layer else ""
+    if place:
+        place += ": the ladder on its face, as combs are printed." if kit.notches else "."
+    return _section(
+        "Make the parts",
+        "\n".join(["| part | cm3 |", "|---|---|", *rows]),
+        f"Make them by {kit.name}, with the settings and the cleaning that molds get.{place} Do not sand, "
+        "lap or file what will be measured.",
+        "To have at hand: feeler gauges in steps of 0.01 mm (blades may be laid together), a dial gauge on a "
+        "stand with a flat plate, or a microscope, a calliper, a straight edge, a scale to 0.01 g, and what "
+        "pulls and presses: a testing machine, or weights and the dial gauge.",
+    )
+
+
+def _notches() -> list[str]:
+    return _section(
+        f"Notches: fill in {NOTCH_FORM}",
+        steps=(
+            "Hold the ladder with its notches up and the cut-off corner at the lower left. Notch 1, the "
+            "narrowest, is above that corner. The nicks in the lower edge are under notches 5 and 10.",
+            f"A blade goes in if it reaches the bottom along all {NOTCH_LENGTH:g} mm of the notch under its "
+            "own weight. Do not push.",
+            "For each notch write the thickest blade that goes in (goes_mm), and the next thicker one, which "
+            "does not (stops_mm). Where none goes in: 0, and your thinnest blade.",
+        ),
+    )
+
+
+def _no_notches(kit: CouponKit) -> list[str]:
+    widest = 2 * kit.process.reach
+    return _section(
+        "Notches",
+        f"None: the tool of {kit.name} cuts nothing narrower than {widest:g} mm. Combs need another process.",
+    )
+
+
+def _steps(process: Process) -> list[str]:
+    resolved = max(process.crest_sigma / TELLS, FINEST)
+    return _section(
+        f"Steps: fill in {CREST_FORM}",
+        f"There are {len(HEIGHTS)} heights from {HEIGHTS[0]:g} to {HEIGHTS[-1]:g} mm, each {REPEATS} times, "
+        "not in order.",
+        steps=(
+            "Lay the block on a flat plate, steps up, the cut-off corner at the lower left: step 1 is there. "
+            "The nicks in the lower edge are under steps 5, 10, 15 and 20.",
+            f"Zero the dial gauge on the land at the left end, {END_LAND:g} mm long. The land at the right "
+            "end should read 0 within 0.02 mm; if not, clean the plate and the block's foot.",
+            "Read the top of each step in the middle of its length, and write it down (measured_mm). A gauge "
+            f"that resolves {resolved:.2g} mm is fine enough; a microscope that focuses on top and land will "
+            "do.",
+        ),
+    )
+
+
+def _cast(kit: CouponKit) -> list[str]:
+    material, taken = kit.silicone, kit.grams
+    total = sum(taken.values()) + DEAD_VOLUME
+    parts = f"{total:.4g} g by its data sheet"
+    if material.mix:
+        a, b = (total * share / sum(material.mix) for share in material.mix)
+        parts = f"{a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
+    pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
+    cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
+    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} C"
+    sealed = ""
+    if kit.process.inhibits_platinum and material.platinum_cure:
+        sealed = (
+            f" Parts by {kit.name} may keep this silicone from curing: wash, post-cure and bake the molds "
+            "first, and seal them. Castings that stay sticky say nothing."
+        )
+    return _section(
+        "Cast bars and pad",
+        f"{material.name}: " + ", ".join(f"{grams:.3g} g for {name}" for name, grams in taken.items()) + ". "
+        f"With {DEAD_VOLUME:g} g more for the cup: {parts}. Pot life {pot}; cure {cure} at {warm}.",
+        steps=(
+            f"Clean and dry both molds, put release agent on them and wipe it thin.{sealed}",
+            "Mix, and degas the mix in its cup. Set both molds level, the open side up.",
+            "Pour in a thin stream from one end until the silicone stands a little above the rim. Pierce "
+            "bubbles.",
+            "Lay the straight edge on the rim and draw it across once, slowly, along bars and ridges, so "
+            "that the silicone is level with the rim.",
+            "Let it cure in full. Lift a corner and peel the castings out. Wait 16 h before a test (ISO 37).",
+        ),
+    )
+
+
+def _bar() -> list[str]:
+    return _section(
+        f"Bars: fill in {BAR_FORM}",
+        f"The mold gives {BARS} bars of ISO 37, type 2. Test the best one; copy the form for the others.",
+        steps=(
+            "Measure width and thickness of the narrow part in three places, as drawn "
+            f"{BAR.width:g} and {BAR.thickness:g} mm. Their product is the area.",
+            f"Draw two fine lines {BAR.gauge_length:g} mm apart on the narrow part, in its middle.",
+            "Clamp the wide ends and tare the force. Stretch twice to the form's last row and back.",
+            "Stretch slowly. At each extension of the form, which is how far the two lines (not the clamps) "
+            "have moved apart, write the force (force_N). With weights write both columns, the larger "
+            "weights further down; 100 g are 0.981 N. Stop before it tears, and remove the rows that are "
+            "left.",
+        ),
+    )
+
+
+def _pad() -> list[str]:
+    return _section(
+        f"Pad: fill in {PAD_FORM}",
+        steps=(
+            "Glue the pad's flat back to a stiff plate, thinly. Powder its ridges, so that they slide.",
+            "Bring a flat plate, parallel to the back, down until the first force shows. That is approach 0; "
+            "the fit finds where it is exactly.",
+            f"Press at {PAD_RATE:g} mm/min or slower. At each approach of the form write the force "
+            "(force_N).",
+        ),
+    )
+
+
+def _read(kit: CouponKit) -> list[str]:
+    return _section(
+        "Read it back",
+        "Save the forms where they are, as CSV, and remove a form of notches or steps that you did not "
+        "measure. Then, with the folder of the forms for DIR:",
+        f"    {read_command(kit)}",
+        "It writes printer.toml, to be given to --printer, and prints what it found and the two lines that "
+        "read the bar and the pad.",
+    )

@@ -1,0 +1,125 @@
+"""The coupon's CSV forms: written with what is drawn, read back with what was measured beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from skincad.base.arrays import Array
+from skincad.base.columns import LARGEST_FILE, SEPARATORS, read_columns
+from skincad.base.errors import InputError
+from skincad.base.reading import text_of
+
+NOTCH_FORM, CREST_FORM = "notches.csv", "crests.csv"
+NOTCH_COLUMNS = ("notch", "drawn_mm", "goes_mm", "stops_mm")
+CREST_COLUMNS = ("step", "drawn_mm", "measured_mm")
+FEWEST = 5  # rows; assumption: fewer leave no scatter worth the name
+MOST_OFF = 1.0  # mm from what is drawn, assumption: more is a slip of the pen, or another unit
+
+
+class NotchForm(NamedTuple):
+    """Notches `(n,)`, mm: as drawn, the thickest blade that goes in (0: none), the next one that stops."""
+
+    drawn: Array
+    goes: Array
+    stops: Array
+
+
+class CrestForm(NamedTuple):
+    """Steps `(n,)`, mm: heights over the land as drawn and as measured; `place` along the block, from 1."""
+
+    place: Array
+    drawn: Array
+    measured: Array
+
+
+def form(columns: Sequence[str], rows: Iterable[Sequence[str]], notes: Iterable[str] = ()) -> str:
+    """Return a form as CSV: notes behind #, the columns' names, rows whose empty cells are to be filled."""
+    lines = [*(f"# {note}" for note in notes), *(",".join(row) for row in (columns, *rows))]
+    return "\n".join(lines) + "\n"
+
+
+def read_notches(folder: Path) -> NotchForm | None:
+    """Return the form of the notches in a folder; None where there is none.
+
+    Raises InputError for one that is not filled in, or where a blade stops that is no thicker than what goes.
+    """
+    found = _filled(folder / NOTCH_FORM, NOTCH_COLUMNS)
+    if found is None:
+        return None
+    path, (_, drawn, goes, stops) = folder / NOTCH_FORM, found
+    _off(path, "goes_mm", drawn, goes, least=0.0)
+    for i in range(drawn.size):
+        if not goes[i] < stops[i]:
+            rule = f"stops_mm must be thicker than goes_mm, {goes[i]:g}"
+            remedy = "give the thickest blade that goes in, 0 for none, and the next one, which does not"
+            raise InputError(f"{path}, row {i + 1}", rule, float(stops[i]), remedy)
+    return NotchForm(drawn, goes, stops)
+
+
+def read_crests(folder: Path) -> CrestForm | None:
+    """Return the form of the crests in a folder; None where there is none.
+
+    Raises InputError for one that is not filled in, and for heights of which none comes twice.
+    """
+    found = _filled(folder / CREST_FORM, CREST_COLUMNS)
+    if found is None:
+        return None
+    path, (place, drawn, measured) = folder / CREST_FORM, found
+    _off(path, "measured_mm", drawn, measured)
+    heights = sorted({*drawn.tolist()})
+    fewest = min(int((drawn == height).sum()) for height in heights)
+    if len(heights) < 3 or fewest < 2:  # less has no scatter
+        rule = "must have at least three heights, each twice"
+        raise InputError(str(path), rule, remedy="measure all steps")
+    return CrestForm(place, drawn, measured)
+
+
+def _filled(path: Path, columns: tuple[str, ...]) -> tuple[Array, ...] | None:
+    """The columns of a form, if it is there."""
+    if not path.exists():
+        return None
+    name = str(path)
+    _check_filled(name, text_of(path, name, LARGEST_FILE, "CSV"), columns)
+    found = read_columns(path, columns)
+    for column in columns:
+        if column not in found:
+            raise InputError(
+                name, f"must have the columns {', '.join(columns)}", remedy="print the form anew"
+            )
+    rows = found["drawn_mm"].size
+    if rows < FEWEST:
+        raise InputError(name, f"must have at least {FEWEST} rows", rows)
+    return tuple(found[column] for column in columns)
+
+
+def _check_filled(name: str, text: str, columns: tuple[str, ...]) -> None:
+    """Raise InputError for the first row with an empty cell, in the words of who has a form before them."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    if not lines:
+        return  # the reader of columns says what is missing
+    separator = max(SEPARATORS, key=lines[0].count)
+    header = [cell.strip() for cell in lines[0].split(separator)]
+    for row, line in enumerate(lines[1:], 1):
+        cells = [cell.strip() for cell in line.split(separator)]
+        cells += [""] * (len(header) - len(cells))
+        empty = [
+            column for column, cell in zip(header, cells, strict=False) if column in columns and not cell
+        ]
+        if empty and any(cells):
+            remedy = "measure it; a form that you did not measure: remove the whole file"
+            raise InputError(f"{name}, row {row}", f"{empty[0]} is empty", remedy=remedy)
+
+
+def _off(path: Path, column: str, drawn: Array, found: Array, least: float | None = None) -> None:
+    """Raise InputError for what can't have been meant."""
+    for i in range(drawn.size):
+        where = f"{path}, row {i + 1}"
+        if drawn[i] <= 0:
+            raise InputError(where, "drawn_mm must be above 0", float(drawn[i]), "print the form anew")
+        if least is not None and found[i] < least:
+            raise InputError(where, f"{column} must not be below {least:g}", float(found[i]))
+        if abs(found[i] - drawn[i]) > MOST_OFF:
+            rule = f"{column} must be within {MOST_OFF:g} mm of drawn_mm, {drawn[i]:g}"
+            raise InputError(where, rule, float(found[i]), "give millimetres")

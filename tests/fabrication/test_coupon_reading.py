@@ -1,0 +1,92 @@
+"""A coupon's forms become a process's table: what is measured, what is kept, what is refused."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad.base.errors import InputError
+from skincad.fabrication.coupon_reading import read_coupon
+from skincad.inputs.catalog import load_design
+from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, form
+from skincad.inputs.process import processes
+from tests.fabrication.test_coupon_fit import ladder, steps
+
+
+def fill(
+    folder: Path, growth: float | None = 0.03, scatter: float | None = 0.01, offset: float = 0.0
+) -> None:
+    """Write what a person writes of a part that grew, and of crests that scatter; None: not measured."""
+    if growth is not None:
+        rows = [
+            [str(i), *(f"{v:.2f}" for v in row)]
+            for i, row in enumerate(zip(*ladder(growth, 1), strict=True), 1)
+        ]
+        (folder / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, rows))
+    if scatter is not None:
+        crests = zip(*steps(1, scatter, offset=offset), strict=True)
+        lines = [[f"{place:g}", f"{drawn:.2f}", f"{found:.3f}"] for place, drawn, found in crests]
+        (folder / CREST_FORM).write_text(form(CREST_COLUMNS, lines))
+
+
+def test_what_is_written_is_a_process_of_the_same_name(tmp_path: Path) -> None:
+    fill(tmp_path)
+    found = read_coupon("sla", tmp_path)
+    own = tomllib.loads(found.to_toml())
+    assert set(own) == {"sla"}
+    assert set(own["sla"]) - {"tolerance"} == {"gap", "growth", "crest_sigma"}
+    made = processes(load_design("lab-bench", printer=own).printer)["sla"]
+    assert made.growth == pytest.approx(0.03, abs=0.005)
+    assert made.crest_sigma == pytest.approx(0.01, abs=0.006)  # the half-width of 24 steps
+    assert made.gap == pytest.approx(0.08)
+    assert made.pixel == processes()["sla"].pixel
+    assert "growth = 0.0294 # measured on a coupon: ± 0.00" in found.to_toml()
+
+
+def test_a_tolerance_is_said_only_where_the_part_is_worse(tmp_path: Path) -> None:
+    fill(tmp_path, growth=0.005, scatter=0.005)
+    assert "tolerance" not in {row.key for row in read_coupon("sla", tmp_path).keys}
+    fill(tmp_path, growth=0.005, scatter=0.005, offset=0.2)
+    worse = {row.key: row.value for row in read_coupon("sla", tmp_path).keys}
+    assert worse["tolerance"] == pytest.approx(0.2, abs=0.015)  # the largest of 24 errors of 0.005
+
+
+def test_one_form_alone_is_read(tmp_path: Path) -> None:
+    fill(tmp_path, growth=None)
+    assert {row.key for row in read_coupon("cnc", tmp_path).keys} == {"crest_sigma", "tolerance"}
+    assert read_coupon("cnc", tmp_path).as_json()["growth_mm"] == {"value": None, "error": None}
+
+
+def test_shut_notches_leave_growth_open(tmp_path: Path) -> None:
+    drawn = np.arange(0.06, 0.31, 0.02)
+    rows = [[str(i), f"{d:.2f}", "0", "0.03"] for i, d in enumerate(drawn, 1)]
+    (tmp_path / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, rows))
+    found = read_coupon("fdm", tmp_path)
+    assert found.keys == []
+    assert "growth is not known, and the gap may be above 0.3 mm" in str(found)
+
+
+def test_ones_own_file_is_kept_with_its_comments(tmp_path: Path) -> None:
+    fill(tmp_path)
+    mine = tmp_path / "mine.toml"
+    mine.write_text(
+        '[my-resin]\nbased_on = "sla"\npixel = 0.03 # screen\ngrowth = 0.1\n\n[my-mill]\nbased_on = "cnc"\n'
+    )
+    found = read_coupon("my-resin", tmp_path, printer=mine)
+    assert found.before.growth == 0.1
+    own = tomllib.loads(found.to_toml())
+    assert own["my-mill"] == {"based_on": "cnc"}
+    assert own["my-resin"]["pixel"] == 0.03
+    assert own["my-resin"]["growth"] == pytest.approx(0.03, abs=0.005)
+    assert "# screen" in found.to_toml()
+
+
+def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"must hold notches.csv or crests.csv, filled in"):
+        read_coupon("sla", tmp_path)
+    fill(tmp_path)
+    with pytest.raises(InputError, match="unknown process, got 'slb'; did you mean 'sla'"):
+        read_coupon("slb", tmp_path)

@@ -1,0 +1,139 @@
+"""The coupon's parts against hand calculation, the kernel and their own meshes."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from skincad.fabrication.coupon_kit import coupon
+from skincad.fabrication.meshes import mesh
+from skincad.fabrication.rules_of_layers import overhang
+from skincad.inputs.catalog import load_design, template_names
+from skincad.inputs.process import PROCESSES, Process, processes
+from skincad.shape import curves
+from skincad.solids.coupon import (
+    HEIGHTS,
+    NOTCH_DEPTH,
+    NOTCH_PITCH,
+    NOTCHES,
+    REPEATS,
+    coupon_parts,
+    drawn_notches,
+    drawn_steps,
+    poured_volumes,
+)
+from skincad.solids.plan import Part
+from skincad.solids.roles import PartRole
+from skincad.solids.skin import cast_skin
+from skincad.solids.tensile_bar import BAR, BARS, bar_outline
+
+PARTS = {part.name: part for part in coupon("sla").parts}
+
+
+def test_the_ladder_is_what_was_asked_for() -> None:
+    """0.06 to 0.30 mm in steps of 0.02; a wire passes all of it, a mill of 0.5 mm none."""
+    assert (NOTCHES[0], NOTCHES[-1], len(NOTCHES)) == (0.06, 0.30, 13)
+    assert all(b - a == pytest.approx(0.02) for a, b in pairwise(NOTCHES))
+    known = processes()
+    assert drawn_notches(known["sla"]) == drawn_notches(known["edm"]) == NOTCHES
+    assert drawn_notches(known["cnc"]) == ()
+    assert [p.name for p in coupon("cnc").parts] == ["crest-steps", "tensile-mold", "pad-mold"]
+    assert drawn_notches(Process(tool_radius=0.05, spark_gap=0.01))[0] == 0.12
+
+
+def test_notches_are_as_deep_as_a_combs() -> None:
+    designs = [load_design(name) for name in template_names()]
+    deep = [
+        d.slot.depth + 2 * d.mold.slit_clearance
+        for d in designs
+        if d.slot and d.core_thickness + 2 * d.mold.slit_clearance <= NOTCHES[-1]
+    ]
+    assert max(deep) <= NOTCH_DEPTH <= 1.2 * max(deep)
+
+
+@pytest.mark.parametrize("pixel", [0.05])
+def test_notches_meet_pixels_at_different_places(pixel: float) -> None:
+    places = {round(i * NOTCH_PITCH / pixel % 1, 6) % 1 for i in range(len(NOTCHES))}
+    assert len(places) == 5
+
+
+def test_the_ladder_by_hand() -> None:
+    """A plate of 49.39 x 8 x 4 mm, less notches, two nicks of 1 mm2 and a corner of 4.5 mm2."""
+    width = 13 * 3.03 + 10
+    area = width * 8 - 0.6 * sum(NOTCHES) - 2 * 1.0 - 4.5
+    assert PARTS["notch-ladder"].volume == pytest.approx(4 * area, rel=1e-12)
+
+
+def test_each_height_comes_as_often_and_nowhere_in_order() -> None:
+    heights = drawn_steps()
+    assert Counter(heights) == dict.fromkeys(HEIGHTS, REPEATS)
+    assert all(a != b for a, b in pairwise(heights))
+    slope = np.polyfit(range(len(heights)), heights, 1)[0]
+    assert abs(slope) < 0.003  # mm a step: a block that lies askew makes no height look wrong
+
+
+def test_the_bar_is_the_standards() -> None:
+    outline = bar_outline()
+    points = [p for s in outline for p in (s.start, s.point(0.5))]
+    assert max(p.z for p in points) == BAR.length / 2
+    assert max(p.x for p in points) == BAR.end_width / 2
+    assert min(abs(s.point(0.5).x) for s in outline if abs(s.start.x) > 1) == pytest.approx(0.0, abs=1e-12)
+    radii = Counter(round(s.radius, 9) for s in outline if s.bulge)
+    assert radii == {8.0: 4, 12.5: 4}
+    ends = [math.atan2(s.end.z - s.start.z, s.end.x - s.start.x) for s in outline]
+    for (a, t), (b, u) in pairwise(zip(outline, ends, strict=True)):
+        if a.bulge or b.bulge:  # arcs are tangent to what lies beside them
+            assert math.remainder(t + a.sweep / 2 - (u - b.sweep / 2), 2 * math.pi) == pytest.approx(
+                0, abs=1e-9
+            )
+    # by the trapezoid rule, which misses the ends' corners by nothing and the arcs by 1e-9
+    y = np.linspace(-37.5, 37.5, 200001)
+    assert curves.area(outline) == pytest.approx(np.trapezoid(_width(y), y), rel=1e-8)
+
+
+def _width(y: np.ndarray) -> np.ndarray:
+    """The bar's width at y, by the circles' equations."""
+    turn = math.acos(1 - 4.25 / 20.5)
+    along = np.abs(y) - 12.5
+    first = 2.0 + 12.5 - np.sqrt(12.5**2 - np.clip(along, 0, 12.5 * math.sin(turn)) ** 2)
+    back = np.clip(20.5 * math.sin(turn) - along, 0, 8.0 * math.sin(turn))
+    second = 6.25 - 8.0 + np.sqrt(8.0**2 - back**2)
+    return 2 * np.where(along < 12.5 * math.sin(turn), first, second)
+
+
+def test_a_mold_takes_what_its_piece_is_larger_by_shrinkage() -> None:
+    lab = {"lab-10": {"based_on": "dragon-skin-10", "shrinkage": 0.01}}
+    kit = coupon("sla", silicone="lab-10", silicones=lab)
+    by = 1 / 0.99
+    volumes = poured_volumes(kit.parts)
+    assert volumes["tensile-mold"] == pytest.approx(BARS * curves.area(bar_outline()) * 2.0 * by**3, rel=1e-9)
+    assert volumes["pad-mold"] == pytest.approx(cast_skin(kit.pad).volume * by**3, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_the_kernel_and_the_mesh_agree_with_the_formula(name: str) -> None:
+    """The kernel within 1e-9, as every part; a mesh within its chords' tolerance on its whole surface."""
+    from skincad.solids.occ import solid, volume
+
+    part: Part = PARTS[name]
+    made = solid(part)  # raises unless it is one valid solid
+    assert volume(part, made) == pytest.approx(part.volume, rel=1e-9)
+    shape = mesh(part, 0.005)
+    assert shape.is_watertight
+    assert abs(shape.volume - part.volume) <= 0.005 * shape.area
+
+
+@pytest.mark.parametrize("name", [n for n in PROCESSES if processes()[n].layer])
+def test_no_part_needs_support(name: str) -> None:
+    kit = coupon(name)
+    for part in kit.parts:
+        on_end = part.role is PartRole.COMB
+        assert overhang(part, kit.process, on_end) == (0.0, 0.0), part.name
+
+
+def test_cavities_are_printed_flat_so_that_steps_are_made_of_layers() -> None:
+    assert coupon_parts(processes()["sla"], load_design("plain-ridges"))[1].role is PartRole.CAVITY
