@@ -16,7 +16,7 @@ def closing_findings(design: Design) -> Iterator[Finding]:
     """Yield a warning where a cover of a given thickness bows by more than `BOW` mm under 10 kPa."""
     cast = poured(design)
     place, _ = layout(cast, section(cast))
-    modulus = lid_process(design).young_modulus
+    modulus = lid_process(design).part_modulus
     measured = bow(place.spans, place.lid, modulus)
     if measured > BOW * (1 + 1e-9):
         remedy = (

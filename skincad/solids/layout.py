@@ -192,7 +192,7 @@ def _closed(
     choices = rows(length, diagonal, max(BOLT_RADIUS, own.thread) + EDGE, 2 * between, design.mold.cavities)
     if is_clamped(design) or design.skin.curvature_radius_y is not None:
         choices = choices[:1]
-    modulus, given = lid_process(design).young_modulus, design.mold.cover
+    modulus, given = lid_process(design).part_modulus, design.mold.cover
     row, lid = closed_by(choices, wide, load, modulus, given, STOCK)
     return row, lid, Spans(wide, load, row.reach)
 
