@@ -94,7 +94,7 @@ def _mesh_faults(closed: ClosedMold) -> Iterator[str]:
 
 
 def _sheet_faults(design: Design, closed: ClosedMold, sheet: str) -> Iterator[str]:
-    (found,) = re.findall(r"the mold takes ([\d.]+) cm3, ([\d.]+) g", sheet)
+    (found,) = re.findall(r"the mold takes ([\d.]+) cm³, ([\d.]+) g", sheet)
     volume, grams = 1000 * float(found[0]), float(found[1])
     formula = poured_volume(design, closed)
     if abs(volume / formula - 1) > 1e-3:  # the sheet has four digits
