@@ -10,10 +10,11 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.body import Revolved
 from skincad.solids.inserts import GRIP
-from skincad.solids.layout import end_angle
+from skincad.solids.layout import cavity_process, end_angle
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
+from skincad.solids.screws import into
 from skincad.solids.shrinkage import poured
 
 DEGAS = (
@@ -22,15 +23,23 @@ DEGAS = (
 )
 
 
-def screws(design: Design, closed: ClosedMold, hold: str) -> str:
+def end_screws(design: Design, closed: ClosedMold, hold: str) -> str:
     """Return the end plates' screws as the parts have them; `hold` is what they go into."""
     count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in closed.of(*END_PLATES))
     threads = bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD)
-    longest = math.floor(design.mold.end_plate + min(bore.length for bore in threads))
+    process, plate, deep = cavity_process(design), design.mold.end_plate, min(b.length for b in threads)
+    long, washers = into(plate, deep, process, bottomed=True)
+    bottomed = process.thread == "tapped" and into(plate, deep, process)[1] > washers
+    how = ", bottoming tap at last" * bottomed + under_heads(washers)
     return (
-        f"M3 screws: {count} of at most {longest} mm for the end plates, square to the cavity's leaning "
-        f"ends, into {hold}"
+        f"M3 screws, ISO 4762: {count} M3 x {long:g} for the end plates, square to the cavity's leaning "
+        f"ends, into {hold}{how}"
     )
+
+
+def under_heads(washers: int) -> str:
+    """Return the words for washers that keep a screw's tip off the end of its hole."""
+    return f", {washers} washers under each head" if washers else ""
 
 
 def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:

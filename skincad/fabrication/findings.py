@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from skincad.fabrication.closing import closing_findings
 from skincad.fabrication.demolding import undercut_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
@@ -28,6 +29,7 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
     found = [
         *process_findings(design, closed or mold(design)),
         *shim_findings(design),
+        *closing_findings(design),
         *material_findings(design),
         *undercut_findings(design),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from skincad.base.version import __version__
-from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, close_steps, screws
+from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, close_steps, end_screws, under_heads
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.finding import Finding
@@ -22,10 +22,11 @@ from skincad.inputs.silicone import Silicone
 from skincad.solids.body import Bore
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import TAP_RADIUS, fits, is_clamped
+from skincad.solids.layout import cavity_process, end_process, fits, is_clamped, lid_process
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores, own
 from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
+from skincad.solids.screws import BEARING, LENGTHS, PITCH, TAP_RADIUS, into, longer, torque
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part
 
@@ -116,23 +117,27 @@ def _bolts(design: Design, closed: ClosedMold, through: float) -> list[str]:
     count = cuts.count(CutRole.END_BOLT) + tapped
     nuts = f"with nuts, {sunk} of them sunk in end plate b"
     ends = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled" if tapped else nuts
-    thread = fits(design, design.mold.process)
+    own, process = fits(design, design.mold.process), cavity_process(design)
+    hold = f"{own.insert} inserts in holes of {2 * own.thread:g} mm" if own.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
-    hold = (
-        f"{thread.insert} inserts in holes of {2 * thread.thread:g} mm" if thread.insert else "tapped holes"
-    )
-    if not is_clamped(poured(design)):
-        blocks = closed.of(*CAVITIES)
+    cover, blocks = closed.first(PartRole.COVER), closed.of(*CAVITIES)
+    if screws := bores(cover, CutRole.COVER_BOLT):
         passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
         held = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
-        upper = f"M3 bolts: 2 for the cover, {math.floor(design.mold.cover + passed + held)} mm, into {hold}"
+        split = bool(closed.of(PartRole.BASE))
+        long, washers = into(screws[0].length + passed, held, process, bottomed=split)
+        upper = f"M3 screws, ISO 4762: {len(screws)} M3 x {long:g} for the cover, into {hold}"
+        upper += under_heads(washers)
+    tightest = min(map(torque, (process, end_process(design), lid_process(design))))
+    tight = (
+        f"for all screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which a head "
+        f"presses on its part by {BEARING['plastic']:g} MPa (plastic) or {BEARING['metal']:g} MPa (metal)"
+    )
     if design.skin.curvature_radius_y is not None:
-        return [screws(design, closed, hold), upper]
-    long = math.ceil(through + (0 if sunk or tapped else NUT))
-    return [
-        f"M3 bolts: {count} of at least {long} mm along y, {ends}",
-        upper,
-    ]
+        return [end_screws(design, closed, hold), upper, tight]
+    long = longer(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
+    kind = "bolts, ISO 4762" if long <= LENGTHS[-1] else "threaded rods with nuts at both ends"
+    return [f"M3 {kind}: {count} M3 x {long:g} along y, {ends}", upper, tight]
 
 
 def _shrinkage(design: Design, closed: ClosedMold) -> str:

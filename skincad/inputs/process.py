@@ -72,6 +72,9 @@ class Process(Table):
         default="tapped",
         description="how its parts get an M3 thread: cut in, or by an insert that is melted or glued in",
     )
+    part_modulus: float = quantity(
+        "MPa", "Young's modulus of what its parts are made of", gt=0.0, le=1e6, default=2000.0
+    )
     overhang: float = quantity(
         "deg", "steepest overhang without support, from the vertical", ge=0.0, le=90.0, default=90.0
     )

@@ -40,14 +40,15 @@ from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
 from skincad.solids.layout import (
     BESIDE,
     EDGE,
-    THREAD,
     Layout,
+    cavity_process,
     end_angle,
     fits,
 )
 from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels
 from skincad.solids.plan import Part, turned
 from skincad.solids.roles import ENDS, CutRole, End, PartRole
+from skincad.solids.screws import WASHER, into, spare
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
 from skincad.solids.split import path
@@ -124,7 +125,7 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
     top = on_grid(height(grid, grid.half) + place.top * math.cos(grid.half))
     end = on_grid((grid.centre - place.top) * math.sin(grid.half))
     own = fits(design, design.mold.process)
-    bolt, hole = (min(place.along, end - TOP_EDGE - r) for r in (own.thread, own.slide))
+    bolt, hole = (min(place.pin_along, end - TOP_EDGE - r) for r in (own.thread, own.slide))
     apart = bolt + hole - own.thread - own.slide
     if place.top >= grid.centre or apart < BESIDE:
         key, remedy = "skin.curvature_radius_y", "make the skin longer or the radius larger"
@@ -133,7 +134,8 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
     out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
     keying = place.keying[1], 0.0  # there is no room along y
     lids = place._replace(top=top, end=end, cover=on_grid(out))
-    return lids._replace(along=bolt, pin_along=hole, keying=keying)
+    bolts = (place.outer, bolt), (-place.outer, -bolt)
+    return lids._replace(bolts=bolts, pin_along=hole, keying=keying)
 
 
 def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: Grid) -> Part:
@@ -186,9 +188,13 @@ def _end_bores(design: Design, place: Layout, grid: Grid) -> list[Reaching]:
     own = fits(design, design.mold.process)
     found = []
     for x, z in ((x, z) for x in place.lanes for z in (place.comb_bolt, place.keeper_bolt)):
-        depth = on_grid(min(THREAD, _deepest(grid, z, own.thread)))
-        if depth < LEAST_THREAD:
-            rule = f"leaves {depth:.3g} mm of thread for an end plate's screw, which need {LEAST_THREAD:g} mm"
+        deepest, plate, process = _deepest(grid, z, own.thread), design.mold.end_plate, cavity_process(design)
+        long, washers = into(plate, deepest, process, bottomed=True)
+        held = long - washers * WASHER - plate
+        depth = on_grid(min(held + spare(process), deepest))
+        if held < LEAST_THREAD:
+            rule = f"leaves {max(held, 0.0):.3g} mm of thread for a screw of an end plate, which needs "
+            rule += f"{LEAST_THREAD:g} mm"
             raise InputError("skin.length", rule, design.skin.length, "make the skin longer")
         found += _both_ends(CutRole.END_THREAD, place, grid, (x, z), depth, own.thread)
     pinned = _pin_depth(place, grid)

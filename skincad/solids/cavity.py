@@ -24,14 +24,14 @@ from skincad.solids.layout import (
     BOLT_RADIUS,
     EDGE,
     PIN_DEPTH,
-    THREAD,
     Layout,
-    cover_bolts,
+    cavity_process,
     cover_pins,
     fits,
 )
 from skincad.solids.plan import Part, box, drilled, shifted
 from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.screws import blind
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
 
@@ -47,11 +47,11 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
         outline += path([here[-1].end, there[0].start]) if there else []
     left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
     outline += path([outline[-1].end, *left, outline[0].start])
-    own = fits(design, design.mold.process)
+    own, deep = fits(design, design.mold.process), on_grid(blind(place.lid, cavity_process(design)))
     cuts = (
         *_along(place, place.lanes, (place.comb_bolt, place.keeper_bolt)),
         *_pin_holes(design, place),
-        *drilled(CutRole.COVER_THREAD, "z", cover_bolts(place), place.top - THREAD, THREAD, own.thread),
+        *drilled(CutRole.COVER_THREAD, "z", place.bolts, place.top - deep, deep, own.thread),
         *_sockets(design, place, cover_pins(place)),
     )
     return Part("cavity", PartRole.CAVITY, Prism(tuple(outline), "y", -place.end, place.end), cuts)
@@ -121,12 +121,11 @@ def base_dowels(design: Design, place: Layout) -> list[Part]:
 
 
 def _base(design: Design, place: Layout, level: float) -> Part:
-    depth = on_grid(min(THREAD, level - place.bottom - EDGE))
-    own = fits(design, design.mold.process)
+    own, through = fits(design, design.mold.process), (place.bottom, level - place.bottom)
     cuts = (
         *_along(place, place.lanes, (place.comb_bolt,)),
         *_pin_holes(design, place),
-        *drilled(CutRole.COVER_THREAD, "z", cover_bolts(place), level - depth, depth, own.thread),
+        *drilled(CutRole.COVER_THREAD, "z", place.bolts, *through, own.thread),
         *drilled(CutRole.BASE_PIN, "z", cover_pins(place), level - BASE_PIN, BASE_PIN, own.press),
     )
     body = box(place.half, (-place.end, place.end), (place.bottom, level), "y")
@@ -135,9 +134,7 @@ def _base(design: Design, place: Layout, level: float) -> Part:
 
 def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
     level, slide = _base_level(place), fits(design, design.mold.process).slide
-    bolts, pins = (
-        [p for p in places if p[0] * side > 0] for places in (cover_bolts(place), cover_pins(place))
-    )
+    bolts, pins = ([p for p in places if p[0] * side > 0] for places in (place.bolts, cover_pins(place)))
     lanes = tuple(x for x in place.lanes if x * side > 0)
     return (
         *_along(place, lanes, (place.keeper_bolt,)),

@@ -16,20 +16,22 @@ from skincad.solids.layout import (
     BOLT_RADIUS,
     EDGE,
     NUT_DEPTH,
-    TAP_RADIUS,
     Layout,
     bevel,
     end_fits,
+    end_process,
     nut_pocket,
 )
 from skincad.solids.plan import Part, box, drilled, moved, shifted
 from skincad.solids.roles import CutRole, End, PartRole
+from skincad.solids.screws import TAP_RADIUS, engagement
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.split import closed, split_edges, split_height
 
 GATE = 2.0  # mm, assumption: takes a blunt tip of 16 gauge, 1.65 mm, through which silicone still flows well
 LEAST_GATE = 0.7  # mm, assumption: takes the thinnest usual blunt tip, 25 gauge, 0.51 mm
 GATE_SILL = 0.3  # mm, assumption: least skin below and above the gate, so that it can be trimmed
+GATE_WEB = 0.8  # mm, assumption: of plate under the gate, two lines of a nozzle; less where there is no room
 PRY = (1.5, 6.0)  # mm, assumption: leg of a pry notch, at 45 degrees so that it prints, and its width
 MARK = (1.0, 2.0)  # mm, assumption: leg of a nick that a finger finds, at 45 degrees too, and its height
 LEAST_UNDER_NUT = 1.0  # mm, assumption: of an end plate
@@ -71,9 +73,9 @@ def _bolt(design: Design, place: Layout, end: End, low: float, x: float, z: floa
     fits_in = min(z - place.bottom, place.top - z, abs(z - place.split)) >= place.nut + BESIDE
     through = Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)
     if design.skin.curvature_radius_y is None and end == "b":
-        if not end_fits(design).printed:
+        if not end_fits(design).printed and thick >= engagement(end_process(design)):
             return [replace(through, radius=TAP_RADIUS, role=CutRole.END_THREAD)]
-        if depth >= NUT_DEPTH / 2 and fits_in:
+        if end_fits(design).printed and depth >= NUT_DEPTH / 2 and fits_in:
             nut = nut_pocket(place, x, z, low + thick - depth, low + thick)
             return [replace(through, length=thick - depth), nut]
     return [through]
@@ -156,7 +158,7 @@ def gate(design: Design) -> float | None:
 
 def gate_bore(design: Design, shape: Section) -> Bore | None:
     """Return the pouring gate: along y through the upper end plate of end a, as low as the skin's body
-    allows; None for an open pour. `design` is what is poured.
+    and the web under it allow; None for an open pour. `design` is what is poured.
 
     Raises InputError where a gate finds no room and an open pour is no way out.
     """
@@ -176,7 +178,8 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
         )
     if wide > most:
         raise InputError("mold.gate", room, wide, f"make it smaller{way_out}")
-    start = (0.0, -skin.length / 2 - choice.end_plate, GATE_SILL + wide / 2 - body)
+    web = max(_sill(design), min(GATE_WEB, body - wide - GATE_SILL))
+    start = (0.0, -skin.length / 2 - choice.end_plate, web + wide / 2 - body)
     return Bore(start, "y", choice.end_plate, wide / 2, role=CutRole.GATE)
 
 
@@ -185,4 +188,9 @@ def _gate_room(design: Design, shape: Section, radius: float) -> tuple[float, fl
     skin = design.skin
     fall = 2 * skin.curvature_radius * math.sin(math.asin(min(1.0, radius / skin.curvature_radius)) / 2) ** 2
     body = skin.thickness + min(split_height(design, shape)[0], 0.0) - fall
-    return body, min(body - 2 * GATE_SILL, skin.width - 2 * GATE_SILL)
+    return body, min(body - GATE_SILL - _sill(design), skin.width - 2 * GATE_SILL)
+
+
+def _sill(design: Design) -> float:
+    """The least web under the gate, mm: the thinnest wall that the end plates' process makes."""
+    return max(GATE_SILL, end_process(design).wall)

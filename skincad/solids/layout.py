@@ -14,6 +14,7 @@ pins find room in it, and what they need where they don't.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 from skincad.base.errors import InputError
@@ -22,15 +23,15 @@ from skincad.inputs.process import Process, processes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Prism
+from skincad.solids.closing import Row, Spans, closed_by, rows
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.roles import CutRole
+from skincad.solids.screws import TAP_RADIUS, blind
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
 
 BOLT_RADIUS = 1.7  # mm, source: ISO 273 clearance hole for M3, medium series
-TAP_RADIUS = 1.25  # mm, source: ISO 2306, drill before tapping M3
 INSERT_RADIUS = 2.0  # mm, source: makers' tables, hole for a threaded M3 insert, 3.9 to 4.2 mm wide
-THREAD = 6.0  # mm, assumption: two diameters of thread hold in anything; inserts are up to 5.7 mm long
 NUT_FLATS = 5.5  # mm, source: ISO 4032, M3, width across flats
 NUT_DEPTH = 2.75  # mm: ISO 4032 has 2.4 mm high M3 nuts; the rest is an assumption
 NUT_PLAY = 0.1  # mm, assumption: least gap a side of a nut in its pocket
@@ -69,17 +70,18 @@ class Layout(NamedTuple):
     lanes: tuple[float, ...]  # x of the bolts along y
     pins: tuple[float, float]  # x of the end plates' pins
     outer: float  # x of the bolts along z
-    along: float  # y of the bolts along z
+    bolts: tuple[tuple[float, float], ...]  # (x, y) of those along z; none where the cover is clamped
     pin_along: float  # y of the pins along z
     pin_depth: float  # of the end plates' pins in the cavity
     cover: float  # the cover's y end
+    lid: float  # its thickness
+    spans: Spans  # what it spans
     split: float  # height of the split at the bolts
     comb_bolt: float
     comb_pin: float
     keeper_bolt: float
     keying: tuple[float, float]  # (x, y) by which one of the cover's pins stands aside
     nut: float  # half width of a nut's pocket across its flats
-    clamped: bool  # whether the cover has no bolts
 
 
 def fits(design: Design, name: str) -> Fits:
@@ -91,9 +93,19 @@ def fits(design: Design, name: str) -> Fits:
     return Fits(PIN_RADIUS + gap, press, INSERT_RADIUS if insert else TAP_RADIUS, insert, printed)
 
 
+def end_process(design: Design) -> Process:
+    """Return the process of the end plates."""
+    return processes(design.printer)[design.mold.end_plate_process or design.mold.process]
+
+
 def end_fits(design: Design) -> Fits:
     """Return the fits of the end plates' process."""
     return fits(design, design.mold.end_plate_process or design.mold.process)
+
+
+def cavity_process(design: Design) -> Process:
+    """Return the process of the cavity."""
+    return processes(design.printer)[design.mold.process]
 
 
 def lid_process(design: Design) -> Process:
@@ -118,7 +130,16 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     outer = inner + EDGE + 2 * BOLT_RADIUS
     if skin.curvature_radius_y is not None:  # screws into threads beside the cover's, which may be inserts
         outer += max(0.0, fits(design, choice.process).thread - BOLT_RADIUS)
-    need = outer + BOLT_RADIUS + EDGE - skin.width / 2
+    count, short = choice.cavities, is_clamped(design)
+    aside_row = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
+    apart = trough + EDGE + BOLT_RADIUS + (aside_row if count > 1 else 0.0)
+    centres = tuple((2 * i + 1 - count) * apart for i in range(count))
+    between = [(2 * i - count) * apart for i in range(1, count)]
+    outer, inner = outer + centres[-1], inner + centres[-1]
+    across = (-outer, *(x + aside_row for x in between), outer)
+    diagonal = 0.0 if short else max(2.0, skin.length / 4)
+    row, lid, spans = _closed(design, across, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE)
+    need = outer - centres[-1] + BOLT_RADIUS + EDGE - skin.width / 2
     wall, broken = _room("mold.wall", choice.wall, WALL, need, "two rows of bolts beside the trough")
     broken += _length(design)
     split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
@@ -127,40 +148,61 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     need = lowest - split + 2 * (nut + EDGE)
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
+    else:  # the cover's screws end in it
+        need = max(need, blind(lid, cavity_process(design)) + EDGE - (top - lowest))
     floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
     broken += [*low, *thin]
     bottom = lowest - floor
     depth = on_grid(min(PIN_DEPTH, 0.4 * skin.length))
     bolt = bottom + EDGE + nut
-    apart = trough + EDGE + BOLT_RADIUS  # of a middle and the lane in the wall beside it
-    count = choice.cavities
-    centres = tuple((2 * i + 1 - count) * apart for i in range(count))
-    between = [(2 * i - count) * apart for i in range(1, count)]
-    far, short = centres[-1], is_clamped(design)
-    along, key = 0.0 if short else max(2.0, skin.length / 4), KEYING + 2 * (slide - PIN_RADIUS)
+    key = KEYING + 2 * (slide - PIN_RADIUS)
     place = Layout(
         centres=centres,
-        half=far + skin.width / 2 + wall,
+        half=centres[-1] + skin.width / 2 + wall,
         end=skin.length / 2,
         bottom=bottom,
         top=top,
         trough=trough,
-        lanes=(-far - inner, *between, far + inner),
-        pins=(-far - inner + aside, far + inner - aside),
-        outer=far + outer,
-        along=along,
-        pin_along=along,
+        lanes=(-inner, *(x - (aside_row if count > 1 else 0.0) for x in between), inner),
+        pins=(aside - inner, inner - aside),
+        outer=outer,
+        bolts=() if short else _bolts(across, row, diagonal),
+        pin_along=diagonal if row.screws == 1 else row.apart / 2 * (row.screws % 2),
         pin_depth=depth,
         cover=skin.length / 2 + choice.end_plate,
+        lid=lid,
+        spans=spans,
         split=split,
         comb_bolt=bolt,
         comb_pin=bolt,
         keeper_bolt=(split + top - bevel(design)) / 2,
         keying=(key, 0.0) if short else (0.0, key),
         nut=nut,
-        clamped=short,
     )
     return place, broken
+
+
+def _closed(
+    design: Design, across: tuple[float, ...], diagonal: float, load: float, between: float
+) -> tuple[Row, float, Spans]:
+    """Return a row of the cover's screws, its thickness and what it spans; `between` is from a screw to a pin
+    beside it. A clamped cover has no screws, and the narrow top of a bent mold has room for a diagonal."""
+    length, wide = design.skin.length, max(b - a for a, b in pairwise(across))
+    own = fits(design, design.mold.process)
+    choices = rows(length, diagonal, max(BOLT_RADIUS, own.thread) + EDGE, 2 * between, design.mold.cavities)
+    if is_clamped(design) or design.skin.curvature_radius_y is not None:
+        choices = choices[:1]
+    modulus, given = lid_process(design).part_modulus, design.mold.cover
+    row, lid = closed_by(choices, wide, load, modulus, given, STOCK)
+    return row, lid, Spans(wide, load, row.reach)
+
+
+def _bolts(across: tuple[float, ...], row: Row, diagonal: float) -> tuple[tuple[float, float], ...]:
+    """(x, y) of the cover's screws: one in each row, the outer ones on one diagonal, or more, evenly."""
+    if row.screws == 1:
+        return (across[-1], diagonal), (across[0], -diagonal), *((x, 0.0) for x in across[1:-1])
+    ys = [row.apart * (i - (row.screws - 1) / 2) for i in range(row.screws)]
+    return tuple((x, y) for x in across for y in ys)
 
 
 def is_clamped(design: Design) -> bool:
@@ -212,13 +254,8 @@ def bevel(design: Design) -> float:
     return design.mold.end_plate * math.tan(end_angle(design))
 
 
-def cover_bolts(place: Layout) -> list[tuple[float, float]]:
-    """Return (x, y) of the cover's bolts, on one diagonal; none where it is clamped."""
-    return [] if place.clamped else [(place.outer, place.along), (-place.outer, -place.along)]
-
-
 def cover_pins(place: Layout) -> list[tuple[float, float]]:
-    """Return (x, y) of the cover's pins, on the other diagonal, one aside."""
+    """Return (x, y) of the cover's pins, on the diagonal that has no bolts or between them, one aside."""
     aside, along = place.keying
     return [(place.outer, -place.pin_along), (aside - place.outer, place.pin_along - along)]
 

@@ -15,15 +15,14 @@ from skincad.solids.layout import (
     BOLT_RADIUS,
     EDGE,
     PIN_DEPTH,
-    TAP_RADIUS,
     Layout,
-    cover_bolts,
     cover_pins,
     lid_fits,
     lid_process,
 )
 from skincad.solids.plan import Part, box, drilled, moved
 from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.screws import TAP_RADIUS
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
 MOST_HOLES = (
@@ -58,7 +57,8 @@ def _vent(design: Design, place: Layout) -> Bore:
 def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
     end, own, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
-    most = min(place.outer - place.centres[-1] - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
+    beside = [abs(x - place.centres[0]) for x, _ in place.bolts] or [place.outer]
+    most = min(min(beside) - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
     most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
     wide = own / 2 if own else min(most, max(CUP, end - inner + CUP_RIM))
     outmost = end + design.mold.end_plate - EDGE / 2
@@ -69,7 +69,7 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
         least = least if least <= outmost - end else (outmost - inner) / 2
         rule = f"must be from {2 * least:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
         raise InputError("mold.reservoir", rule, 2 * wide)
-    return Bore((0.0, y, place.top), "z", design.mold.cover, need, wide, role=CutRole.RESERVOIR)
+    return Bore((0.0, y, place.top), "z", place.lid, need, wide, role=CutRole.RESERVOIR)
 
 
 def _bleed_radius(design: Design) -> float:
@@ -154,13 +154,13 @@ def _grid(room: float, spacing: float) -> list[float]:
 def cover(design: Design, place: Layout) -> Part:
     """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
     plates: once these are off, it is lifted there."""
-    thick, end, low = design.mold.cover, place.cover, place.top
+    thick, end, low = place.lid, place.cover, place.top
     press = lid_fits(design).press
     _, cup, rivets = _openings(design, place)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]
     cuts = (
-        *drilled(CutRole.COVER_BOLT, "z", cover_bolts(place), low, thick, BOLT_RADIUS),
+        *drilled(CutRole.COVER_BOLT, "z", place.bolts, low, thick, BOLT_RADIUS),
         *drilled(CutRole.COVER_PIN, "z", cover_pins(place), low, thick, press),
         *(moved(bore, x) for x in place.centres for bore in over),
     )
@@ -169,8 +169,8 @@ def cover(design: Design, place: Layout) -> Part:
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:
     """Return the pins pressed into the cover; they slide in the cavity."""
-    length = design.mold.cover + PIN_DEPTH - design.mold.clearance
-    low = place.top + design.mold.cover - length
+    length = place.lid + PIN_DEPTH - design.mold.clearance
+    low = place.top + place.lid - length
     return [
         pin(PartRole.COVER_PIN, f"pin-cover-{side}", (x, y, low), length)
         for side, (x, y) in zip(("right", "left"), cover_pins(place), strict=True)

@@ -168,7 +168,8 @@ def _filled(part: Part) -> Part:
 
 def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: ClosedMold) -> None:
     text = casting_sheet(design, closed, [], "Passes.", True)
-    assert "M3 screws: 8 of at most 8 mm for the end plates" in text  # a plate of 4 and a thread of 4.5
+    assert "M3 screws, ISO 4762: 8 M3 x 8 for the end plates" in text
+    assert "bottoming tap at last, 2 washers under each head" in text  # a plate of 4 and a hole of 4.5
     assert "cut or etched as arcs" in text
     order = ["Screw both combs", "Lay the carrier", "Then the keepers", "Cover and bolts", "along its arc"]
     order += ["Take the cover's bolts out", "Take the end plates' screws out", "Pull the carrier up"]

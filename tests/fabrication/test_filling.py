@@ -62,7 +62,10 @@ def plain_mold(design: Design) -> ClosedMold:
     """The mold as it would be without reservoir: bores straight over the middle of the carrier's holes."""
     closed = mold(design)
     over = bores(closed.part("cover"), CutRole.COVER_BOLT, CutRole.COVER_PIN)
-    top, thick = closed.part("carrier").body.high, design.mold.cover
+    top, thick = (
+        closed.part("carrier").body.high,
+        closed.part("cover").body.high - closed.part("cover").body.low,
+    )
     vent, *holes = bores(closed.part("carrier"), CutRole.VENT, CutRole.RIVET)
     over += [Bore((0.0, vent.start[1], top), "z", thick, vent.radius, role=CutRole.RESERVOIR)]
     over += [Bore((*hole.start[:2], top), "z", thick, 0.4, role=CutRole.BLEED) for hole in holes]
@@ -71,7 +74,15 @@ def plain_mold(design: Design) -> ClosedMold:
 
 
 def hooded(closed: ClosedMold) -> ClosedMold:
-    """A mold with a shim that is a hood: its legs 1.8 mm apart and 0.9 mm long, over ridge 5."""
+    """A mold with a shim that is a hood: its legs 1.8 mm apart and 0.9 mm long, over ridge 5. Its gate is
+    lower, or its top would be in the hood."""
+    keeper = closed.part("end-a-keeper")
+    lower = tuple(
+        replace(c, start=(*c.start[:2], c.start[2] - 0.5)) if c.role is CutRole.GATE else c
+        for c in keeper.cuts
+    )
+    gated = [replace(keeper, cuts=lower) if p is keeper else p for p in closed.parts]
+    closed = replace(closed, parts=tuple(gated))
     leg = [(-1, -1.5), (-0.9, -1.5), (-0.9, -0.6)]
     corners = [*leg, *((-x, z) for x, z in reversed(leg)), (1, -0.5), (-1, -0.5)]
     hood = loop([Point(*p) for p in corners], "slot", 5)

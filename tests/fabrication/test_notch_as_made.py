@@ -14,7 +14,8 @@ from skincad.inputs.process import Process
 
 
 def found(growth: float, *settings: str) -> list[Finding]:
-    design = load_design("lab-bench", settings, printer={"sla": {"growth": growth}})
+    own = "mold.slit_clearance=0.01"
+    design = load_design("lab-bench", [own, *settings], printer={"sla": {"growth": growth}})
     return [f for f in design_findings(design) if f.rule == "notch growth"]
 
 

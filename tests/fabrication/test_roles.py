@@ -15,10 +15,10 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import drawing
 from skincad.pictures.exploded import apart
-from skincad.solids.layout import TAP_RADIUS
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
+from skincad.solids.screws import TAP_RADIUS
 from tests.bent_skin import three_ridges
 
 OTHER = "x-"
@@ -77,7 +77,7 @@ def test_a_pin_hole_as_wide_as_a_thread_is_no_thread() -> None:
     closed = mold(loose)
     assert {bore.radius for bore in bores(closed.part("end-b"), CutRole.END_PIN)} == {TAP_RADIUS}
     text = casting_sheet(loose, closed, [], "Passes.", True)
-    assert "M3 bolts: 4 of at least 21 mm along y, with nuts, 4 of them sunk in end plate b" in text
+    assert "M3 bolts, ISO 4762: 4 M3 x 25 along y, with nuts, 4 of them sunk in end plate b" in text
 
 
 def test_a_cut_without_a_role_is_none_of_a_mold() -> None:

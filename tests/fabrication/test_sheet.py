@@ -78,10 +78,10 @@ def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:
 
 def test_bolts_and_pins_are_long_and_short_enough(yamada: Design) -> None:
     text = sheet(yamada)
-    (along,) = map(int, re.findall(r"of at least (\d+) mm along y", text))
-    (upright,) = map(int, re.findall(r"2 for the cover, (\d+) mm", text))
-    assert along >= 12 + 2 * 4
-    assert upright == 4 + 6  # cover and thread; a longer one would stand on the thread's end
+    (along,) = map(int, re.findall(r"4 M3 x (\d+) along y", text))
+    (upright,) = map(int, re.findall(r"2 M3 x (\d+) for the cover", text))
+    assert along == 25  # 12 and two plates of 4, and the shrinkage; ISO has no 21
+    assert upright == 4 + 4  # cover and thread
     assert "4 of at most 8.8 mm, 2 of at most 9.9 mm" in text
 
 

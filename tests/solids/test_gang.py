@@ -56,7 +56,7 @@ def test_gates_reservoirs_and_bolts_are_one_for_each_and_one_between() -> None:
     assert genus["cavity"] == 2 * 5
     assert genus["end-a-comb"] == 5 + 2
     assert genus["end-a-keeper"] == 5 + 4
-    assert genus["cover"] == 4 + 4 * 5  # bolts and pins; reservoir and four bleeds each
+    assert genus["cover"] == 2 + 5 + 4 * 5  # pins, a bolt a row; reservoir and four bleeds each
 
 
 def test_grams_and_air_are_those_of_the_single_mold_times_the_skins(yamada: Design) -> None:

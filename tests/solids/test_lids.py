@@ -14,10 +14,11 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.body import Bore
-from skincad.solids.layout import BOLT_RADIUS, EDGE, TAP_RADIUS, Layout, layout
+from skincad.solids.layout import BOLT_RADIUS, EDGE, Layout, layout
 from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_dowels, refused_lids
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
+from skincad.solids.screws import TAP_RADIUS
 from skincad.solids.shrinkage import poured
 
 BARE = {"slot": None, "film": None, "contact": {"film": None}}
@@ -106,7 +107,7 @@ def test_the_cup_covers_vent_and_gap_and_clears_bolts_and_edges() -> None:
     for design, place in possible():
         lid, vent = cover(design, place), bores(carrier(design, place), CutRole.VENT)[0]
         (cup,) = bores(lid, CutRole.RESERVOIR)
-        assert (cup.start[2], cup.length) == (place.top, design.mold.cover)
+        assert (cup.start[2], cup.length) == (place.top, place.lid)
         assert math.dist(at(cup), at(vent)) + vent.radius <= cup.radius + 1e-9
         assert cup.start[1] + cup.radius > place.end + 0.2  # the gap, should the cover sit aside
         assert cup.far_radius >= cup.radius
@@ -127,7 +128,7 @@ def test_each_rivet_hole_has_its_bleed_at_the_highest_point_of_its_rim() -> None
             assert bleed.start[0] == hole.start[0]
             assert bleed.start[1] + bleed.radius == pytest.approx(hole.start[1] + hole.far_radius, abs=1e-12)
             assert math.dist(at(bleed), at(cup)) > bleed.radius + cup.far_radius + EDGE / 2
-            assert (bleed.start[2], bleed.length) == (place.top, design.mold.cover)
+            assert (bleed.start[2], bleed.length) == (place.top, place.lid)
 
 
 def test_a_cover_lies_on_the_block_and_its_pins_end_a_clearance_before_their_holes_do() -> None:
@@ -135,7 +136,7 @@ def test_a_cover_lies_on_the_block_and_its_pins_end_a_clearance_before_their_hol
         lid = cover(design, place)
         corners = {s.start for s in lid.body.outline}
         assert corners == {(x, y) for x in (-place.half, place.half) for y in (-place.cover, place.cover)}
-        assert (lid.body.low, lid.body.high) == (place.top, place.top + design.mold.cover)
+        assert (lid.body.low, lid.body.high) == (place.top, place.top + place.lid)
         pins = [part.body for part in cover_dowels(design, place)]
         for pin, hole in zip(pins, bores(lid, CutRole.COVER_PIN), strict=True):
             assert at(pin) == at(hole)

@@ -1,0 +1,76 @@
+"""The cover as a plate: how many screws hold it, how thick it is, and how far it bows between them.
+
+A filled mold pushes its cover up over its carriers. The cover is a plate on rows of screws: across (x) it
+spans from row to row, along (y) from screw to screw. As in a flat slab each way carries the whole load
+(Nichols, Trans. ASCE 77, 1914), so both bows add: for a square plate on its four corners 2 x 5/384 q a4 / D,
+0.0260, where the plate's exact solution has 0.0257 (Timoshenko and Woinowsky-Krieger, Theory of Plates and
+Shells, section 47). Without the walls' support and the plate's Poisson ratio it is on the safe side.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+PRESSURE = 0.01  # MPa, assumption: 10 kPa, a syringe pushed by hand after the mold is full
+BOW = 0.02  # mm, assumption: what the cover may bow under it; a flash as thin is wiped off
+COVER = 4.0  # mm, assumption: least thickness, for its pins and the cup
+TWISTED = 2.6  # of the skin's length, by finite elements: a gang's cover twists on rows of one screw each
+THICKEST = 50.0  # mm, that of mold.cover
+
+
+class Spans(NamedTuple):
+    """What a cover spans, mm: from row to row across, how wide its load is there, and its reach along: from
+    screw to screw, or twice what stands over the last one."""
+
+    across: float
+    load: float
+    along: float
+
+
+def bow(spans: Spans, thickness: float, modulus: float, pressure: float = PRESSURE) -> float:
+    """Return how far a cover bows, mm: two simply supported beams' bows, across under a load in the middle,
+    along under its whole one (handbooks). A cantilever bows less than a beam twice as long."""
+    a, c, b = spans
+    rigid = 384 * modulus * thickness**3 / 12  # N mm2 a mm of width
+    return pressure * (c * (8 * a**3 - 4 * a * c**2 + c**3) + 5 * b**4) / rigid
+
+
+def thick_enough(spans: Spans, modulus: float, stock: float) -> float:
+    """Return the least thickness from `COVER` on, in steps of `stock` mm, that keeps to `BOW`."""
+    need = COVER * max(1.0, math.cbrt(bow(spans, COVER, modulus) / BOW))
+    return min(THICKEST, math.ceil(need / stock - 1e-9) * stock)
+
+
+class Row(NamedTuple):
+    """A row of screws along y: how many, how far apart, mm, and their reach, as in `Spans`."""
+
+    screws: int
+    apart: float
+    reach: float
+
+
+def rows(length: float, diagonal: float, aside: float, beside: float, skins: int = 1) -> list[Row]:
+    """Return the rows that a cover of this length can have, the fewest screws first. One in each row, the
+    outer ones' at `diagonal` mm from the middle, opposite a pin; or more, `aside` mm from the ends and at
+    least `beside` from each other, where a pin stands between two."""
+    found = [Row(1, 0.0, length + 2 * diagonal if skins == 1 else TWISTED * length)]
+    last = length / 2 - aside
+    count = 2
+    while last > 0 and (apart := 2 * last / (count - 1)) >= beside:
+        found.append(Row(count, apart, max(apart, 2 * aside)))
+        count += 1
+    return found
+
+
+def closed_by(
+    choices: list[Row], across: float, load: float, modulus: float, given: float | None, stock: float
+) -> tuple[Row, float]:
+    """Return the row of fewest screws and the cover's thickness, mm, with which it keeps to `BOW`; a given
+    thickness is kept, whatever its bow."""
+    least = given or thick_enough(Spans(across, load, 0.0), modulus, stock)
+    for row in choices:
+        if bow(Spans(across, load, row.reach), least, modulus) <= BOW:
+            return row, least
+    row = min(choices, key=lambda each: each.reach)
+    return row, given or thick_enough(Spans(across, load, row.reach), modulus, stock)
