@@ -34,8 +34,8 @@ def test_heights_are_whole_layers_of_the_mold(name: str) -> None:
 
 
 def test_a_groove_that_is_narrower_at_a_middle_than_slicers_close_ends_a_layer_higher() -> None:
-    """With a floor of 9.014 a middle lies just over the bottoms of ridges 4 and 6, where the mesh is open
-    by less than 0.098 mm wide; consumers/test_print_levels.py slices it. With 9.012 it is wider."""
+    """With a floor of 9.014 a middle lies just over the bottoms of ridges 4 and 6, where the mesh is open,
+    by less than 0.098 mm; consumers/test_print_levels.py slices it. With 9.012 it is wider."""
     wide, narrow = (skincad.load("plain-ridges", [f"mold.floor={floor}"]) for floor in (9.012, 9.014))
     off = np.array(heights(narrow)) - heights(wide)
     # a layer of the mold, less the shrinkage of 0.1 %
