@@ -70,7 +70,7 @@ def _span(design: Design) -> float:
 def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
     """Return what layers do to the crests."""
     process = processes(design.printer)[design.mold.process]
-    if not process.layer:
+    if crests.heights == summits(design) and crests.told:
         return ()
     if not crests.told:
         return (

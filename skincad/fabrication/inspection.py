@@ -22,6 +22,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.shape.cross_section import section
+from skincad.solids.inserts import stands_out
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
@@ -137,4 +138,5 @@ def _films(design: Design) -> tuple[float, float]:
     count, long = 2 * design.ridge.count, design.skin.length
     beside = section(design).slots[0].thickness - film.thickness
     glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
-    return count * film.thickness * slot.depth * (long + film.lead) * PVDF_DENSITY * 1e-6, glue
+    cut = long + sum(stands_out(design))
+    return count * film.thickness * slot.depth * cut * PVDF_DENSITY * 1e-6, glue

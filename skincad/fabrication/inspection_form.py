@@ -20,8 +20,8 @@ def inspection_lines(found: Inspection) -> list[str]:
     return [
         "## Inspection",
         "",
-        "Measure the cured skin on its carrier, a day after it was cast. Crests first: each one's highest "
-        "point over the back, in the middle of its length, by a microscope's focus or a profile projector "
+        "Measure the finished skin on its carrier, a day after the last cure. Crests first: each over "
+        "the back, in the middle of its width and its length, by a microscope's focus or a profile projector "
         f"that repeats to {GAUGE:g} mm; a dial gauge does it if it presses all crests alike.",
         "",
         "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",

@@ -12,7 +12,6 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.fabrication.meshes import print_chord
-from skincad.fabrication.rules_of_layers import on_end
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.crests import summits
@@ -29,15 +28,16 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
     """Return each crest's height over the flat back of the cured skin, mm, ridge 1 first, as its mold comes
     out: the designed ones without layers.
 
-    All layers are equal, the first too. None where layers can't tell: a cavity on its end, where pixels lie
-    anyhow, one that is parted, or a bowl.
+    All layers are equal, the first too; on end they follow the section, unless a screen's pixels draw it.
+    None where steps fall anywhere: those pixels, and the layers of a cavity that is parted, or a bowl.
     """
     process = processes(design.printer)[design.mold.process]
-    if not process.layer:
+    on_its_end = process.orientation == "end"
+    if not process.layer or (on_its_end and process.tool != "screen"):
         return summits(design)
     blocks, skin = closed.of(PartRole.CAVITY), closed.first(PartRole.SKIN).body
     body = blocks[0].body if len(blocks) == 1 else None
-    if not (isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid or on_end(blocks[0], process):
+    if not (isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid or on_its_end:
         return None
     grown = 1 / (1 - shrinkage(design))
     outline = corners(body, body.outline, print_chord(design))
@@ -65,6 +65,5 @@ def _open(outline: Array, x: float, level: float) -> float:
 
 
 def unknown_step(process: Process) -> float:
-    """Return by how much a crest may jump where layers can't tell, mm; assumption: a pixel, or a layer where
-    that is finer, since a nozzle's width is no grid."""
-    return min(process.pixel, process.layer) if process.pixel else process.layer
+    """Return by how much a crest may jump where steps fall anywhere, mm: a pixel on end, else a layer."""
+    return process.pixel if process.orientation == "end" else process.layer

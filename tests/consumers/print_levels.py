@@ -55,7 +55,8 @@ def resin_levels(path: Path, places: Array, layer: float, pixel: float, folder: 
                 rows, columns = np.flatnonzero(lit.any(axis=1)), np.flatnonzero(lit.any(axis=0))
                 row, column = rows.mean(), columns.mean()
             at = np.rint(column + places / pixel).astype(int)
-            found[lit[round(row), at]] = number * layer
+            beside = lit[round(row), at[:, None] + [-1, 0, 1]]  # no gauge sees a single pixel
+            found[beside.all(axis=1)] = number * layer
     return found
 
 

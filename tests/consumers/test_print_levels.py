@@ -50,6 +50,7 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
         ("lab-bench", []),
         ("plain-ridges", []),
         ("plain-ridges", ["ridge.levelling=0.5", "mold.floor=9.02"]),
+        ("plain-ridges", ["mold.floor=9.014"]),
         ("lab-bench", ["printer.sla.layer=0.08"]),
         ("nozzle-04", []),
         ("nozzle-04", ["printer.fdm.layer=0.15"]),

@@ -70,6 +70,8 @@ def _films(design: Design) -> float:
     if design.film is None or design.slot is None:
         return 0.0
     long = design.skin.length + design.film.lead
+    if design.mold.method == "cast-in":  # through both end plates
+        long += 2 * design.mold.end_plate
     return 2 * design.ridge.count * design.film.thickness * design.slot.depth * long
 
 
@@ -100,7 +102,7 @@ def drawn(
     volume = volume + (crests - crests.mean(axis=0)).mean(axis=1) * design.skin.width * design.skin.length
     if design.film and design.slot:  # glued: what is not film in the slots is silicone, but for some air
         slots = 2 * ridges * design.slot.thickness * design.slot.depth * design.skin.length
-        inside = _films(design) * design.skin.length / (design.skin.length + design.film.lead)
+        inside = slots * design.film.thickness / design.slot.thickness
         wide = design.slot.thickness if design.mold.method == "shim" else design.film.thickness
         volume = volume + (slots * wide / design.slot.thickness - inside) * rng.uniform(0.7, 1, count)
     carrier = closed.first(PartRole.CARRIER)

@@ -82,22 +82,21 @@ def test_the_mean_pitch_is_limited_by_the_way_from_first_to_last(yamada: Design)
     assert rows(yamada)["mean pitch"].high < 1.01
 
 
-@pytest.mark.parametrize(
-    "changes", [{"orientation": "end"}, {"orientation": "end", "pixel": 0.02}, {"pixel": 0.0}]
-)
-def test_steps_that_fall_anywhere_widen_the_limits(changes: dict[str, object]) -> None:
-    """On its end a section lies in the pixels; flat, its layers are told and the pixels don't matter."""
-    flat = skincad.load("plain-ridges")
-    other = flat.with_(printer={"sla": changes})
-    told, found = (inspection(each, mold(each)).crests for each in (flat, other))
-    pixel = float(str(changes.get("pixel", 0.05)))
-    if "orientation" not in changes:
-        assert found == told
-        return
-    assert found.heights == pytest.approx(summits(flat), abs=1e-12)
-    assert found.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
-    assert told.sigma == 0.015
-    assert any("not known beforehand" in said for said in inspection(other, mold(other)).said)
+@pytest.mark.parametrize("pixel", [0.05, 0.02])
+def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
+    """On its end the section is drawn by a screen's pixels."""
+    design = skincad.load("plain-ridges").with_(printer={"sla": {"orientation": "end", "pixel": pixel}})
+    found = inspection(design, mold(design))
+    assert found.crests.heights == pytest.approx(summits(design), abs=1e-12)
+    assert found.crests.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
+    assert any(f"one of {pixel:g} mm" in said for said in found.said)
+
+
+def test_a_nozzle_follows_the_section_on_its_end() -> None:
+    design = skincad.load("nozzle-04").with_(printer={"fdm": {"orientation": "end"}})
+    found = inspection(design, mold(design))
+    assert (found.crests.heights, found.crests.sigma) == (summits(design), 0.05)
+    assert not any("layers" in said for said in found.said)
 
 
 def test_the_list_is_a_form(yamada: Design) -> None:
