@@ -119,7 +119,7 @@ def crest_result(form: CrestForm) -> CrestResult:
     return CrestResult(
         Estimate(sigma, upper - sigma, "mm"),
         Estimate(float(means.mean()), half, "mm"),
-        float(np.abs(off).max()),
+        float(np.abs(level).max()),
     )
 
 

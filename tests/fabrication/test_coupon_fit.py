@@ -106,6 +106,14 @@ def test_scatter_and_offset_hold(within: float, between: float) -> None:
     assert (held >= 366).all(), held
 
 
+def test_a_block_that_lies_askew_changes_nothing() -> None:
+    """0.1 mm from end to end; to rounding, for the tilt is found within each height."""
+    level, askew = (crest_result(steps(1, 0.01, 0.01, 0.02, tilt)) for tilt in (0.0, 0.1 / 23))
+    assert askew.sigma.value == pytest.approx(level.sigma.value, abs=1e-12)
+    assert askew.offset.value == pytest.approx(level.offset.value, abs=1e-12)
+    assert askew.worst == pytest.approx(level.worst, abs=1e-12)
+
+
 def test_layers_are_in_the_scatter() -> None:
     """Heights that are rounded to layers of 0.2 mm are off by up to half of one: 0.2 / sqrt(12) on average,
     within a quarter, for eight heights are no uniform distribution."""

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from skincad.base.errors import InputError
+from skincad.fabrication.coupon_kit import coupon
 from skincad.fabrication.coupon_reading import read_coupon
 from skincad.inputs.catalog import load_design
-from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, form
+from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, NotchForm, form
 from skincad.inputs.process import processes
-from tests.fabrication.test_coupon_fit import ladder, steps
+from skincad.shape.curves import polygon
+from skincad.solids.body import Prism
+from skincad.solids.coupon import NOTCH_DEPTH, NOTCH_PITCH, NOTCHES
+from tests.fabrication.test_coupon_fit import BLADES, by_blades, ladder, steps
 
 
 def fill(
@@ -90,3 +96,32 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
     fill(tmp_path)
     with pytest.raises(InputError, match="unknown process, got 'slb'; did you mean 'sla'"):
         read_coupon("slb", tmp_path)
+
+
+def as_grown(growth: float, seed: int) -> NotchForm:
+    """What blades say of the ladder's own outline, grown all round, each notch halfway down, where each of a
+    print's edges wavers by 3 um and each blade is off by 2."""
+    rng = np.random.default_rng(seed)
+    (part,) = (part for part in coupon("sla").parts if part.name == "notch-ladder")
+    assert isinstance(part.body, Prism)
+    grown = shapely.Polygon(polygon(part.body.outline, 1e-3)).buffer(growth, join_style="mitre")
+    left, _, right, _ = grown.bounds
+    line = shapely.LineString([(left, -NOTCH_DEPTH / 2), (right, -NOTCH_DEPTH / 2)])
+    teeth = sorted((tooth.bounds[0], tooth.bounds[2]) for tooth in shapely.intersection(line, grown).geoms)
+    middles = (np.arange(len(NOTCHES)) - (len(NOTCHES) - 1) / 2) * NOTCH_PITCH
+    gaps = [(a[1], b[0]) for a, b in pairwise(teeth)]
+    wide = [next((high - low for low, high in gaps if low < x < high), 0.0) for x in middles]
+    edges = rng.normal(0, 0.003, (2, len(NOTCHES))).sum(axis=0)
+    return by_blades(np.array(NOTCHES), np.array(wide) + edges, BLADES + rng.normal(0, 0.002, BLADES.size))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_growth_injected_into_the_part_itself_is_recovered_from_its_forms(seed: int, tmp_path: Path) -> None:
+    """From the plan's outline, grown by another library, to the number in printer.toml, within 5 um."""
+    rows = [
+        [str(i), *(f"{v:.2f}" for v in row)]
+        for i, row in enumerate(zip(*as_grown(0.03, seed), strict=True), 1)
+    ]
+    (tmp_path / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, rows))
+    own = tomllib.loads(read_coupon("sla", tmp_path).to_toml())
+    assert own["sla"]["growth"] == pytest.approx(0.03, abs=0.005)
