@@ -93,14 +93,22 @@ def _model_lines(check: ContactCheck) -> list[str]:
     return lines
 
 
+def passing_share(check: ContactCheck) -> str:
+    """Return the share of parts that pass with its error, in percent; "" where it is not known."""
+    passing = check.manufacture.passing if check.manufacture else None
+    if passing is None or passing.value is None or passing.error is None:
+        return ""
+    return f"{passing.value:.1%} (± {passing.error:.1%})"
+
+
 def _manufacture_lines(check: ContactCheck) -> list[str]:
-    made = check.manufacture
-    if made is None or made.passing.value is None or made.passing.error is None:
+    made, share = check.manufacture, passing_share(check)
+    if made is None or not share:
         return []
     loss = f"most are lost by {made.largest}" if made.largest else "none of those sampled fails"
     crests = "  ".join(f"{slope / 100:+.2g}" for slope in made.crest_sensitivity)
     return [
-        f"  yield          {made.passing.value:.1%} (± {made.passing.error:.1%}) of parts pass; {loss}",
+        f"  yield          {share} of parts pass; {loss}",
         f"  crests         0.01 mm lower, each changes the force needed by {crests} N",
     ]
 

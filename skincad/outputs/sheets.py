@@ -54,8 +54,7 @@ def sheet_of(job: Job, name: str) -> Sheet:
 def _judged(job: Job) -> Judged | None:
     if job.check is None:
         return None
-    made = job.check.manufacture
-    return Judged(checks.allowed_drops(job.check), str(made.passing) if made else "")
+    return Judged(checks.allowed_drops(job.check), checks.passing_share(job.check))
 
 
 def _text(text: str, path: Path) -> None:
