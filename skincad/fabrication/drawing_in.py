@@ -16,10 +16,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from skincad.fabrication.finding import Finding
+from skincad.fabrication.notch_as_made import drawn_clearance, notch_as_made
 from skincad.fabrication.strips import MOST_PULL, PVDF_YIELD
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.inputs.process import processes
+from skincad.inputs.process import Process, processes
 from skincad.solids.undercut import SAFE_SHARE
 
 GLUE = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
@@ -45,14 +46,15 @@ class Lap(NamedTuple):
 def lap(design: Design) -> Lap | None:
     """Return the lap by which a film is drawn in; None where none is: without film, or cast in.
 
-    A notch may come out narrower by its process's tolerance, but is lapped until its shim goes in.
+    A notch may come out narrower by its process's growth and tolerance, but is lapped until its shim goes in.
     """
     slot, film = design.slot, design.film
     if slot is None or film is None or design.mold.method != "shim":
         return None
     tail, notch = slot.thickness, None
     if design.skin.curvature_radius_y is not None:
-        notch = max(slot.thickness, slot.thickness + 2 * design.mold.slit_clearance - _tolerance(design))
+        maker, drawn = _maker(design), slot.thickness + 2 * design.mold.slit_clearance
+        notch = max(slot.thickness, notch_as_made(drawn, maker) - maker.tolerance)
         passing = math.floor(1e6 * (notch - film.thickness - GLUE) + 1e-3) / 1e6  # a nanometre is rounding
         tail = min(slot.thickness, max(LEAST_TAIL, passing))
     stack = tail + GLUE + film.thickness
@@ -60,8 +62,8 @@ def lap(design: Design) -> Lap | None:
     return Lap(tail, stack, notch, max(0.0, (stack - slot.thickness) / girth))
 
 
-def _tolerance(design: Design) -> float:
-    return processes(design.printer)[design.mold.end_plate_process or design.mold.process].tolerance
+def _maker(design: Design) -> Process:
+    return processes(design.printer)[design.mold.end_plate_process or design.mold.process]
 
 
 def drawing_time(design: Design) -> float:
@@ -123,7 +125,8 @@ def _notches(design: Design, found: Lap) -> Iterator[Finding]:
         return
     if found.stack > found.notch + 1e-6:  # mm; a nanometre is rounding
         need = LEAST_TAIL + GLUE + film.thickness
-        wide = math.ceil(1e4 * (need - slot.thickness + _tolerance(design)) / 2) / 1e4
+        maker = _maker(design)
+        wide = drawn_clearance((need - slot.thickness + maker.tolerance) / 2, maker)
         remedy = (
             f"mold.slit_clearance of {wide:g} mm or more, a thinner film or a thicker slot, or a skin that "
             f"is straight along y; its shim's tail is thinned to {LEAST_TAIL:g} mm already"
