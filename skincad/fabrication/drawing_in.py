@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.notch_as_made import drawn_clearance, notch_as_made
+from skincad.fabrication.rules import coating
 from skincad.fabrication.strips import MOST_PULL, PVDF_YIELD
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -54,7 +54,7 @@ def lap(design: Design) -> Lap | None:
     tail, notch = slot.thickness, None
     if design.skin.curvature_radius_y is not None:
         maker, drawn = _maker(design), slot.thickness + 2 * design.mold.slit_clearance
-        notch = max(slot.thickness, notch_as_made(drawn, maker) - maker.tolerance)
+        notch = max(slot.thickness, drawn - 2 * _closes(design) - maker.tolerance)
         passing = math.floor(1e6 * (notch - film.thickness - GLUE) + 1e-3) / 1e6  # a nanometre is rounding
         tail = min(slot.thickness, max(LEAST_TAIL, passing))
     stack = tail + GLUE + film.thickness
@@ -64,6 +64,11 @@ def lap(design: Design) -> Lap | None:
 
 def _maker(design: Design) -> Process:
     return processes(design.printer)[design.mold.end_plate_process or design.mold.process]
+
+
+def _closes(design: Design) -> float:
+    """By how much each wall of a notch comes nearer, mm: growth, and a coat where one is needed."""
+    return _maker(design).growth + coating(design, _maker(design))
 
 
 def drawing_time(design: Design) -> float:
@@ -125,8 +130,8 @@ def _notches(design: Design, found: Lap) -> Iterator[Finding]:
         return
     if found.stack > found.notch + 1e-6:  # mm; a nanometre is rounding
         need = LEAST_TAIL + GLUE + film.thickness
-        maker = _maker(design)
-        wide = drawn_clearance((need - slot.thickness + maker.tolerance) / 2, maker)
+        least = (need - slot.thickness + _maker(design).tolerance) / 2 + _closes(design)
+        wide = math.ceil(1e3 * least - 1e-6) / 1e3  # whole micrometres
         remedy = (
             f"mold.slit_clearance of {wide:g} mm or more, a thinner film or a thicker slot, or a skin that "
             f"is straight along y; its shim's tail is thinned to {LEAST_TAIL:g} mm already"

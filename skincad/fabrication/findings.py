@@ -8,7 +8,6 @@ from skincad.fabrication.closing import closing_findings
 from skincad.fabrication.demolding import undercut_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
-from skincad.fabrication.notch_as_made import NOTCH_RULES
 from skincad.fabrication.rules import RULES, Case, maker, material_findings, shim_findings
 from skincad.fabrication.rules_of_layers import LAYER_RULES
 from skincad.fabrication.rules_of_machines import MACHINE_RULES
@@ -17,7 +16,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.solids.mold import ClosedMold, mold
 
-ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES, *NOTCH_RULES)
+ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}
 
 

@@ -1,4 +1,4 @@
-"""Rules of the machine itself: its build volume, and what a screen's pixels and a coat leave of a notch."""
+"""Rules of the machine itself: its build volume, and what pixels, a coat and growth leave of a notch."""
 
 from __future__ import annotations
 
@@ -92,22 +92,25 @@ def passage(design: Design, width: float, pixel: float) -> float:
 
 
 def _notch(case: Case) -> Iterator[Finding]:
-    """What is left of a comb's notch by whole pixels and a coat on both walls, against what lies in it."""
+    """What is left of a comb's notch by whole pixels, and by a coat and growth on both walls, against what
+    lies in it."""
     process, design, coat = case.process, case.design, coating(case.design, case.process)
+    wall = coat + process.growth
     pixel = process.pixel if process.tool == "screen" else 0.0
-    if case.part.role is not PartRole.COMB or not (pixel or coat):
+    if case.part.role is not PartRole.COMB or not (pixel or wall):
         return
     (notch,) = grooves(case)
     need = design.core_thickness
-    left = (passage(design, notch.width, pixel) if pixel else notch.width) - 2 * coat
+    left = max(0.0, (passage(design, notch.width, pixel) if pixel else notch.width) - 2 * wall)
     if left >= need - _ROUNDING or notch.width < process.gap - _ROUNDING:  # the latter is told as a gap
         return
     pixels, upright = _stepped(design)
-    wide = need + 2 * coat + pixel * pixels
+    wide = need + 2 * wall + pixel * pixels
     if pixel and upright:
-        wide = max(wide, math.ceil((need + 2 * coat) / pixel - _ROUNDING) * pixel)
+        wide = max(wide, math.ceil((need + 2 * wall) / pixel - _ROUNDING) * pixel)
     least = math.ceil((wide - need) / 2 / STEP - _ROUNDING) * STEP
-    what = " and ".join(["in whole pixels"] * bool(pixel) + ["under its coat"] * bool(coat))
+    ways = ("in whole pixels", pixel), ("under its coat", coat), ("grown", process.growth)
+    what = " and ".join(words for words, size in ways if size)
     where = f"{notch.where} {what}"
     yield case.breaks("notch", where, left, need, "mm", f"mold.slit_clearance of {least:.3g} mm")
 

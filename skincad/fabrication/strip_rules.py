@@ -35,10 +35,10 @@ SETTLED = 0.1  # assumption: of the pot life, in which a strip must be back
 
 
 def misplaced(design: Design) -> float:
-    """Return how far a strip or shim may lie from its place in the section, mm: the slit clearance and the
-    tolerance of the process that makes the combs."""
-    maker = design.mold.end_plate_process or design.mold.process
-    return design.mold.slit_clearance + processes(design.printer)[maker].tolerance
+    """Return how far a strip or shim may lie from its place in the section, mm: what growth leaves of the
+    slit clearance, and the tolerance of the process that makes the combs."""
+    process = processes(design.printer)[design.mold.end_plate_process or design.mold.process]
+    return max(0.0, design.mold.slit_clearance - process.growth) + process.tolerance
 
 
 def strip_findings(design: Design) -> list[Finding]:

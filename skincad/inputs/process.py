@@ -39,8 +39,8 @@ class Process(Table):
     growth: float = quantity(
         "mm",
         "material comes out thicker by this a side, a notch narrower by twice that; below 0: thinner",
-        ge=-1.0,
-        le=1.0,
+        ge=-0.2,
+        le=0.2,
         default=0.0,
     )
     tool: Literal["none", "mill", "wire", "screen"] = Field(

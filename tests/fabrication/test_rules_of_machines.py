@@ -114,6 +114,25 @@ def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> No
     assert found(tin, "notch") == found(tin, "clearance") == []
 
 
+def test_growth_narrows_a_notch_on_both_sides() -> None:
+    """By hand for a wire, 0.156 - 2 * 0.03 around a shim of 0.1; beside pixels and a coat for a screen."""
+    design = skincad.load("lab-bench", ["mold.process=edm", "printer.edm.growth=0.03"])
+    (told,) = found(design, "notch")
+    assert (told.measured, told.limit) == (pytest.approx(0.096), 0.1)
+    assert told.where == "end plates' combs, notch of a shim grown, by edm"
+    assert "mold.slit_clearance of 0.03 mm" in told.remedy
+    assert found(design.with_(mold={"slit_clearance": 0.03}), "notch") == []
+    for less in (0.027, -0.03):
+        assert found(design.with_(printer={"edm": {"growth": less}}), "notch") == []
+    shut = design.with_(printer={"edm": {"growth": 0.2}})
+    assert [f.measured for f in found(shut, "notch")] == [0.0]
+    screen = skincad.load("lab-bench", ["printer.sla.coating=0.01", "printer.sla.growth=0.03"])
+    (both,) = found(screen, "notch")
+    assert both.measured == pytest.approx(passage(screen, 0.156, 0.05) - 2 * 0.04, abs=1e-12)
+    least_clearance = float(both.remedy.split(" of ")[1].split(" mm")[0])
+    assert found(screen.with_(mold={"slit_clearance": least_clearance}), "notch") == []
+
+
 def test_a_pair_out_of_balance_by_more_than_half_is_a_warning() -> None:
     design = skincad.load("yamada-2002")
     assert design.slot is not None

@@ -200,6 +200,8 @@ def test_a_strip_that_comes_back_too_late_is_told(cast: Design) -> None:
 def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> None:
     assert misplaced(cast) == pytest.approx(0.01 + 0.003)
     assert misplaced(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
+    grown = cast.with_(mold={"slit_clearance": 0.04}, printer={"edm": {"growth": 0.03}})
+    assert misplaced(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
     found = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
     assert (found.severity, found.limit) == ("note", pytest.approx(0.024))
     assert "may differ by 50 %" in found.remedy  # 2 x 0.06 / 0.24

@@ -71,7 +71,7 @@ def test_filled_in_forms_become_a_printers_file(made: Path, tmp_path: Path) -> N
     done = run_skincad(
         "make", "lab-bench", "--preview", "--printer", "mine/printer.toml", "--format", "toml", cwd=tmp_path
     )
-    assert "notch growth" in done.stdout
+    assert "notch of a shim in whole pixels and grown, by sla" in done.stdout
 
 
 def test_the_forms_that_were_filled_in_are_kept(tmp_path: Path) -> None:
