@@ -71,11 +71,12 @@ def made_ready(design: Design) -> list[str]:
         return []
     if lap(design) is None:
         when, rest = "Make", "between their marks"
-        masked = "the lead and both tabs while you prime, and take it off before they are laid in"
+        masked = "the lead and both tabs (write number and + side on a tab first) while you prime, and take "
+        masked += "it off before they are laid in"
     else:
         when, rest = "Late in the cure, make", f"up to the cut-off mark: the {GLUED:g} mm beyond are glued"
         masked = f"the last {masked_length(design):g} mm of the wired end (end {film.wiring_side})"
-        masked += ", where it stays for now"
+        masked += ", where it stays for now, its number and + side written on it"
     return [
         f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in strips.dxf). Wipe "
         "both faces with isopropanol on a lint-free wipe; from now on touch them by their ends. Fold "
@@ -182,7 +183,7 @@ def kit(design: Design) -> list[str]:
     sheets = f"{design.mold.cavities} times, " if design.mold.cavities > 1 else ""
     rows = [
         f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, electrodes on both faces, cut by "
-        f"strips.dxf or strips.svg, {sheets}and {spare} to spare",
+        f"strips.dxf or strips.svg, the film's + side up, {sheets}and {spare} to spare",
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",
         f"isopropanol, {math.ceil(ALCOHOL[0] + ALCOHOL[1] * wiped)} ml, and {wiped} lint-free wipes",

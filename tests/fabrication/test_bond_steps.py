@@ -74,6 +74,7 @@ def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() ->
 def test_the_wired_end_is_masked_and_comes_last(yamada: Design, side: str, drawn: str) -> None:
     steps = order(sheet(yamada.with_(film={"wiring_side": side})))
     assert f"the last 8 mm of the wired end (end {side})" in steps[place(steps, PRIMER)]
+    assert "its number and + side written on it" in steps[place(steps, PRIMER)]
     assert f"tail at end {side}" in steps[place(steps, GLUE)]
     assert f"draw it out along y, towards end {drawn}" in steps[place(steps, MIX)]
     assert f"its mask meets the skin's end {side}" in steps[place(steps, MIX)]
