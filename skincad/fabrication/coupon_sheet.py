@@ -80,9 +80,10 @@ def _section(title: str, *paragraphs: str, steps: tuple[str, ...] = ()) -> list[
 
 def _make(kit: CouponKit) -> list[str]:
     rows = [f"| {part.name} | {part.volume / 1000:.4g} |" for part in kit.parts]
-    place = " Lay them on the bed as they lie in coupon.3mf" if kit.process.layer else ""
-    if place:
-        place += ": the ladder on its face, as combs are printed." if kit.notches else "."
+    place = ""
+    if kit.process.layer:
+        ladder = ", the ladder on its face as combs are," if kit.notches else ""
+        place = f" Print them the way up that they have in coupon.3mf{ladder} in one run or in several."
     return _section(
         "Make the parts",
         "\n".join(["| part | cm3 |", "|---|---|", *rows]),

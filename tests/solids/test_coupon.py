@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from skincad.fabrication.coupon_kit import coupon
-from skincad.fabrication.meshes import mesh
-from skincad.fabrication.rules_of_layers import overhang
+from skincad.fabrication.meshes import laid, mesh
+from skincad.fabrication.rules_of_layers import on_end, overhang
 from skincad.inputs.catalog import load_design, template_names
 from skincad.inputs.process import PROCESSES, Process, processes
 from skincad.shape import curves
@@ -127,12 +127,22 @@ def test_the_kernel_and_the_mesh_agree_with_the_formula(name: str) -> None:
     assert abs(shape.volume - part.volume) <= 0.005 * shape.area
 
 
+@pytest.mark.parametrize("name", PROCESSES)
+def test_every_part_fits_its_machine(name: str) -> None:
+    """As it is laid, turned on the bed where that helps; 0: a machine without such a limit."""
+    kit = coupon(name)
+    for part in kit.parts:
+        *flat, high = laid(mesh(part, 0.01), on_end(part, kit.process)).extents
+        bed = sorted([kit.process.build_x or math.inf, kit.process.build_y or math.inf])
+        assert all(np.array(sorted(flat)) <= bed), part.name
+        assert high <= (kit.process.build_z or math.inf)
+
+
 @pytest.mark.parametrize("name", [n for n in PROCESSES if processes()[n].layer])
 def test_no_part_needs_support(name: str) -> None:
     kit = coupon(name)
     for part in kit.parts:
-        on_end = part.role is PartRole.COMB
-        assert overhang(part, kit.process, on_end) == (0.0, 0.0), part.name
+        assert overhang(part, kit.process, on_end(part, kit.process)) == (0.0, 0.0), part.name
 
 
 def test_cavities_are_printed_flat_so_that_steps_are_made_of_layers() -> None:
