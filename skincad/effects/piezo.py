@@ -2,9 +2,10 @@
 
 Charge from the mean stresses of a strip (circuit/film.py): d33 across it, d31 and d32 along it in the section
 and along y, where plane strain has a stress too; times the electrode that lies in the skin. The circuit's
-film is replaced by the skin's own strip with its lead, so a wider strip or a longer lead changes the output;
-its motional branch stays. Both strips of a pair have the same amplifier. Range: what the film feels is the
-mean over the strip, its bare edge included; the amplifier does not act back on the stress (no stiffening).
+film is replaced by the skin's own strip, so a wider one changes the output, and a longer lead, whose metal
+overlaps nowhere, doesn't; its motional branch stays. Both strips of a pair have the same amplifier. Range:
+what the film feels is the mean over the strip, its bare edge included; the amplifier does not act back on the
+stress (no stiffening).
 The stress goes through the signals' low-pass, as rate and jerk do, and so does the noise.
 """
 
@@ -126,7 +127,7 @@ def fitted(circuit: Circuit, design: Design) -> Circuit:
 
     So does the circuit's own d33, which its gain by load is told with: charge comes from `strip_charges`.
     """
-    own = {"area": electrode(design).whole, "thickness": _strip(design).thickness}
+    own = {"area": electrode(design), "thickness": _strip(design).thickness}
     film = circuit.film.model_copy(update=own)
     return circuit.model_copy(update={"film": film})
 
@@ -139,7 +140,7 @@ def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
         through,
         along,
         across,
-        area=electrode(design).inside,
+        area=electrode(design),
         coefficients=(strip.d31, strip.d32, strip.d33),
         draw_axis=circuit.film.draw_axis,
     )

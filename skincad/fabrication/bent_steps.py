@@ -111,5 +111,6 @@ def leave_steps() -> list[str]:
         "Take the cover's bolts out and lift it by its ends, which overhang the end plates; the "
         "silicone in the reservoir and the bleeds tears off, or is cut flush.",
         "Take the end plates' screws out, cut the sprue at the gate, and take the plates off square to the "
-        "cavity's ends, with a screwdriver in the notches at their sides.",
+        "cavity's ends, with a screwdriver in the notches at their sides. Where strips' tabs stand outside a "
+        "plate, slide it along the leads off its pins, then lift the keeper off and lower the comb.",
     ]

@@ -14,6 +14,7 @@ from skincad.fabrication.drawing_in import (
     lap,
     pull_test,
 )
+from skincad.fabrication.electrodes import tab
 from skincad.fabrication.pattern import GLUED
 from skincad.fabrication.strips import GRAVITY, strip
 from skincad.inputs.design import Design
@@ -59,9 +60,11 @@ def released_where(design: Design) -> str:
 
 
 def masked_length(design: Design) -> float:
-    """Return what of a lead is masked while its strip is drawn in, mm: no mask passes a notch."""
-    bent, lead = design.skin.curvature_radius_y is not None, design.film.lead if design.film else 0.0
-    return max(0.0, lead - design.mold.end_plate) if bent else lead
+    """Return what of lead and tab is masked while a strip is drawn in, mm: no mask passes a notch."""
+    if design.film is None:
+        return 0.0
+    bent, lead = design.skin.curvature_radius_y is not None, design.film.lead
+    return tab(design.film)[1] + (max(0.0, lead - design.mold.end_plate) if bent else lead)
 
 
 def made_ready(design: Design) -> list[str]:
@@ -162,7 +165,7 @@ def tested(design: Design) -> list[str]:
     first, bad, last = "", "the skin is scrap", ""
     if lap(design) is not None:
         first, last = "Take the masks off. ", " Cut the glued tails off at their marks, flush with the skin. "
-        last += "Mark each lead's number and + side."
+        last += "Number and + sign are on the tabs."
         if design.skin.curvature_radius_y is None:
             bad = "ease it out with its shim behind it, which is in place again then, and glue a new one on"
     return [
@@ -180,6 +183,7 @@ def kit(design: Design) -> list[str]:
     strips, cast_in, most = count(design), lap(design) is None, at_once(design)
     wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE * strips)
     coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * design.skin.length / 100
+    masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
     sheets = f"{design.mold.cavities} times, " if design.mold.cavities > 1 else ""
     rows = [
         f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, electrodes on both faces, cut by "
@@ -187,7 +191,7 @@ def kit(design: Design) -> list[str]:
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",
         f"isopropanol, {math.ceil(ALCOHOL[0] + ALCOHOL[1] * wiped)} ml, and {wiped} lint-free wipes",
-        f"low-tack masking tape, {(strips + spare) * (2 * film.lead + (40 if cast_in else 0)) / 1000:.2g} m",
+        f"low-tack masking tape, {(strips + spare) * masked / 1000:.2g} m",
     ]
     if cast_in:
         rows += [

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from skincad.fabrication.closing import closing_findings
 from skincad.fabrication.demolding import undercut_findings
+from skincad.fabrication.electrodes import electrode_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, maker, material_findings, shim_findings
@@ -21,7 +22,8 @@ _ORDER = {"error": 0, "warning": 1, "note": 2}
 
 
 def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Finding]:
-    """Return what the processes of a design can't make and what its skin can't leave, the gravest first.
+    """Return what the processes of a design can't make, of its films too, and what its skin can't leave,
+    the gravest first.
 
     `closed` saves the planning of the mold. Print meshes are looked at for overhangs only; no CAD kernel.
     """
@@ -29,6 +31,7 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
         *process_findings(design, closed or mold(design)),
         *shim_findings(design),
         *closing_findings(design),
+        *electrode_findings(design),
         *material_findings(design),
         *undercut_findings(design),
     ]

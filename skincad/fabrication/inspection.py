@@ -17,12 +17,13 @@ from skincad.fabrication.crest_limits import (
     layers_say,
     verdict_says,
 )
+from skincad.fabrication.pattern import strip_patterns
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.shape.cross_section import section
-from skincad.solids.inserts import stands_out
+from skincad.shape.curves import area
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
@@ -131,12 +132,12 @@ def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
 
 
 def _films(design: Design) -> tuple[float, float]:
-    """Mass of the films with their leads, g, and the silicone's volume beside them in their slots, mm3."""
+    """Mass of the trimmed films with leads and tabs, g, and the silicone's volume beside them, mm3."""
     film, slot = design.film, design.slot
     if film is None or slot is None:
         return 0.0, 0.0
     count, long = 2 * design.ridge.count, design.skin.length
     beside = section(design).slots[0].thickness - film.thickness
     glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
-    cut = long + sum(stands_out(design))
-    return count * film.thickness * slot.depth * cut * PVDF_DENSITY * 1e-6, glue
+    trimmed = math.fsum(area(strip.kept) for strip in strip_patterns(design))
+    return film.thickness * trimmed * PVDF_DENSITY * 1e-6, glue

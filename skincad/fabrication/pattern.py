@@ -1,8 +1,12 @@
-"""The cutting pattern of the film strips: outline with tabs, electrode and lead, each strip in its own row.
+"""The cutting pattern of the film strips: outline with tabs, metal of both faces, marks, each strip in its
+own row.
 
-Drawn as the strips lie in the mold, seen from +x with the + side facing you: x in the drawing is the mold's
-y (end a left, end b right, 0 in the skin's middle), ridges' tips are below. The draw axis runs along the
-strips (assumption), so that the tension pulls along it and d31 is that of stress along the ridges.
+Drawn as the strips lie in the mold, seen from +x with the + side, the front, facing you: x in the drawing is
+the mold's y (end a left, end b right, 0 in the skin's middle), ridges' tips are below. The draw axis runs
+along the strips (assumption), so that the tension pulls along it and d31 is that of stress along the ridges.
+
+The wiring end has a tab with the pads, which stays and carries number and + sign. What is cut off is at the
+other end: the tail that a shim draws in (that end goes through the slot, first), or the tab for a weight.
 """
 
 from __future__ import annotations
@@ -11,18 +15,29 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from skincad.fabrication.electrodes import (
+    CORNER,
+    EDGE,
+    LABEL,
+    PAD,
+    PITCH,
+    SHOULDER,
+    aside,
+    faces,
+    half_tab,
+    tab,
+)
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.cross_section import SlotPlace, section
-from skincad.shape.curves import Loop, Point, Segment, rectangle
+from skincad.shape.curves import Loop, Point, Segment
 from skincad.solids.inserts import stands_out
 from skincad.solids.plan import mirrored
 from skincad.solids.shrinkage import poured
 
 ROW_GAP = 2.0  # mm, assumption: between strips on the cutting pattern
 GLUED = 5.0  # mm, assumption: of a strip's tail, by which its shim draws it in; it is cut off afterwards
-TAB = (8.0, 3.0)  # mm, assumption: length and width of a tab that a weight hangs on
-SHOULDER = 0.5  # mm, assumption: fillet between strip and tab, or the film tears there
+TAB = (8.0, 3.0)  # mm, assumption: length and width of a tab that a weight hangs on and that is cut off
 HOLE = 0.75  # mm, assumption: radius of a tab's hole for the weight's hook
 
 
@@ -35,13 +50,17 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True)
 class StripPattern:
-    """One strip: closed outlines in mm, what is marked on it, and where its label and its + sign begin."""
+    """One strip: closed outlines in mm of film, of what is left once it is trimmed, of holes, metal of both
+    faces, where that overlaps, and pads; what is marked, and where on its tab label and + sign begin."""
 
     label: str
     cut: Loop
+    kept: Loop
     holes: tuple[Loop, ...]
-    electrode: Loop
-    lead: Loop
+    front: Loop
+    back: Loop
+    overlap: Loop
+    pads: tuple[Loop, ...]
     cut_off: tuple[Line, ...]
     label_at: Point
     plus_at: Point
@@ -69,8 +88,10 @@ def pattern_notes(design: Design) -> list[str]:
     return [
         *([f"for one skin: cut it {skins} times"] if skins > 1 else []),
         *([f"straight strips, bent on edge by their slots: strain {100 * strain:.2g} %"] if strain else []),
-        "seen from the + side, which faces +x in every slot; end a left, end b right, ridges below",
+        "seen from the + side, which faces +x in every slot, the front; end a left, b right, ridges below",
         f"leads at end {wiring}, where the corner at the ridge is cut off; draw axis (d31) along the strips",
+        "back: as seen through the film, so mirror it when that face lies up; let metal go on beyond the cut",
+        f"pads: {PAD[0]:g} x {PAD[1]:g} mm, one a face, pitch {PITCH:g} mm: flat cable crimps, clinchers",
     ]
 
 
@@ -87,69 +108,66 @@ def _edge_strain(design: Design) -> float:
 
 
 def row_height(design: Design) -> float:
-    """Return the height of one strip on the drawing, mm: its tab's where it has one, or its own."""
-    depth = design.slot.depth if design.slot else 0.0
-    return 2 * _half_tab(depth) if design.mold.method == "cast-in" else depth
-
-
-def _half_tab(depth: float) -> float:
-    return max(TAB[1] / 2, depth + SHOULDER)
+    """Return the height of one strip on the drawing, mm: its tab's."""
+    return 2 * half_tab(design.film, design.slot.depth) if design.film and design.slot else 0.0
 
 
 def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> StripPattern:
     """One strip about z = `middle`, drawn with its wiring side at +x and mirrored where that is end a."""
-    half, h, margin = design.skin.length / 2 * _arc(design, slot), slot.depth / 2, film.electrode_margin
+    half, h = design.skin.length / 2 * _arc(design, slot), slot.depth / 2
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
-    marks: tuple[float, ...]
     a, b = stands_out(design)
     wired, other = (half + a, half + b) if wired_a else (half + b, half + a)
-    if cast_in:
-        w, tab = _half_tab(slot.depth), SHOULDER + TAB[0]
-        cut = _with_tabs(-other, wired, h, w)
-        ends, marks = (-other - tab, wired + tab), (-other, wired)
-        holes = [_hole(x) for x in (-other - tab + 2 * HOLE, wired + tab - 2 * HOLE)]
-    else:
-        ends, marks, holes = (-other - GLUED, wired), (-other,), []
-        cut = _straight(*ends, h)
-    e, tip = h - margin, wired - margin - (h if ends[1] == wired else 0.0)  # clear of the corner
+    end, w, metal = wired + tab(film)[1], half_tab(film, slot.depth), faces(film, slot.depth, half, wired)
+    left, right = -other - (SHOULDER + TAB[0] if cast_in else GLUED), end + (4 * HOLE if cast_in else 0.0)
+    tail = _tail(left, -other, h) if cast_in else [(left, -h, 0.0), (left, h, 0.0)]
+    cuts = [(-other, h), *([(end, w - CORNER)] if cast_in else [])]
 
     def placed(outline: Loop) -> Loop:
         return tuple(_moved(s, middle) for s in (mirrored(outline) if wired_a else outline))
 
-    side = -1.0 if wired_a else 1.0
-    left, right = (-ends[1], -ends[0]) if wired_a else ends
+    side, text, up = -1.0 if wired_a else 1.0, wired + SHOULDER + EDGE / 2, aside(slot.depth)
+    text = -text - LABEL[0] if wired_a else text
     return StripPattern(
         label=f"{slot.ridge} {slot.side}",
-        cut=placed(cut),
-        holes=tuple(placed(hole) for hole in holes),
-        electrode=placed(rectangle(-half + margin, half, -e, e)),
-        lead=placed(rectangle(half, tip, -e, e)),
-        cut_off=tuple(Line(Point(side * x, middle - h), Point(side * x, middle + h)) for x in marks),
-        label_at=Point(right + 1.0, middle - 0.5),
-        plus_at=Point(left - 2.0, middle - 0.5),
+        cut=placed(_path([*_tab(wired, end, right, h, w), *tail[len(tail) // 2 :], *tail[: len(tail) // 2]])),
+        kept=placed(_path([*_tab(wired, end, end, h, w), (-other, h, 0.0), (-other, -h, 0.0)])),
+        holes=tuple(placed(_hole(x)) for x in (left + 2 * HOLE, right - 2 * HOLE) if cast_in),
+        front=placed(metal.front),
+        back=placed(metal.back),
+        overlap=placed(metal.overlap),
+        pads=tuple(placed(pad) for pad in metal.pads),
+        cut_off=tuple(Line(Point(side * x, middle - u), Point(side * x, middle + u)) for x, u in cuts),
+        label_at=Point(text, middle + up),
+        plus_at=Point(text, middle - up - LABEL[1]),
     )
 
 
-def _straight(left: float, right: float, h: float) -> Loop:
-    """A straight strip; the wiring end's corner at the ridge's tip is cut off, to tell a strip's sides."""
-    corners = [(left, -h), (right - h, -h), (right, 0.0), (right, h), (left, h)]
-    return _path([(x, z, 0.0) for x, z in corners])
+Corner = tuple[float, float, float]  # x, z, and bulge of the segment that begins there
+INWARD = -math.tan(math.pi / 8)  # the bulge of a quarter circle, inward
 
 
-def _with_tabs(left: float, right: float, h: float, w: float) -> Loop:
-    """A strip, straight from `left` to `right`, with filleted tabs of half width `w` beyond; its wiring end's
-    corner at the ridge's tip is cut off too."""
-    r, t, k = SHOULDER, SHOULDER + TAB[0], -math.tan(math.pi / 8)  # the bulge of a quarter circle, inward
-    corners = [
-        *[(left - t, -w, 0.0), (left - r, -w, 0.0), (left - r, -h - r, k), (left, -h, 0.0)],
-        *[(right, -h, k), (right + r, -h - r, 0.0), (right + r, -w, 0.0), (right + t - w, -w, 0.0)],
-        *[(right + t, 0.0, 0.0), (right + t, w, 0.0), (right + r, w, 0.0), (right + r, h + r, k)],
-        *[(right, h, 0.0), (left, h, k), (left - r, h + r, 0.0), (left - r, w, 0.0), (left - t, w, 0.0)],
+def _tab(start: float, end: float, right: float, h: float, w: float) -> list[Corner]:
+    """The wiring end from its lower side to its upper: a filleted tab of half width `w` whose corner at the
+    ridge's side is cut off, to tell a strip's sides; and, cast in, beyond `end` a narrower piece for a
+    weight."""
+    r, k, u = SHOULDER, INWARD, w - CORNER
+    tongue = [(end, -u, 0.0), (right, -u, 0.0), (right, u, 0.0), (end, u, 0.0)] if right > end else []
+    return [
+        *[(start, -h, k), (start + r, -h - r, 0.0), (start + r, -w, 0.0), (end - CORNER, -w, 0.0)],
+        *(tongue or [(end, -u, 0.0)]),
+        *[(end, w, 0.0), (start + r, w, 0.0), (start + r, h + r, k), (start, h, 0.0)],
     ]
-    return _path(corners)
 
 
-def _path(corners: list[tuple[float, float, float]]) -> Loop:
+def _tail(left: float, start: float, h: float) -> list[Corner]:
+    """The other end's tab, from its left, lower side to its upper, which ends at `start` and is cut off."""
+    r, k, u = SHOULDER, INWARD, max(TAB[1] / 2, h + SHOULDER)
+    lower = [(left, -u, 0.0), (start - r, -u, 0.0), (start - r, -h - r, k), (start, -h, 0.0)]
+    return [*lower, (start, h, k), (start - r, h + r, 0.0), (start - r, u, 0.0), (left, u, 0.0)]
+
+
+def _path(corners: list[Corner]) -> Loop:
     """Return the closed loop through corners (x, z, bulge of the segment that begins there)."""
     following = [*corners[1:], corners[0]]
     return tuple(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from skincad.fabrication.bond_steps import NUMBERS, count
+from skincad.fabrication.electrodes import past_tabs
 from skincad.fabrication.strip_rules import misplaced
 from skincad.fabrication.strips import deflection, pour, released, strip, weight
 from skincad.inputs.design import Design
@@ -59,7 +60,7 @@ def let_go(design: Design) -> list[str]:
     if design.mold.method != "cast-in" or design.film is None:
         return []
     return [
-        "Take the weights off and cut the strips' tabs off at their marks, outside the end plates; mark "
-        "each lead's number and + side. What is left is straight and slides through its notch. The skin "
-        f"shortens by {100 * released(design):.2g} %, when the strips are released."
+        "Take the weights off and cut off at the strips' marks what they hung on; the tabs with pads, "
+        f"number and + sign stay. {past_tabs(design)} The skin shortens by {100 * released(design):.2g} %, "
+        "when the strips are released."
     ]

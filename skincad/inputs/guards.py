@@ -138,9 +138,10 @@ def strips(skin: Skin, slot: Slot | None, film: Film | None, mold: Mold) -> Iter
         yield InputError(
             "film.thickness", f"must be at most {slot.thickness:g} mm (slot.thickness)", film.thickness
         )
-    if film is not None and slot is not None and 2 * film.electrode_margin >= slot.depth:
+    if film is not None and slot is not None and 2 * film.margin >= slot.depth:
         rule = f"must be less than {slot.depth / 2:g} mm (half of slot.depth), or no electrode is left"
-        yield InputError("film.electrode_margin", rule, film.electrode_margin)
+        remedy = "a deeper slot, or a finer film.cut_tolerance and film.registration"
+        yield InputError("film.electrode_margin", rule, film.margin, remedy)
     key, given = "mold.method", mold.method
     if given == "cast-in" and slot is not None and film is None:
         yield InputError(key, "needs a [film] to cast in", given, "add [film], or take 'shim'")

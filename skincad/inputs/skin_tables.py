@@ -58,15 +58,36 @@ class Film(Table):
         "pC/N", "charge per stress across the draw axis, in the film's plane", ge=-1e4, le=1e4, default=3.0
     )
     d33: float = quantity("pC/N", "charge per stress through the film", ge=-1e4, le=1e4, default=-33.0)
-    electrode_margin: float = quantity(
+    cut_tolerance: float = quantity(
         "mm",
-        "bare film between electrode and cut edge, so that no cut shorts it",
+        "a strip's cut edge lies within ± this; a laser with a camera 0.02 (assumption), a knife plotter 0.1",
         ge=0.0,
-        le=5.0,
+        le=0.5,
         default=0.02,
     )
+    registration: float = quantity(
+        "mm",
+        "the electrode of either face lies within ± this of its place; 0.02 where cutter and pattern go by "
+        "the same marks (assumption)",
+        ge=0.0,
+        le=0.5,
+        default=0.02,
+    )
+    electrode_margin: float | None = quantity(
+        "mm",
+        "bare film between the electrodes and a cut edge, so that no cut shorts them; cut_tolerance and "
+        "registration together if not given",
+        ge=0.0,
+        le=5.0,
+        default=None,
+    )
     lead: float = quantity(
-        "mm", "how far a strip stands out on the wiring side, to be contacted", ge=1.0, le=200.0, default=8.0
+        "mm",
+        "straight lead on the wiring side, from the skin (cast in: from its end plate) to the tab with the "
+        "contact pads",
+        ge=1.0,
+        le=200.0,
+        default=8.0,
     )
     wiring_side: Literal["a", "b"] = Field(
         default="b",
@@ -79,6 +100,12 @@ class Film(Table):
         le=1000.0,
         default=None,
     )
+
+    @property
+    def margin(self) -> float:
+        """Bare film at a cut edge, mm: what is given, or what the cutter and the registration may be off."""
+        given = self.electrode_margin
+        return self.cut_tolerance + self.registration if given is None else given
 
 
 OF_A_SILICONE = ("young_modulus", "poisson_ratio", "density", "law")

@@ -87,18 +87,18 @@ def strip_calculations(design: Design) -> list[Calculation]:
     film, slot = design.film, design.slot
     if film is None or slot is None:
         return []
-    inside = Quantity("A", "electrode in the skin, of one strip", electrode(design).inside, "mm²")
+    inside = Quantity("A", "electrode in the skin, of one strip", electrode(design), "mm²")
     drawn = (film.d31, film.d32, film.d33)
     given = charge(1.0, 0.0, 0.0, area=inside.value, coefficients=drawn)  # type: ignore[arg-type]
     return [
         Calculation(
             "Electrode of a strip",
             inside,
-            "(L - e) * (b - 2 * e)",
+            "(L - 2 * e) * (b - 2 * e)",
             (
                 Quantity("L", "skin.length", design.skin.length, "mm"),
                 Quantity("b", "slot.depth", slot.depth, "mm"),
-                Quantity("e", "film.electrode_margin", film.electrode_margin, "mm"),
+                Quantity("e", "bare margin of the film", film.margin, "mm"),
             ),
             "the cutting pattern",
         ),

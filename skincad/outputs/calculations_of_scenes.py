@@ -47,7 +47,7 @@ def _felt(found: Simulation, amplifier: Circuit) -> Calculation | None:
         Quantity("Q", "charge", float(charges[strip]) / PICO, "pC"),
         "A * (d_31 * T_1 + d_32 * T_2 + d_33 * T_3)",
         (
-            Quantity("A", "electrode in the skin", electrode(design).inside, "mm²"),
+            Quantity("A", "electrode in the skin", electrode(design), "mm²"),
             Quantity("d_31", "film.d31", film.d31, "pC/N"),
             Quantity("T_1", "stress along the draw axis", drawn, "MPa"),
             Quantity("d_32", "film.d32", film.d32, "pC/N"),
@@ -64,13 +64,13 @@ def _capacitance(amplifier: Circuit) -> Calculation:
     film = amplifier.film
     own = capacitance(film.area, film.thickness, film.permittivity)
     return Calculation(
-        "Capacitance of a strip with its lead",
+        "Capacitance of a strip",
         Quantity("C", "static capacitance", own / PICO, "pF"),
         "epsilon_0 * epsilon_r * A_w / t",
         (
             Quantity("epsilon_0", "permittivity of vacuum", EPSILON_0, "pF/mm"),
             Quantity("epsilon_r", "film.permittivity of the circuit", film.permittivity, "1"),
-            Quantity("A_w", "electrode with its lead", film.area, "mm²"),
+            Quantity("A_w", "electrode in the skin; the leads do not overlap", film.area, "mm²"),
             Quantity("t", "film.thickness", film.thickness, "mm"),
         ),
         PLATES,

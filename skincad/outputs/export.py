@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from skincad.solids.mold import ClosedMold
 
-ABOVE = 13.0  # mm over the strips, for their dimensions
+ABOVE, BESIDE = 13.0, 5.0  # mm over and beside the strips, for their dimensions
 
 
 def write_step(solid: cq.Workplane, path: Path) -> None:
@@ -101,8 +101,9 @@ def write_section_dxf(design: Design, path: Path) -> None:
 
 
 def write_strips_dxf(design: Design, path: Path) -> None:
-    """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), ELECTRODE, LEAD, and
-    MARK: where tabs are cut off, ridge and side, + sign, draw axis; DIMENSIONS, to be switched off."""
+    """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), FRONT and BACK
+    (metal of either face), and MARK: what is cut off, ridge and side, + sign, draw axis; DIMENSIONS, to be
+    switched off."""
     strips = strip_patterns(design)
     rows = [row for strip in strips for row in _strip_rows(strip)]
     dimensions, scale = strip_dimensions(strips)
@@ -118,23 +119,24 @@ def write_strips_dxf(design: Design, path: Path) -> None:
 
 def _strip_rows(strip: StripPattern) -> list[tuple[str, Loop]]:
     cuts = [("CUT", outline) for outline in (strip.cut, *strip.holes)]
-    return [*cuts, ("ELECTRODE", strip.electrode), ("LEAD", strip.lead)]
+    return [*cuts, ("FRONT", strip.front), ("BACK", strip.back)]
 
 
 def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, float, float]]:
     """What is written on the pattern: text, x and z of its left foot, mm."""
     texts = [(strip.label, *strip.label_at) for strip in strips]
     texts += [("+", *strip.plus_at) for strip in strips]
-    left = min(strip.plus_at.x for strip in strips)
+    left = min(s.start.x for strip in strips for s in strip.cut)
     return [*texts, *((text, left, -2.0 - 2 * i) for i, text in enumerate(pattern_notes(design)))]
 
 
 def write_strips_svg(design: Design, path: Path) -> None:
-    """Write the same cutting pattern as SVG, mm: classes cut, electrode, lead and mark."""
+    """Write the same cutting pattern as SVG, mm: classes cut, front, back and mark; where both faces
+    have metal, both colours lie over each other."""
     strips = strip_patterns(design)
     texts = _strip_texts(design, strips)
     corners = [s.start for strip in strips for s in strip.cut]
-    left, foot = min(x for _, x, _ in texts) - 1, min(z for _, _, z in texts) - 1
+    left, foot = min(x for _, x, _ in texts) - BESIDE, min(z for _, _, z in texts) - 1
     right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + ABOVE
     right = max(right, left + 0.6 * max(len(text) for text, _, _ in texts))
     outlines = [(layer.lower(), loop) for strip in strips for layer, loop in _strip_rows(strip)]
@@ -147,7 +149,8 @@ def write_strips_svg(design: Design, path: Path) -> None:
     shapes += [f'  <text x="{x:.9g}" y="{-z:.9g}">{text}</text>' for text, x, z in texts]
     shapes.append(_dimensions(*strip_dimensions(strips)))
     style = (
-        "path{fill:none;stroke:#333;stroke-width:.03}.electrode{fill:#d8d8c8}.lead{fill:#c8a860}"
+        "path{fill:none;stroke:#333;stroke-width:.03}"
+        ".front{fill:#d08020;fill-opacity:.5}.back{fill:#2080c0;fill-opacity:.5}"
         ".mark{stroke:#c00}text{font:1px sans-serif}"
     )
     _write_svg((left, -top, right - left, top - foot), style, shapes, path)

@@ -75,23 +75,28 @@ def _ridge(design: Design, scale: float) -> list[Dimension]:
 
 def strip_dimensions(strips: list[StripPattern]) -> tuple[list[Dimension], float]:
     """Return the dimensions of the uppermost strip, over it and at its ends, and their paper's scale: lengths
-    of electrode, lead, what is cut off and all; width of strip and tab; a tab's hole."""
+    where both faces have metal, of the leads up to their pads, what is cut off and all; width of strip and
+    tab; pitch of the pads; a tab's hole."""
     scale, strip = 2.5, strips[-1]
     left, low, right, high = (scale * v for v in _extent(strip.cut))
     rows = []
 
     def over(a: float, b: float, level: int, words: str) -> None:
-        ends, said = ((a, high), (b, high)), f"{words} {number((b - a) / scale)}".strip()
-        rows.append(linear(ends, high + 6.0 + 6.0 * level, True, scale, said, SIZE))
+        (a, b), top = sorted((a, b)), high + 6.0 + 6.0 * level
+        said = f"{words} {number((b - a) / scale)}".strip()
+        rows.append(linear(((a, high), (b, high)), top, True, scale, said, SIZE))
 
-    for level, (outline, words) in enumerate(((strip.electrode, "electrode"), (strip.lead, "lead"))):
-        a, _, b, _ = (scale * v for v in _extent(outline))
-        over(a, b, level, words)
+    sensed, pad, other = ([scale * v for v in _extent(o)] for o in (strip.overlap, *strip.pads))
     cuts = [scale * line.start.x for line in strip.cut_off]
-    for x in cuts:
-        near = left if x - left < right - x else right
-        over(min(x, near), max(x, near), 2, "cut off")
+    wired_a = cuts[0] > 0  # what is cut off is at the other end
+    over(sensed[0], sensed[2], 0, "both faces")
+    over(*((pad[2], sensed[0]) if wired_a else (sensed[2], pad[0])), 1, "leads")
+    over(cuts[0], right if wired_a else left, 2, "cut off")
     over(left, right, 3, "")
+    centres = [((p[0] + p[2]) / 2, (p[1] + p[3]) / 2) for p in (other, pad)]
+    aside = left - 6.0 if wired_a else right + 6.0
+    words = f"pads {number((centres[1][1] - centres[0][1]) / scale)}"
+    rows.append(linear((centres[0], centres[1]), aside, False, scale, words, SIZE))
     line = strip.cut_off[0]
     x, (_, z0), (_, z1) = cuts[0] + 5.0, *(tuple(scale * v for v in point) for point in line)
     wide = abs(z1 - z0)

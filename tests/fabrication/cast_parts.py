@@ -24,6 +24,7 @@ from skincad.shape.cross_section import section
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.shrinkage import shrinkage
 
 BATCH = 0.002  # relative, shrinkage from batch to batch
 DENSITY = 0.01  # relative
@@ -66,13 +67,17 @@ def sliced(design: Design, closed: ClosedMold) -> Array:
 
 
 def _films(design: Design) -> float:
-    """Volume of all films with their leads, mm3."""
+    """Volume of all films, mm3: in the skin, leads (cast in: through both end plates, and a stub of 2 mm),
+    and tabs with their pads, 9.5 by 5.04 mm behind rounded shoulders of 0.5 mm, less their corners."""
     if design.film is None or design.slot is None:
         return 0.0
-    long = design.skin.length + design.film.lead
-    if design.mold.method == "cast-in":  # through both end plates
-        long += 2 * design.mold.end_plate
-    return 2 * design.ridge.count * design.film.thickness * design.slot.depth * long
+    beyond = design.film.lead
+    if design.mold.method == "cast-in":
+        beyond += 2 * design.mold.end_plate + 2.0 + design.skin.length * (1 / (1 - shrinkage(design)) - 1)
+    wide = max(5.04, design.slot.depth + 3.5)
+    tab = 9.5 * wide + 0.5 * design.slot.depth + 2 * (1 - math.pi / 4) * 0.25 - 0.5
+    strip = design.slot.depth * (design.skin.length + beyond) + tab
+    return 2 * design.ridge.count * design.film.thickness * strip
 
 
 def drawn(

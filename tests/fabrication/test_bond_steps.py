@@ -67,13 +67,13 @@ def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() ->
     assert int(re.search(r"(\d+) mm long, cut or etched as arcs", text)[1]) == math.ceil(long)
     assert "the last 6 mm at end b thinned to 0.019 mm" in text
     assert "above 0.057 mm it jams" in steps[place(steps, GLUE)]
-    assert "over the last 4 mm of the wired end" in steps[place(steps, PRIMER)]  # a lead of 8, a plate of 4
+    assert "over the last 14 mm of the wired end" in steps[place(steps, PRIMER)]  # lead 8, tab 10, plate 4
 
 
 @pytest.mark.parametrize(("side", "drawn"), [("a", "b"), ("b", "a")])
 def test_the_wired_end_is_masked_and_comes_last(yamada: Design, side: str, drawn: str) -> None:
     steps = order(sheet(yamada.with_(film={"wiring_side": side})))
-    assert f"the last 8 mm of the wired end (end {side})" in steps[place(steps, PRIMER)]
+    assert f"the last 18 mm of the wired end (end {side})" in steps[place(steps, PRIMER)]
     assert "its number and + side written on it" in steps[place(steps, PRIMER)]
     assert f"tail at end {side}" in steps[place(steps, GLUE)]
     assert f"draw it out along y, towards end {drawn}" in steps[place(steps, MIX)]
@@ -107,7 +107,7 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "and 2 to spare",
         "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
         "isopropanol, 37 ml, and 54 lint-free wipes",  # 10 and 0.5 a wipe; one a strip, two a shim
-        "masking tape, 0.32 m",  # 20 folded over 8 mm
+        "masking tape, 0.72 m",  # 20 folded over lead and tab, 18 mm
         "cyanoacrylate, 1 g",
         "2 g more of the silicone",
         "10.7 g together, and 0.3 m of thread",  # 0.105 N

@@ -62,7 +62,8 @@ def test_the_mass_is_what_stays_on_the_carrier(yamada: Design) -> None:
     closed = mold(yamada)
     held = [c for c in closed.part("carrier").cuts if c.role in (CutRole.RIVET, CutRole.VENT)]
     silicone = section(yamada).area * 12.0 + 18 * (0.05 - 0.028) * 0.25 * 12.0 + sum(c.volume for c in held)
-    films = 18 * 0.028 * 0.25 * (12.0 + 8.0)  # with their leads
+    tab = 9.5 * 5.04 - 0.5 + 0.5 * 0.25 + 2 * (1 - math.pi / 4) * 0.25  # less its corner, with its shoulders
+    films = 18 * 0.028 * (0.25 * (12.0 + 8.0) + tab)  # with leads and tabs
     assert found.nominal == pytest.approx(silicone * 1080e-6 + films * 1780e-6, rel=1e-9)
     assert found.low < 0.97 * found.nominal < 1.03 * found.nominal < found.high
 

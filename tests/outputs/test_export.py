@@ -123,16 +123,17 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
     drawing = ezdxf.readfile(made.folder / "strips.dxf")
     cuts = dxf_loops(made.folder / "strips.dxf")["CUT"]
     assert len(cuts) == 18
-    size = np.ptp(np.array([s.start for s in cuts[0]]), axis=0)
-    assert size == pytest.approx([12.0 + 8.0 + GLUED, 0.25], abs=1e-12)  # skin, lead, tail
+    places = np.array([s.start for s in cuts[0]])
+    assert np.ptp(places, axis=0) == pytest.approx([12.0 + 8.0 + GLUED + 10.0, 5.04], abs=1e-12)  # and tab
+    assert np.ptp(places[places[:, 0] < 6.0], axis=0)[1] == pytest.approx(0.25, abs=1e-12)
     labels = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
     assert labels[:3] == ["1 S1", "1 S2", "2 S1"]
     assert labels.count("+") == 18
     assert {entity.dxf.layer for entity in drawing.modelspace()} == {
+        "BACK",
         "CUT",
         "DIMENSIONS",
-        "ELECTRODE",
-        "LEAD",
+        "FRONT",
         "MARK",
     }
 
@@ -154,61 +155,63 @@ def test_a_strip_that_is_cast_in_has_its_area_by_formula(side: str, tmp_path: Pa
     # straight: the skin as poured, both end plates, stub and lead; then shoulders, tabs, less the corner
     straight = 0.375 * (18 / 0.999 + 2 * 4 + STUB + 10)
     shoulders = 2 * (0.375 * SHOULDER + 2 * (1 - math.pi / 4) * SHOULDER**2)
-    tabs, corner = 2 * 8.0 * 3.0, 1.5**2 / 2
+    # a tail for a weight; the tab with the pads, 5.04 wide, less the corner; beyond it the other weight's
+    tabs, corner = 8.0 * 3.0 + 9.5 * 5.04 + 3.0 * 3.04, 1.0**2 / 2
     for outline in outlines:
         assert area(outline) == pytest.approx(straight + shoulders + tabs - corner, rel=1e-9)
     for hole in holes:
         assert area(hole) == pytest.approx(math.pi * HOLE**2, rel=1e-9)
-    sensed, lead = area(loops["ELECTRODE"][0]), area(loops["LEAD"][0])
-    assert sensed == pytest.approx((0.375 - 0.06) * (18 / 0.999 - 0.03), rel=1e-9)
-    assert lead == pytest.approx((0.375 - 0.06) * (4 + 10 - 0.03), rel=1e-9)
 
 
 def test_a_strip_behind_a_shim_has_its_area_by_formula(yamada: Design, tmp_path: Path) -> None:
+    """Straight, one shoulder, and the tab: label, pads, bare film round them and the cut corner."""
     loops = pattern(yamada, tmp_path)
-    assert area(loops["CUT"][0]) == pytest.approx(0.25 * 25 - 0.125**2 / 2, rel=1e-9)
-    assert area(loops["ELECTRODE"][0]) == pytest.approx((0.25 - 0.04) * (12 - 0.02), rel=1e-9)
-    # clear of the corner that is cut off there, half a strip's width
-    assert area(loops["LEAD"][0]) == pytest.approx((0.25 - 0.04) * (8 - 0.02 - 0.125), rel=1e-9)
+    shoulder = 0.25 * SHOULDER + 2 * (1 - math.pi / 4) * SHOULDER**2
+    tab = (4.5 + 0.5 + 3.0 + 0.5 + 1.0) * 5.04 - 1.0**2 / 2
+    assert area(loops["CUT"][0]) == pytest.approx(0.25 * 25 + shoulder + tab, rel=1e-9)
 
 
 @pytest.mark.parametrize("side", ["a", "b"])
 def test_a_drawn_in_strips_tail_is_at_its_unwired_end(side: str, tmp_path: Path, yamada: Design) -> None:
-    """Its contact never goes through wet silicone; the mark at which the tail is cut is the skin's end."""
+    """Its contact never goes through the slot; the mark at which the tail is cut is the skin's end."""
     cut = pattern(yamada.with_(film={"wiring_side": side}), tmp_path)["CUT"][0]
     ends = sorted(abs(f(p.start.x for p in cut)) for f in (min, max))
-    assert ends == pytest.approx([6.0 + GLUED, 6.0 + 8.0])
+    assert ends == pytest.approx([6.0 + GLUED, 6.0 + 8.0 + 10.0])  # lead and tab
     assert (max(p.start.x for p in cut) > 12.0) == (side == "b")
 
 
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
 @pytest.mark.parametrize("side", ["a", "b"])
-def test_electrode_and_lead_keep_their_margin_and_strips_lie_apart(
-    name: str, side: str, tmp_path: Path
-) -> None:
+def test_metal_keeps_its_margin_and_strips_lie_apart(name: str, side: str, tmp_path: Path) -> None:
+    """Where both faces have metal; a lead alone goes up to its own edge, and the other face is bare there."""
     design = skincad.load(name, [f'film.wiring_side="{side}"'])
     loops = pattern(design, tmp_path)
     cuts = [shapely.Polygon(polygon(loop, 1e-4)) for loop in loops["CUT"] if len(loop) > 2]
     assert all(a.distance(b) > 1.9 for a, b in pairwise(cuts))
-    margin = design.film.electrode_margin
-    for layer in ("ELECTRODE", "LEAD"):
-        for cut, metal in zip(cuts, loops[layer], strict=True):
-            inside = shapely.Polygon(polygon(metal, 1e-4))
-            assert cut.contains(inside)
-            assert cut.exterior.distance(inside) > margin - 1e-9
-    sides = [np.mean([s.start.x for s in loops[layer][0]]) for layer in ("ELECTRODE", "LEAD")]
-    assert (sides[1] > sides[0]) == (side == "b")
+    margin = design.film.margin
+    assert margin == 0.04
+    for cut, *faces in zip(cuts, loops["FRONT"], loops["BACK"], strict=True):
+        front, back = (shapely.Polygon(polygon(face, 1e-4)) for face in faces)
+        assert cut.buffer(1e-9).contains(front.union(back))
+        assert cut.exterior.distance(front.intersection(back)) > margin - 1e-9
+        edges = [cut.exterior.intersection(face.buffer(1e-6)) for face in (front, back)]
+        assert edges[0].distance(back) > margin - 2e-6  # the buffer of 1e-6
+        assert edges[1].distance(front) > margin - 2e-6
+    middle = np.mean([s.start.x for s in loops["FRONT"][0]])
+    assert (middle > 0) == (side == "b")
 
 
 def test_the_corner_that_tells_the_sides_is_at_the_wiring_end_and_the_ridges(tmp_path: Path) -> None:
-    """Ridges are below in the drawing, so the missing corner pulls the centroid up and off the wiring end."""
+    """Ridges are below in the drawing. The tab's corner, not that of the piece beyond for a weight."""
     for side, sign in (("a", -1), ("b", 1)):
         design = skincad.load("cast-in", [f'film.wiring_side="{side}"'])
         loop = pattern(design, tmp_path)["CUT"][0]
         corners = {(round(s.start.x, 6), round(s.start.z, 6)) for s in loop}
-        far, foot = max(sign * x for x, _ in corners), min(z for _, z in corners)
+        high, foot = max(z for _, z in corners), min(z for _, z in corners)
+        far = max(sign * x for x, z in corners if z == high)
         assert (round(sign * far, 6), foot) not in corners
-        assert (round(sign * far, 6), max(z for _, z in corners)) in corners
+        assert (round(sign * (far - 1.0), 6), foot) in corners
+        assert (round(sign * far, 6), round(foot + 1.0, 6)) in corners
 
 
 def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
@@ -217,8 +220,8 @@ def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
     classes = [path.attrib["class"] for path in root.findall(f"{space}path")]
     assert {name: classes.count(name) for name in set(classes)} == {
         "cut": 18,
-        "electrode": 18,
-        "lead": 18,
+        "front": 18,
+        "back": 18,
         "mark": 18,
     }
     left, top, wide, high = map(float, root.attrib["viewBox"].split())
@@ -276,11 +279,15 @@ def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: P
 
 @pytest.mark.parametrize("side", ["a", "b"])
 def test_a_hooks_hole_is_its_radius_from_its_tabs_end(side: str, tmp_path: Path) -> None:
-    """And from the tab's sides: the film that bears the weight is as wide all round."""
+    """The film that bears the weight is as wide all round, or wider: at the wiring end the piece for a weight
+    is 3.04 mm wide, and its tab is wider."""
     loops = pattern(skincad.load("cast-in", [f'film.wiring_side="{side}"']), tmp_path)["CUT"]
     tabs = [shapely.Polygon(polygon(loop, 1e-5)).bounds for loop in loops if len(loop) > 2]
     holes = [shapely.Polygon(polygon(loop, 1e-5)).bounds for loop in loops if len(loop) == 2]
     low, low_z, high, high_z = tabs[0]
     first, last = sorted(h for h in holes if low_z < h[1] < high_z)
     assert (first[0] - low, high - last[2]) == pytest.approx((HOLE, HOLE), abs=1e-4)
-    assert (first[1] - low_z, high_z - first[3]) == pytest.approx((HOLE, HOLE), abs=1e-4)
+    whole = shapely.Polygon(polygon(next(loop for loop in loops if len(loop) > 2), 1e-5))
+    for hole in (first, last):
+        beside = whole.exterior.distance(shapely.box(*hole).centroid)
+        assert 2 * HOLE - 1e-4 < beside < 2 * HOLE + 0.03

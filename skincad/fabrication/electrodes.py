@@ -1,0 +1,149 @@
+"""The metal on a strip's two faces: electrodes over each other in the skin, leads side by side outside it,
+and a contact pad for each face.
+
+Film feels wherever metal lies on both of its faces. So the leads of the faces are offset, as is usual for
+small film (Measurement Specialties, piezo film technical manual, offset lead-attach tabs): the front's runs
+along the strip's edge away from the ridge, the back's along the other, and they end in pads beside each other
+on a tab. A tab may be wider than the slot: of a strip that is drawn in, the other end goes through the slot.
+
+In a strip's own frame: x along it, 0 in the skin's middle, its wiring side at +x; z across, the ridge below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import shapely
+
+from skincad.fabrication.finding import Finding
+from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import Film
+from skincad.shape.curves import Loop, Point, loop, rectangle
+
+PITCH = 2.54  # mm, source: 0.1 inch, crimps and clinchers for flat cable (TE 108-9024, FCI BUS-12-022)
+PAD = (3.0, 1.5)  # mm, length and width; assumption: those crimps' conductors are 1.27 wide (TE 108-9024)
+EDGE = 0.5  # mm, assumption: bare film round pads on their tab, by which it is held
+LINK = 1.0  # mm, assumption: width of the metal from a lead to its pad
+SHOULDER = 0.5  # mm, assumption: fillet between strip and tab, or the film tears there
+LABEL = (4.5, 1.0)  # mm: room along a tab, in which "15 S2" is 3.9 long; height of letters, assumption
+CORNER = 1.0  # mm, assumption: legs of the corner cut off a tab at the ridge's side, to be seen and felt
+LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
+
+
+class Faces(NamedTuple):
+    """Outlines of the metal, mm: of the front, which is the + side, and of the back, both as seen from the
+    front; where they overlap; and their pads."""
+
+    front: Loop
+    back: Loop
+    overlap: Loop
+    pads: tuple[Loop, Loop]
+
+
+def half_gap(film: Film, depth: float) -> float:
+    """Return half of what lies between the two faces' leads across a strip, mm: each may be off by the
+    registration. Where that leaves no lead, a third of the electrode, and `electrode_findings` says so."""
+    return min(film.registration, (depth / 2 - film.margin) / 3)
+
+
+def half_tab(film: Film, depth: float) -> float:
+    """Return half the width of the tab, mm: for the pads, and for the label beside the leads."""
+    return max((PITCH + PAD[1]) / 2 + _edge(film), aside(depth) + LABEL[1] + EDGE)
+
+
+def aside(depth: float) -> float:
+    """Return how far from a tab's middle its label begins, mm: clear of the leads, which a mark could cut."""
+    return depth / 2 + EDGE / 2
+
+
+def tab(film: Film) -> tuple[float, float]:
+    """Return where the pads begin and where the tab ends, mm beyond the straight lead: first the label, and
+    the pads near the end, which crimps and clinchers grip."""
+    first = SHOULDER + LABEL[0] + _edge(film)
+    return first, first + PAD[0] + CORNER + _edge(film)
+
+
+def _edge(film: Film) -> float:
+    return max(EDGE, film.margin)
+
+
+def faces(film: Film, depth: float, half: float, straight: float) -> Faces:
+    """Return the metal of a strip of this `depth` in a skin of length 2 `half`, whose straight part ends at
+    x = `straight`, mm.
+
+    A lead fills its half of the strip up to the cut: there the other face is bare, so that no cut shorts it.
+    """
+    e, inside, i = depth / 2 - film.margin, half - film.margin, half_gap(film, depth)
+    first, out = straight + tab(film)[0], (PITCH + PAD[1]) / 2
+    pad = (first, out - PAD[1], first + PAD[0], out)
+    boxes = [
+        (-inside, -e, inside, e),
+        (inside, i, first + LINK, min(depth / 2, out)),
+        (first, i, first + LINK, out),
+        pad,
+    ]
+    front = _outline(boxes)
+    back = _outline([(left, -high, right, -low) for left, low, right, high in boxes])
+    left, low, right, high = pad
+    pads = rectangle(left, right, low, high), rectangle(left, right, -high, -low)
+    return Faces(front, back, rectangle(-inside, inside, -e, e), pads)
+
+
+def _outline(boxes: list[tuple[float, float, float, float]]) -> Loop:
+    """The outline of boxes that touch each other, counterclockwise."""
+    whole = shapely.normalize(shapely.unary_union([shapely.box(*box) for box in boxes]).simplify(0.0))
+    return loop([Point(x, z) for x, z in shapely.orient_polygons(whole).exterior.coords[:-1]])
+
+
+def past_tabs(design: Design) -> str:
+    """Return how an end plate comes off strips with tabs outside it."""
+    side = design.film.wiring_side if design.film else "b"
+    return (
+        f"End plate {side} has the tabs outside it: when its bolts are out, slide it along the leads until "
+        "it is off its pins, then lift the keeper off and lower the comb."
+    )
+
+
+def electrode_findings(design: Design) -> list[Finding]:
+    """Return the rules `lead width`, `electrode margin` and `strip tab`; none without film."""
+    if design.film is None or design.slot is None:
+        return []
+    film, depth = design.film, design.slot.depth
+    return [*_lead(film, depth), *_margin(film), *_tab(design, film)]
+
+
+def _lead(film: Film, depth: float) -> Iterator[Finding]:
+    """Where a lead leaves its electrode, and along the strip's edge, at the worst of the tolerances."""
+    lost = film.registration + max(film.margin, film.cut_tolerance + film.registration)
+    narrowest = depth / 2 - lost
+    if narrowest < LEAST_LEAD - 1e-9:  # mm, rounding
+        deep = math.ceil(1e3 * 2 * (LEAST_LEAD + lost) - 1e-6) / 1e3
+        remedy = (
+            f"slot.depth of {deep:g} mm or more, or a finer film.registration and film.cut_tolerance: two "
+            "leads lie side by side in a strip"
+        )
+        where = "leads of both faces, side by side in a strip"
+        yield Finding("lead width", where, narrowest, LEAST_LEAD, "mm", "error", remedy)
+
+
+def _margin(film: Film) -> Iterator[Finding]:
+    needs = film.cut_tolerance + film.registration
+    if film.margin < needs - 1e-9:
+        where = "electrodes, bare at a cut edge: a cut through both shorts them"
+        remedy = f"leave film.electrode_margin out, or {needs:g} mm; or a finer cutter and registration"
+        yield Finding("electrode margin", where, film.margin, needs, "mm", "warning", remedy)
+
+
+def _tab(design: Design, film: Film) -> Iterator[Finding]:
+    """A tab outside an end plate, which then must slide off its pins along the lead before comb and keeper
+    part round it. The end plates of straight shims are off before there is a film."""
+    thick, cast_in = design.mold.end_plate, design.mold.method == "cast-in"
+    if not cast_in and design.skin.curvature_radius_y is None:
+        return
+    free = film.lead if cast_in else film.lead - thick
+    if free < thick:
+        where = f"lead between end plate {film.wiring_side} and the tab with the pads"
+        remedy = f"film.lead of {film.lead + thick - free:g} mm or more, for the plate to slide off its pins"
+        yield Finding("strip tab", where, free, thick, "mm", "warning", remedy)

@@ -1,0 +1,108 @@
+"""The metal on both faces of a strip, and what is said where it finds no room."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import skincad
+from skincad.fabrication.electrodes import (
+    LEAST_LEAD,
+    PAD,
+    PITCH,
+    aside,
+    electrode_findings,
+    faces,
+    half_gap,
+    half_tab,
+    tab,
+)
+from skincad.fabrication.finding import Finding
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.shape.curves import area
+
+
+def by_rule(design: Design) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in electrode_findings(design)}
+
+
+def test_a_faces_metal_by_hand(yamada: Design) -> None:
+    """Electrode, lead to the link's end, the link above the lead, and the pad beyond the link."""
+    film = yamada.film
+    assert film is not None
+    found = faces(film, 0.25, 6.0, 14.0)
+    sensed = 2 * (6 - 0.04) * 2 * (0.125 - 0.04)
+    first = 14.0 + 0.5 + 4.5 + 0.5
+    lead = (first + 1.0 - (6 - 0.04)) * (0.125 - 0.02)
+    rest = 1.0 * (2.02 - 0.125) + 2.0 * 1.5
+    for metal in (found.front, found.back):
+        assert area(metal) == pytest.approx(sensed + lead + rest, rel=1e-12)
+    assert area(found.overlap) == pytest.approx(sensed, rel=1e-12)
+    assert [area(pad) for pad in found.pads] == pytest.approx([PAD[0] * PAD[1]] * 2)
+    heights = [sum(s.start.z for s in pad) / 4 for pad in found.pads]
+    assert heights == pytest.approx([PITCH / 2, -PITCH / 2])
+    assert {s.start.x for s in found.front} == {s.start.x for s in found.back}
+    assert {s.start.z for s in found.front} == {-s.start.z for s in found.back}
+
+
+def test_tolerances_make_the_margin_and_the_gap(yamada: Design) -> None:
+    coarse = yamada.with_(film={"cut_tolerance": 0.03, "registration": 0.01}).film
+    given = yamada.with_(film={"electrode_margin": 0.06}).film
+    assert yamada.film is not None
+    assert coarse is not None
+    assert given is not None
+    assert (yamada.film.margin, coarse.margin, given.margin) == pytest.approx((0.04, 0.04, 0.06))
+    assert [half_gap(film, 0.25) for film in (yamada.film, coarse)] == pytest.approx([0.02, 0.01])
+    assert half_gap(yamada.film, 0.1) == pytest.approx(0.01 / 3)  # a third of what is left beside the margin
+
+
+def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
+    film = yamada.film
+    assert film is not None
+    assert half_tab(film, 0.25) == pytest.approx((2.54 + 1.5) / 2 + 0.5)
+    assert half_tab(film, 6.0) == pytest.approx(aside(6.0) + 1.5)  # the label is beside leads of 3 mm each
+    assert tab(film)[1] - tab(film)[0] == pytest.approx(3.0 + 0.5 + 1.0)  # pad, bare film, cut corner
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_templates_have_no_finding(name: str) -> None:
+    assert electrode_findings(skincad.load(name)) == []
+
+
+def test_a_narrow_strip_has_no_room_for_two_leads(yamada: Design) -> None:
+    """0.2 mm: half of it less margin and registration, 0.04 and 0.02, leaves 0.04 of metal."""
+    narrow = yamada.with_(slot={"depth": 0.2})
+    found = by_rule(narrow)["lead width"]
+    assert (found.severity, found.measured, found.limit) == ("error", pytest.approx(0.04), LEAST_LEAD)
+    deep = float(re.search(r"slot.depth of ([\d.]+) mm", found.remedy)[1])  # type: ignore[index]
+    assert deep == pytest.approx(0.22)
+    assert "lead width" not in by_rule(yamada.with_(slot={"depth": deep}))
+    assert "lead width" in by_rule(yamada.with_(slot={"depth": deep - 0.001}))
+
+
+def test_without_a_margin_the_cut_narrows_the_lead(yamada: Design) -> None:
+    """The lead lies at the edge, which may be off by 0.02, and so may the lead, and the other one."""
+    narrow = yamada.with_(slot={"depth": 0.2}, film={"electrode_margin": 0.0})
+    assert by_rule(narrow)["lead width"].measured == pytest.approx(0.1 - 0.02 - 0.04)
+
+
+def test_a_margin_below_the_tolerances_is_told(yamada: Design) -> None:
+    thin = by_rule(yamada.with_(film={"electrode_margin": 0.02}))["electrode margin"]
+    assert (thin.severity, thin.measured, thin.limit) == ("warning", 0.02, pytest.approx(0.04))
+    assert by_rule(yamada.with_(film={"electrode_margin": 0.04})) == {}
+
+
+@pytest.mark.parametrize("lead", [3.9, 4.1])
+def test_an_end_plate_must_slide_off_its_pins_between_skin_and_tab(lead: float) -> None:
+    """Of strips that are cast in; and of a bent skin's, whose lead goes through the plate of 4 mm besides."""
+    cast = skincad.load("cast-in", [f"film.lead={lead}"])
+    bent = skincad.load("yamada-2002", ["skin.curvature_radius_y=200", f"film.lead={4 + lead}"])
+    for design in (cast, bent):
+        assert ("strip tab" in by_rule(design)) == (lead < 4.0)
+    assert "strip tab" not in by_rule(skincad.load("yamada-2002", ["film.lead=1.0"]))
+
+
+def test_no_film_no_electrodes() -> None:
+    assert electrode_findings(skincad.load("plain-ridges")) == []
