@@ -41,7 +41,13 @@ def _over_one(solids: Mapping[str, Any], number: str, kit: Kit) -> float:
     for cavity in cavities:
         seat = seat - cavity
     over = kit.block(((left, cover[0][1], cover[0][2]), (right, cover[1][1], cover[1][2]))) - solids["cover"]
+    through = []
+    if seal := solids.get("seal"):  # beside it are walls, a gap away
+        low, high = kit.bounds(seal)
+        sheet = (around[0][0], low[1], low[2]), (around[1][0], high[1], high[2])
+        through = _from(low[2], kit.block(sheet) - seal, kit)
     spaces = [
+        *through,
         *_from(back, seat, kit),  # not what is drilled from above only
         *_from(cover[0][2], over, kit),
         *_gates(solids.get("end-a-keeper") or solids["end-a"], kit.bounds(skin), kit),

@@ -63,8 +63,8 @@ def _taken_off(design: Design) -> list[str]:
         "Take the end plates' bolts out; the cover stays on. "
         + ("Cut the sprue at the gate, and slide" if gate(design) else "Slide")
         + f" the end plates off {slides} with a screwdriver in the notches at their sides.",
-        f"Take the cover's {held} off and lift it where it overhung the end plates; the silicone in the "
-        "reservoir and the bleeds tears off, or is cut flush.",
+        f"Take the cover's {held} off and lift it where it overhung the end plates, with the foam; the "
+        "silicone in the reservoir and the bleeds tears off, or is cut flush.",
     ]
 
 

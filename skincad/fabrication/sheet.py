@@ -19,7 +19,8 @@ from skincad.inputs.catalog import entitled
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
-from skincad.solids.body import Bore
+from skincad.solids.body import Bore, Prism
+from skincad.solids.closing import LEFT
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import cavity_process, end_process, fits, is_clamped, lid_process
@@ -87,6 +88,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
     lengths = ", ".join(f"{count} of at most {size}" for size, count in pins.items())
     bought = [
         *_bolts(design, closed, through),
+        *_seal(closed),
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
         "fit, the end plates and the cavity's top for a sliding fit",
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
@@ -138,6 +140,17 @@ def _bolts(design: Design, closed: ClosedMold, through: float) -> list[str]:
     long = longer(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
     kind = "bolts, ISO 4762" if long <= LENGTHS[-1] else "threaded rods with nuts at both ends"
     return [f"M3 {kind}: {count} M3 x {long:g} along y, {ends}", upper, tight]
+
+
+def _seal(closed: ClosedMold) -> list[str]:
+    """The foam under the cover, as it is bought and as it lies."""
+    highs = [s.body.high - s.body.low for s in closed.of(PartRole.SEAL) if isinstance(s.body, Prism)]
+    return [
+        f"closed-cell EVA foam, a sheet of {high / LEFT:.3g} mm, cut to carrier and end plates with the "
+        f"cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so that it follows what "
+        "these stand higher or lower by their processes' tolerances"
+        for high in highs
+    ]
 
 
 def _shrinkage(design: Design, closed: ClosedMold) -> str:
@@ -218,7 +231,7 @@ def _fastened(design: Design) -> str:
 
 def _by_syringe(design: Design, back: str) -> list[str]:
     return [
-        f"Lay the carrier on its ledge ({back}), then cover and {_fastened(design)}.",
+        f"Lay the carrier on its ledge ({back}), then the foam, cover and {_fastened(design)}.",
         f"{DEGAS} Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
         "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
         + filled_slowly(design),
@@ -234,8 +247,8 @@ def _open(design: Design, back: str) -> list[str]:
         + filled_slowly(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",
-        f"Cover and {_fastened(design)}; silicone rises in the bleeds and in the reservoir. Fill up through "
-        "the reservoir.",
+        f"Lay on the foam, cover and {_fastened(design)}; silicone rises in the bleeds and in the reservoir. "
+        "Fill up through the reservoir.",
     ]
 
 

@@ -73,6 +73,7 @@ def void(design: Design, closed: ClosedMold) -> Void:
         *(Space("vent", bore, PartRole.CARRIER) for bore in bores(carrier, CutRole.VENT)),
         *(Space("carrier hole", bore, PartRole.CARRIER, number=i) for i, bore in rivets),
         *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(design, carrier.body)),
+        *(Space("seal", bore, PartRole.COVER) for part in closed.of(PartRole.SEAL) for bore in bores(part)),
         *(Space("cover", bore, PartRole.COVER, top) for bore in over),
         *(Space("gate", cut, PartRole.END_PLATE) for cut in plates if cut.role is CutRole.GATE),
     ]

@@ -23,6 +23,7 @@ def apart(part: Part, closed: ClosedMold) -> Array:
         return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
     places = {
         PartRole.COVER: (0.0, 0.0, 2.3 * high),
+        PartRole.SEAL: (0.0, 0.0, 2.0 * high),
         PartRole.COVER_PIN: (0.0, 0.0, 2.3 * high),
         PartRole.CARRIER: (0.0, 0.0, 1.7 * high),
         PartRole.SKIN: (0.0, 0.0, 1.0 * high),

@@ -133,7 +133,7 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
         raise InputError(key, rule + f"{BESIDE:g} mm", design.skin.curvature_radius_y, remedy)
     out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
     keying = place.keying[1], 0.0  # there is no room along y
-    lids = place._replace(top=top, end=end, cover=on_grid(out))
+    lids = place._replace(back=top, top=top, end=end, cover=on_grid(out))
     bolts = (place.outer, bolt), (-place.outer, -bolt)
     return lids._replace(bolts=bolts, pin_along=hole, keying=keying)
 
@@ -235,7 +235,7 @@ def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
     flat = carrier(design, lids)
     half = grid.half - math.asin(gap / grid.centre)
     wide = lids.trough - gap
-    body = Prism(seat(grid, half, lids.top, gap), "x", -wide, wide, grid=grid)
+    body = Prism(seat(grid, half, lids.back, gap), "x", -wide, wide, grid=grid)
     cuts = [_from_back(cut, grid) for cut in flat.cuts if isinstance(cut, Bore)]
     kept = (cut for cut in cuts if cut.role is not CutRole.PULL or cut.length >= LEAST_PULL)
     return replace(flat, body=body, cuts=tuple(kept))

@@ -13,6 +13,10 @@ import math
 from typing import NamedTuple
 
 PRESSURE = 0.01  # MPa, assumption: 10 kPa, a syringe pushed by hand after the mold is full
+SHEETS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)  # mm, assumption: as closed-cell foam is sold
+LEFT = 0.7  # assumption: of a sheet's thickness, under the cover; by 0.5 to 0.9 it seals
+PLAY = 0.2  # of its thickness, that follows from it, up and down
+SQUEEZE = 0.06  # MPa, source: makers' data sheets, EVA foam of 100 kg/m3 squeezed by 30 %; at 10 % it is 0.02
 BOW = 0.02  # mm, assumption: what the cover may bow under it; a flash as thin is wiped off
 COVER = 4.0  # mm, assumption: least thickness, for its pins and the cup
 TWISTED = 2.6  # of the skin's length, by finite elements: a gang's cover twists on rows of one screw each
@@ -74,3 +78,9 @@ def closed_by(
             return row, least
     row = min(choices, key=lambda each: each.reach)
     return row, given or thick_enough(Spans(across, load, row.reach), modulus, stock)
+
+
+def seal(stack: float) -> float:
+    """Return the thickness of the foam sheet that stays squeezed by 10 to 50 % where what it lies on is up to
+    `stack` mm higher or lower; the thickest there is where none does."""
+    return next((sheet for sheet in SHEETS if PLAY * sheet >= stack - 1e-9), SHEETS[-1])

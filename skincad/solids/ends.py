@@ -48,11 +48,11 @@ def end_plates(design: Design, shape: Section, place: Layout, end: End) -> list[
     lower += _pry(design, place, end, (place.bottom, place.split))
     lower += _marks(design, place, end)
     upper = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.keeper_bolt)]
-    upper += _pry(design, place, end, (place.split, place.top - bevel(design)))
+    upper += _pry(design, place, end, (place.split, place.back - bevel(design)))
     if end == "a" and (opening := gate_bore(design, shape)):
         upper += [moved(opening, x) for x in place.centres]
     upper += [_bevelled(design, place, end)] if bent else []
-    top = place.top + BEVELLED if bent else place.top
+    top = place.back + BEVELLED if bent else place.back
     if not shape.slots:
         body = box(place.half, (low, high), (place.bottom, top), "y")
         return [Part(f"end-{end}", PartRole.END_PLATE, body, (*lower, *upper), end)]
@@ -70,7 +70,7 @@ def _bolt(design: Design, place: Layout, end: End, low: float, x: float, z: floa
     of a doubly curved mold are not parallel: each has its own screws into the cavity."""
     thick = design.mold.end_plate
     depth = min(NUT_DEPTH, thick - LEAST_UNDER_NUT)
-    fits_in = min(z - place.bottom, place.top - z, abs(z - place.split)) >= place.nut + BESIDE
+    fits_in = min(z - place.bottom, place.back - z, abs(z - place.split)) >= place.nut + BESIDE
     through = Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)
     if design.skin.curvature_radius_y is None and end == "b":
         if not end_fits(design).printed and thick >= engagement(end_process(design)):
@@ -115,8 +115,8 @@ def _nick(role: CutRole, side: float, face: float, into: float, levels: tuple[fl
 def _bevelled(design: Design, place: Layout, end: End) -> Prism:
     """What is cut off a plate that leans inward, so that its top is level with the cavity's: from the
     cavity's edge on its inner face down to its outer face. In its own frame."""
-    top, out = place.top + BEVELLED, place.end + design.mold.end_plate
-    points = [Point(place.end, place.top), Point(out, place.top - bevel(design)), Point(out, top)]
+    top, out = place.back + BEVELLED, place.end + design.mold.end_plate
+    points = [Point(place.end, place.back), Point(out, place.back - bevel(design)), Point(out, top)]
     points.append(Point(place.end, top))
     side = points if end == "b" else [Point(-p.x, p.z) for p in reversed(points)]
     return Prism(loop(side), "x", -place.half, place.half, role=CutRole.BEVEL)

@@ -23,7 +23,7 @@ from skincad.inputs.process import Process, processes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Prism
-from skincad.solids.closing import Row, Spans, closed_by, rows
+from skincad.solids.closing import LEFT, SQUEEZE, Row, Spans, bow, closed_by, rows, seal
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.roles import CutRole
 from skincad.solids.screws import TAP_RADIUS, blind
@@ -65,7 +65,8 @@ class Layout(NamedTuple):
     half: float  # block, along x
     end: float  # cavity's y end
     bottom: float
-    top: float
+    back: float  # top of carrier and end plates
+    top: float  # of the cavity, on which the cover lies; a seal is squeezed between
     trough: float  # half width of the carrier's seat
     lanes: tuple[float, ...]  # x of the bolts along y
     pins: tuple[float, float]  # x of the end plates' pins
@@ -144,7 +145,11 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     broken += _length(design)
     split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
-    top, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, "the keeper's bolts")
+    back, thin = _room(
+        "mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, "the keeper's bolts"
+    )
+    straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
+    top = on_grid(back + LEFT * seal(stack(design, spans, lid))) if straight else back
     need = lowest - split + 2 * (nut + EDGE)
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
@@ -161,6 +166,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         half=centres[-1] + skin.width / 2 + wall,
         end=skin.length / 2,
         bottom=bottom,
+        back=back,
         top=top,
         trough=trough,
         lanes=(-inner, *(x - (aside_row if count > 1 else 0.0) for x in between), inner),
@@ -175,7 +181,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         split=split,
         comb_bolt=bolt,
         comb_pin=bolt,
-        keeper_bolt=(split + top - bevel(design)) / 2,
+        keeper_bolt=(split + back - bevel(design)) / 2,
         keying=(key, 0.0) if short else (0.0, key),
         nut=nut,
     )
@@ -195,6 +201,16 @@ def _closed(
     modulus, given = lid_process(design).part_modulus, design.mold.cover
     row, lid = closed_by(choices, wide, load, modulus, given, STOCK)
     return row, lid, Spans(wide, load, row.reach)
+
+
+def stack(design: Design, spans: Spans, lid: float) -> float:
+    """Return by how much what the seal lies on may be higher or lower against the cavity's top than designed,
+    mm, every part at the worst end of its process's tolerance: a carrier on its ledge, or a keeper on its
+    comb, which slides on pins; and by how much the seal itself bows the cover."""
+    block, ends, lids = cavity_process(design), end_process(design), lid_process(design)
+    carried = block.tolerance + lids.tolerance
+    kept = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
+    return max(carried, kept) + bow(spans, lid, lids.part_modulus, SQUEEZE)
 
 
 def _bolts(across: tuple[float, ...], row: Row, diagonal: float) -> tuple[tuple[float, float], ...]:

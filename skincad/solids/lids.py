@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
-from skincad.solids.body import Bore, Vector
+from skincad.shape.curves import Point, loop, rectangle
+from skincad.solids.body import Bore, Prism, Vector
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BOLT_RADIUS,
@@ -51,7 +53,7 @@ def _vent(design: Design, place: Layout) -> Bore:
     if wide > room:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
     y = place.end - gap - wide / 2 - EDGE / 2
-    return Bore((0.0, y, 0.0), "z", place.top, wide / 2, role=CutRole.VENT)
+    return Bore((0.0, y, 0.0), "z", place.back, wide / 2, role=CutRole.VENT)
 
 
 def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
@@ -124,10 +126,10 @@ def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs."""
     vent, cup, rivets = _openings(design, place)
-    holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.top, *HOLD[:2])
+    holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
     half = place.end - gap
-    body = box(place.trough - gap, (-half, half), (0.0, place.top))
+    body = box(place.trough - gap, (-half, half), (0.0, place.back))
     filled = [(vent.start, vent.radius), (cup.start, cup.radius), *((bore.start, HOLD[1]) for bore in holes)]
     return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *_pulls(design, place, filled)))
 
@@ -135,7 +137,7 @@ def carrier(design: Design, place: Layout) -> Part:
 def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
     """Two tapped holes in the carrier's top that end over the silicone, opposite each other, as near to its
     middle as they clear all that silicone fills, by place and radius; none where they don't."""
-    thick, gap = place.top, design.mold.clearance
+    thick, gap = place.back, design.mold.clearance
     x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
     if thick < UNDER_PULL + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
@@ -165,6 +167,25 @@ def cover(design: Design, place: Layout) -> Part:
         *(moved(bore, x) for x in place.centres for bore in over),
     )
     return Part("cover", PartRole.COVER, box(place.half, (-end, end), (low, low + thick)), cuts)
+
+
+def seal_sheet(design: Design, place: Layout) -> Part:
+    """Return the foam between the cover and what may stand higher or lower than the cavity's top: carriers
+    and end plates. The cover lies on the cavity's walls beside it; cup and bleeds go on
+    through it."""
+    half, long, end, web = place.half, place.cover, place.end, place.trough - design.mold.clearance
+    out = place.centres[-1] + web
+    right = [(half, -long), (half, -end), (out, -end), (out, end), (half, end), (half, long)]
+    outline = loop([Point(*p) for p in (*right, *((-x, -y) for x, y in right))])
+    between = pairwise(place.centres)
+    holes = tuple(rectangle(a + web, b - web, -end, end) for a, b in between)
+    _, cup, rivets = _openings(design, place)
+    low, thick = place.back, place.top - place.back
+    over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)
+    bleeds = [_bleed(design, hole) for hole in rivets]
+    over += drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))
+    cuts = tuple(moved(bore, x) for x in place.centres for bore in over)
+    return Part("seal", PartRole.SEAL, Prism(outline, "z", low, place.top, holes), cuts)
 
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:

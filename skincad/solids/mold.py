@@ -2,7 +2,7 @@ r"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, c
 
     z up                 cover            vent in the carrier at +y, a cup over it
     ---------------------------------
-    | wall | ledge  carrier  | wall |     carrier lies on the ledge, flush with the cavity's top
+    | wall | ledge  carrier  | wall |     carrier lies on the ledge, under a seal as high as the walls
     |      |_     skin      _|      |     skin's back at z = 0
     |        |_/\/\/\/\/\_|        |     ridges' negative, open at both y ends
     |______________floor____________|
@@ -47,7 +47,7 @@ from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, 
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawn_to, pin, shims, strips
 from skincad.solids.layout import Layout, layout
-from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids
+from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids, seal_sheet
 from skincad.solids.plan import Part, moved
 from skincad.solids.roles import CAVITIES, END_PLATES, ENDS, End, PartRole
 from skincad.solids.shrinkage import poured
@@ -124,6 +124,7 @@ def mold(design: Design) -> ClosedMold:
     drawn, kept = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
     rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
+    rest.append(seal_sheet(design, place))
     rest += base_dowels(design, place) if ridges else []
     drawn, kept = _gang(place, drawn), _gang(place, kept)
     return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *drawn, *kept), ridges)
@@ -155,7 +156,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
     shims = [drawn._replace(travel=sign * drawn.travel)] if drawn.parts else []
     plates = [leave("y", y, *END_PLATES, end=end) for end, y in zip(ENDS, (-far, far), strict=True)]
-    lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN)
+    lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:
         steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.STRIP))

@@ -29,6 +29,7 @@ class PartRole(Enum):
     KEEPER = "upper part of an end plate", "end plates' keepers", "made", _GREEN
     CARRIER = "the skin's rigid backing", "carrier", "made", _GLASS
     COVER = "the lid", "cover", "made", _GLASS
+    SEAL = "foam between the cover and what it closes", "seal", "bought", _DARK
     SHIM = "what keeps a slot free", "shim", "bought", _STEEL
     STRIP = "a film that is cast in", "strip", "bought", _SILVER
     END_PIN = "dowel between cavity and end plate", "pin", "bought", _STEEL

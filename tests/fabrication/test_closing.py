@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import pytest
 
 import skincad
 from skincad.fabrication.closing import closing_findings
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
+from skincad.inputs.process import processes
+from skincad.solids.closing import SHEETS
 from skincad.solids.mold import mold
+from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -26,6 +32,66 @@ def test_a_thin_cover_is_told_with_the_thickness_that_does(name: str) -> None:
 
 def test_a_printed_cover_of_four_millimetres_over_a_wide_skin_bows() -> None:
     """Two screws held it, and nobody said that it gaped."""
-    (told,) = closing_findings(skincad.load("nozzle-04", ["mold.cover=4.0"]))
+    told, pushed = closing_findings(skincad.load("nozzle-04", ["mold.cover=4.0"]))
     assert told.rule == "cover bow"
     assert told.measured > 0.2
+    assert pushed.rule == "closing stack"  # six times as far by its own seal
+
+
+def worst(design: skincad.Design) -> tuple[float, float, float]:
+    """The seal's free thickness, and how high it is where carrier or keeper stand highest and lowest: by all
+    ends of all tolerances, part by part, mm."""
+    closed, known = mold(design), processes(design.printer)
+    sealed = closed.part("seal").body
+    sheet = (sealed.high - sealed.low) / 0.7
+    choice = design.mold
+    block, lids = known[choice.process].tolerance, known[choice.lid_process or choice.process].tolerance
+    ends = known[choice.end_plate_process or choice.process].tolerance
+    slide = max(choice.clearance, known[choice.end_plate_process or choice.process].clearance)
+    carrier = [a * block + b * lids for a, b in product((-1, 1), repeat=2)]  # its ledge, its thickness
+    keeper = [
+        a * block + b * ends + c * ends + d * slide for a, b, c, d in product((-1, 1), repeat=4)
+    ]  # pin holes, comb, keeper, and a comb that lies on one side of its pins
+    ups = [*carrier, *keeper]
+    high = sealed.high - sealed.low
+    return sheet, high - max(ups), high - min(ups)
+
+
+@pytest.mark.parametrize("cavities", [1, 6])
+@pytest.mark.parametrize("name", template_names())
+def test_the_worst_stack_neither_lifts_the_cover_nor_lets_the_carrier_float(name: str, cavities: int) -> None:
+    """The cover lies on the walls alone: between it and what it closes the foam is squeezed by a tenth at
+    least, which holds 20 kPa, twice what the silicone has, and by half at most."""
+    if name == "steep-fingertip" and cavities > 1:
+        return  # a split cavity has one skin
+    design = skincad.load(name).with_(mold={"cavities": cavities})
+    closed = mold(design)
+    cover, lowest = closed.part("cover").body.low, closed.part("seal").body.low
+    for part in closed.parts:
+        if part.role in CAVITIES - {PartRole.BASE, PartRole.BETWEEN}:
+            assert max(s.start.z for s in part.body.outline) == cover
+        if part.role in END_PLATES and part.role is not PartRole.COMB:
+            assert max(s.start.z for s in part.body.outline) == lowest
+        if part.role is PartRole.CARRIER:
+            assert part.body.high == lowest
+    sheet, least, most = worst(design)
+    assert any(abs(sheet - sold) < 1e-9 for sold in SHEETS)
+    assert least >= 0.5 * sheet - 1e-9
+    assert most <= 0.9 * sheet + 1e-9
+    assert [f for f in closing_findings(design) if f.rule == "closing stack"] == []
+
+
+def test_a_process_too_coarse_for_any_seal_is_told() -> None:
+    coarse = skincad.load("nozzle-04", ["printer.fdm.tolerance=1.0"])
+    (told,) = (f for f in closing_findings(coarse) if f.rule == "closing stack")
+    assert told.measured > 3.2 > told.limit == pytest.approx(2.4)
+
+
+def test_the_foam_is_to_be_bought_laid_in_and_lifted_off() -> None:
+    design = skincad.load("plain-ridges")
+    text = casting_sheet(design, mold(design), [], "", True)
+    assert "a sheet of 1.5 mm" in text
+    assert "then the foam, cover and bolts" in text
+    assert "with the foam" in text
+    bent = design.with_(skin={"curvature_radius_y": 200.0})
+    assert "foam" not in casting_sheet(bent, mold(bent), [], "", True).replace("would foam out", "")

@@ -62,15 +62,19 @@ def plain_mold(design: Design) -> ClosedMold:
     """The mold as it would be without reservoir: bores straight over the middle of the carrier's holes."""
     closed = mold(design)
     over = bores(closed.part("cover"), CutRole.COVER_BOLT, CutRole.COVER_PIN)
-    top, thick = (
-        closed.part("carrier").body.high,
-        closed.part("cover").body.high - closed.part("cover").body.low,
-    )
+    levels = [closed.part(name).body for name in ("seal", "cover")]
     vent, *holes = bores(closed.part("carrier"), CutRole.VENT, CutRole.RIVET)
-    over += [Bore((0.0, vent.start[1], top), "z", thick, vent.radius, role=CutRole.RESERVOIR)]
-    over += [Bore((*hole.start[:2], top), "z", thick, 0.4, role=CutRole.BLEED) for hole in holes]
+    sealed, lid = (
+        [
+            Bore((0.0, vent.start[1], at.low), "z", at.high - at.low, vent.radius, role=CutRole.RESERVOIR),
+            *(Bore((*h.start[:2], at.low), "z", at.high - at.low, 0.4, role=CutRole.BLEED) for h in holes),
+        ]
+        for at in levels
+    )
+    over += lid
+    seal = replace(closed.part("seal"), cuts=tuple(sealed))
     cover = replace(closed.part("cover"), cuts=tuple(over))
-    return replace(closed, parts=tuple(cover if p.name == "cover" else p for p in closed.parts))
+    return replace(closed, parts=tuple({"cover": cover, "seal": seal}.get(p.name, p) for p in closed.parts))
 
 
 def hooded(closed: ClosedMold) -> ClosedMold:

@@ -94,7 +94,7 @@ def test_a_cavity_without_a_locked_ridge_stays_whole(yamada: Design) -> None:
 
 @pytest.mark.parametrize(
     ("change", "key"),
-    [({"floor": 9.0}, "mold.floor"), ({"cavities": 2}, "mold.cavities")],
+    [({"floor": 9.0, "carrier_thickness": 3.0}, "mold.floor"), ({"cavities": 2}, "mold.cavities")],
 )
 def test_a_split_cavity_without_room_is_refused(change: dict, key: str) -> None:
     with pytest.raises(InputError) as refused:

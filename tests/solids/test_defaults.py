@@ -116,7 +116,7 @@ def test_a_split_cavity_has_the_floor_that_its_pieces_need() -> None:
     steep = skincad.load("steep-fingertip", ["mold.floor=none"])
     assert mold(steep)
     with pytest.raises(InputError, match=r"^mold.floor: must be at least"):
-        mold(steep.with_(mold={"floor": 9.0}))
+        mold(steep.with_(mold={"floor": 9.0, "carrier_thickness": 3.0}))
 
 
 def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:

@@ -58,10 +58,10 @@ def test_holes_of_a_carrier_lie_inside_it_and_apart() -> None:
         back, gap = part.body, design.mold.clearance
         long, wide = place.end - gap, place.trough - gap
         assert {s.start for s in back.outline} == {(x, y) for x in (-wide, wide) for y in (-long, long)}
-        assert (back.low, back.high) == (0.0, place.top)
+        assert (back.low, back.high) == (0.0, place.back)
         (vent,), rivets, pulls = (bores(part, role) for role in (CutRole.VENT, CutRole.RIVET, CutRole.PULL))
         for hole in (vent, *rivets):
-            assert (hole.start[2], hole.length) == (0.0, place.top)  # through
+            assert (hole.start[2], hole.length) == (0.0, place.back)  # through
             assert abs(hole.start[0]) + hole.radius < design.skin.width / 2  # on the skin's back
         for hole in rivets:
             assert hole.far_radius > hole.radius  # holds like a rivet
@@ -76,7 +76,7 @@ def test_holes_of_a_carrier_lie_inside_it_and_apart() -> None:
             assert abs(pull.start[1]) + pull.radius <= long - EDGE + 1e-9
             assert abs(pull.start[0]) + pull.radius == pytest.approx(wide - EDGE, abs=1e-9)
             assert pull.start[2] >= 1.0  # over the silicone
-            assert pull.start[2] + pull.length == place.top
+            assert pull.start[2] + pull.length == place.back
             for other in (vent, *rivets):
                 assert math.dist(at(pull), at(other)) > TAP_RADIUS + other.far_radius + EDGE / 2
         assert [at(pull) for pull in pulls[1:]] == [(-pull.start[0], -pull.start[1]) for pull in pulls[:1]]
@@ -98,9 +98,9 @@ def test_pull_holes_go_aside_as_far_as_they_must_and_a_carrier_ends() -> None:
                 for pull in pulls:
                     assert abs(pull.start[1]) <= length / 2 - gap - TAP_RADIUS - EDGE
                     assert 2 * abs(pull.start[0]) >= 2 * TAP_RADIUS + EDGE  # they are apart
-    thin = place._replace(top=2.99)
+    thin = place._replace(back=2.99)
     assert bores(carrier(empty, thin._replace(trough=40.0)), CutRole.PULL) == []
-    assert len(bores(carrier(empty, thin._replace(trough=40.0, top=3.0)), CutRole.PULL)) == 2
+    assert len(bores(carrier(empty, thin._replace(trough=40.0, back=3.0)), CutRole.PULL)) == 2
 
 
 def test_the_cup_covers_vent_and_gap_and_clears_bolts_and_edges() -> None:

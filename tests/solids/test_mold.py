@@ -105,8 +105,9 @@ def test_cavity_and_skin_fill_the_trough_between_them(yamada: Design) -> None:
     closed = mold(yamada)
     cavity, skin = manifold(closed.part("cavity"), 1e-4), manifold(closed.part("skin"), 1e-4)
     shims = sum(manifold(p, 1e-4).volume() for p in closed.parts if p.name.startswith("shim")) * 12 / 32
-    block = 37.0 * 12.0 * (4.0 + section(yamada).top + 9.0)
-    seat = 2 * (5.5 + LEDGE + yamada.mold.clearance) * 12.0 * 4.0
+    high = 4.0 + 0.7 * 1.0  # carrier and seal
+    block = 37.0 * 12.0 * (high + section(yamada).top + 9.0)
+    seat = 2 * (5.5 + LEDGE + yamada.mold.clearance) * 12.0 * high
     bores = sum(c.volume for c in closed.part("cavity").cuts)
     total = cavity.volume() + skin.volume() + shims + seat + bores
     assert total == pytest.approx(block, abs=0.08)  # bores as chords: 1e-4 mm x 800 mm2 of walls
