@@ -46,7 +46,7 @@ def thick_enough(spans: Spans, modulus: float, stock: float) -> float:
     return min(THICKEST, math.ceil(need / stock - 1e-9) * stock)
 
 
-class Row(NamedTuple):
+class ScrewRow(NamedTuple):
     """A row of screws along y: how many, how far apart, mm, and their reach, as in `Spans`."""
 
     screws: int
@@ -54,22 +54,22 @@ class Row(NamedTuple):
     reach: float
 
 
-def rows(length: float, diagonal: float, aside: float, beside: float, skins: int = 1) -> list[Row]:
+def rows(length: float, diagonal: float, aside: float, beside: float, skins: int = 1) -> list[ScrewRow]:
     """Return the rows that a cover of this length can have, the fewest screws first. One in each row, the
     outer ones' at `diagonal` mm from the middle, opposite a pin; or more, `aside` mm from the ends and at
     least `beside` from each other, where a pin stands between two."""
-    found = [Row(1, 0.0, length + 2 * diagonal if skins == 1 else TWISTED * length)]
+    found = [ScrewRow(1, 0.0, length + 2 * diagonal if skins == 1 else TWISTED * length)]
     last = length / 2 - aside
     count = 2
     while last > 0 and (apart := 2 * last / (count - 1)) >= beside:
-        found.append(Row(count, apart, max(apart, 2 * aside)))
+        found.append(ScrewRow(count, apart, max(apart, 2 * aside)))
         count += 1
     return found
 
 
 def closed_by(
-    choices: list[Row], across: float, load: float, modulus: float, given: float | None, stock: float
-) -> tuple[Row, float]:
+    choices: list[ScrewRow], across: float, load: float, modulus: float, given: float | None, stock: float
+) -> tuple[ScrewRow, float]:
     """Return the row of fewest screws and the cover's thickness, mm, with which it keeps to `BOW`; a given
     thickness is kept, whatever its bow."""
     least = given or thick_enough(Spans(across, load, 0.0), modulus, stock)

@@ -23,7 +23,7 @@ from skincad.inputs.process import Process, processes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Prism
-from skincad.solids.closing import LEFT, SQUEEZE, Row, Spans, bow, closed_by, rows, seal
+from skincad.solids.closing import LEFT, SQUEEZE, ScrewRow, Spans, bow, closed_by, rows, seal
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.roles import CutRole
 from skincad.solids.screws import TAP_RADIUS, blind
@@ -190,7 +190,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
 
 def _closed(
     design: Design, across: tuple[float, ...], diagonal: float, load: float, between: float
-) -> tuple[Row, float, Spans]:
+) -> tuple[ScrewRow, float, Spans]:
     """Return a row of the cover's screws, its thickness and what it spans; `between` is from a screw to a pin
     beside it. A clamped cover has no screws, and the narrow top of a bent mold has room for a diagonal."""
     length, wide = design.skin.length, max(b - a for a, b in pairwise(across))
@@ -213,7 +213,7 @@ def stack(design: Design, spans: Spans, lid: float) -> float:
     return max(carried, kept) + bow(spans, lid, lids.part_modulus, SQUEEZE)
 
 
-def _bolts(across: tuple[float, ...], row: Row, diagonal: float) -> tuple[tuple[float, float], ...]:
+def _bolts(across: tuple[float, ...], row: ScrewRow, diagonal: float) -> tuple[tuple[float, float], ...]:
     """(x, y) of the cover's screws: one in each row, the outer ones on one diagonal, or more, evenly."""
     if row.screws == 1:
         return (across[-1], diagonal), (across[0], -diagonal), *((x, 0.0) for x in across[1:-1])

@@ -16,7 +16,7 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
-from skincad.solids.closing import BOW, COVER, PRESSURE, Row, Spans, bow, closed_by, rows, thick_enough
+from skincad.solids.closing import BOW, COVER, PRESSURE, ScrewRow, Spans, bow, closed_by, rows, thick_enough
 from skincad.solids.layout import Layout, cover_pins, layout, lid_process
 from skincad.solids.shrinkage import poured
 from skincad.solids.undercut import split_ridges
@@ -149,7 +149,7 @@ def test_a_cover_is_as_thick_as_it_must_and_has_as_few_screws_as_it_may() -> Non
     assert bow(spans, thick, 2000.0) <= BOW < bow(spans, thick - 0.5, 2000.0)
     assert thick_enough(Spans(10.0, 5.0, 0.0), 2000.0, 0.5) == COVER
     choices = rows(40.0, 10.0, 3.2, 8.0)
-    assert choices[:2] == [Row(1, 0.0, 60.0), Row(2, pytest.approx(33.6), pytest.approx(33.6))]
+    assert choices[:2] == [ScrewRow(1, 0.0, 60.0), ScrewRow(2, pytest.approx(33.6), pytest.approx(33.6))]
     assert all(row.apart >= 8.0 for row in choices[1:])
     row, least = closed_by(choices, 60.0, 50.0, 2000.0, None, 0.5)
     assert least == thick
