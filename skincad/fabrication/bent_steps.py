@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 
 from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.fasteners import Screws
 from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.body import Revolved
 from skincad.solids.inserts import GRIP
-from skincad.solids.layout import cavity_process, end_angle
+from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores
-from skincad.solids.roles import END_PLATES, CutRole, PartRole
-from skincad.solids.screws import into
+from skincad.solids.roles import PartRole
 from skincad.solids.shrinkage import poured
 
 DEGAS = (
@@ -23,17 +22,12 @@ DEGAS = (
 )
 
 
-def end_screws(design: Design, closed: ClosedMold, hold: str) -> str:
-    """Return the end plates' screws as the parts have them; `hold` is what they go into."""
-    count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in closed.of(*END_PLATES))
-    threads = bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD)
-    process, plate, deep = cavity_process(design), design.mold.end_plate, min(b.length for b in threads)
-    long, washers = into(plate, deep, process, bottomed=True)
-    bottomed = process.thread == "tapped" and into(plate, deep, process)[1] > washers
-    how = ", bottoming tap at last" * bottomed + under_heads(washers)
+def bent_screws(screws: Screws, hold: str) -> str:
+    """Return the words for the end plates' screws; `hold` is what they go into."""
+    how = ", bottoming tap at last" * screws.bottoming + under_heads(screws.washers)
     return (
-        f"M3 screws, ISO 4762: {count} M3 x {long:g} for the end plates, square to the cavity's leaning "
-        f"ends, into {hold}{how}"
+        f"M3 screws, ISO 4762: {screws.pieces} M3 x {screws.length:g} for the end plates, square to the "
+        f"cavity's leaning ends, into {hold}{how}"
     )
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from skincad.base.version import __version__
-from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, close_steps, end_screws, under_heads
+from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.fasteners import cover_screws, dowels, end_screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.inspection import Inspection
 from skincad.fabrication.inspection_form import inspection_lines
@@ -19,19 +18,17 @@ from skincad.inputs.catalog import entitled
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
-from skincad.solids.body import Bore, Prism
+from skincad.solids.body import Prism
 from skincad.solids.closing import LEFT
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import cavity_process, end_process, fits, is_clamped, lid_process
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores, own
-from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
-from skincad.solids.screws import BEARING, LENGTHS, PITCH, TAP_RADIUS, into, longer, torque
+from skincad.solids.roles import END_PLATES, CutRole, PartRole
+from skincad.solids.screws import BEARING, TAP_RADIUS, torque
 from skincad.solids.shrinkage import poured, shrinkage
 from skincad.solids.skin import skin_part
 
-NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
 TIPS = {10: 3.40, 12: 2.77, 14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72, 25: 0.51}
 SLACK = 0.1  # mm, assumption: least play of a tip in the gate
@@ -80,14 +77,9 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
     made = (p for p in closed.parts if p.made == "made")
     rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made]
     through = skin.length + 2 * choice.end_plate
-    pins: dict[str, int] = {}
-    for dowel in (own(part).body for part in closed.of(*PINS)):
-        if isinstance(dowel, Bore):
-            size = f"{math.floor(10 * dowel.length) / 10:g} mm"
-            pins[size] = pins.get(size, 0) + 1
-    lengths = ", ".join(f"{count} of at most {size}" for size, count in pins.items())
+    lengths = ", ".join(f"{count} of at most {size:g} mm" for size, count in dowels(closed).items())
     bought = [
-        *_bolts(design, closed, through),
+        *_bolts(design, closed),
         *_seal(closed),
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
         "fit, the end plates and the cavity's top for a sliding fit",
@@ -112,34 +104,28 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
     ]
 
 
-def _bolts(design: Design, closed: ClosedMold, through: float) -> list[str]:
+def _bolts(design: Design, closed: ClosedMold) -> list[str]:
     """What holds the mold together, as the parts have it."""
-    cuts = [cut.role for part in closed.of(*END_PLATES) if part.end == "b" for cut in part.cuts]
-    sunk, tapped = cuts.count(CutRole.NUT), cuts.count(CutRole.END_THREAD)
-    count = cuts.count(CutRole.END_BOLT) + tapped
-    nuts = f"with nuts, {sunk} of them sunk in end plate b"
-    ends = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled" if tapped else nuts
     own, process = fits(design, design.mold.process), cavity_process(design)
     hold = f"{own.insert} inserts in holes of {2 * own.thread:g} mm" if own.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
-    cover, blocks = closed.first(PartRole.COVER), closed.of(*CAVITIES)
-    if screws := bores(cover, CutRole.COVER_BOLT):
-        passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
-        held = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
-        split = bool(closed.of(PartRole.BASE))
-        long, washers = into(screws[0].length + passed, held, process, bottomed=split)
-        upper = f"M3 screws, ISO 4762: {len(screws)} M3 x {long:g} for the cover, into {hold}"
-        upper += under_heads(washers)
+    if (lid := cover_screws(design, closed)) is not None:
+        upper = f"M3 screws, ISO 4762: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
+        upper += under_heads(lid.washers)
     tightest = min(map(torque, (process, end_process(design), lid_process(design))))
     tight = (
         f"for all screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which a head "
         f"presses on its part by {BEARING['plastic']:g} MPa (plastic) or {BEARING['metal']:g} MPa (metal)"
     )
+    ends = end_screws(design, closed)
     if design.skin.curvature_radius_y is not None:
-        return [end_screws(design, closed, hold), upper, tight]
-    long = longer(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
-    kind = "bolts, ISO 4762" if long <= LENGTHS[-1] else "threaded rods with nuts at both ends"
-    return [f"M3 {kind}: {count} M3 x {long:g} along y, {ends}", upper, tight]
+        return [bent_screws(ends, hold), upper, tight]
+    sunk = sum(cut.role is CutRole.NUT for p in closed.of(*END_PLATES) if p.end == "b" for cut in p.cuts)
+    where = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled"
+    if ends.nuts:
+        where = f"with nuts, {sunk} of them sunk in end plate b"
+    kind = "threaded rods with nuts at both ends" if ends.rod else "bolts, ISO 4762"
+    return [f"M3 {kind}: {ends.pieces} M3 x {ends.length:g} along y, {where}", upper, tight]
 
 
 def _seal(closed: ClosedMold) -> list[str]:
