@@ -14,7 +14,7 @@ from skincad.fabrication.drawing_in import (
     lap,
     pull_test,
 )
-from skincad.fabrication.electrodes import tab
+from skincad.fabrication.electrodes import PITCH, tab
 from skincad.fabrication.pattern import GLUED
 from skincad.fabrication.strips import GRAVITY, strip
 from skincad.inputs.design import Design
@@ -186,8 +186,9 @@ def kit(design: Design) -> list[str]:
     masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
     sheets = f"{design.mold.cavities} times, " if design.mold.cavities > 1 else ""
     rows = [
-        f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, electrodes on both faces, cut by "
-        f"strips.dxf or strips.svg, the film's + side up, {sheets}and {spare} to spare",
+        f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, sputtered metal on both faces, "
+        f"patterned and cut by strips.dxf or strips.svg, its + side up, {sheets}and {spare} to spare",
+        f"{2 * strips} crimp contacts for flat cable, {PITCH:g} mm apart: one for each pad",
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",
         f"isopropanol, {math.ceil(ALCOHOL[0] + ALCOHOL[1] * wiped)} ml, and {wiped} lint-free wipes",

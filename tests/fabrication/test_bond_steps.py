@@ -104,7 +104,9 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     rows = " | ".join(kit(yamada))
     for words in (
         "18 strips of PVDF film, 28 µm",
+        "sputtered metal on both faces",
         "and 2 to spare",
+        "36 crimp contacts for flat cable, 2.54 mm apart",  # two pads a strip
         "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
         "isopropanol, 37 ml, and 54 lint-free wipes",  # 10 and 0.5 a wipe; one a strip, two a shim
         "masking tape, 0.72 m",  # 20 folded over lead and tab, 18 mm
