@@ -49,7 +49,7 @@ def _block(box: Box) -> cq.Solid:
 
 def sheet_numbers(text: str) -> dict[str, str]:
     """Return the numbers that a casting sheet says, as written: cm3 by part, `poured` cm3, `grams`."""
-    found = dict(re.findall(r"^\| ([\w-]+) \| ([\d.]+) \|$", text, re.M))
+    found = dict(re.findall(r"^\| ([\w-]+) \|.*\| ([\d.]+) \|$", text, re.M))
     cm3, grams = re.findall(r"the mold takes ([\d.]+) cm³, ([\d.]+) g", text)[0]
     return {**found, "poured": cm3, "grams": grams}
 

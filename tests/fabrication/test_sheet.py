@@ -19,8 +19,8 @@ def sheet(design: Design) -> str:
 def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
     """By booleans: a block around the cavity's space, less every part but the skin."""
     closed = mold(yamada)
-    half, end = 37.0 / 2, 6.0 + 4.0
-    space = manifold(Part("block", PartRole.COVER, box(half, (-end, end), (-13.4, 8.7))), 1e-3)
+    half, end, high = 37.0 / 2, 6.0 + 4.0, closed.part("cover").body.high
+    space = manifold(Part("block", PartRole.COVER, box(half, (-end, end), (-13.4, high))), 1e-3)
     for part in closed.parts:
         if part.name != "skin":
             space = space - manifold(part, 1e-3)
