@@ -73,10 +73,9 @@ def casting_sheet(
 
 
 def _parts(design: Design, closed: ClosedMold) -> list[str]:
-    skin, choice = poured(design).skin, design.mold
+    bent = design.skin.curvature_radius_y is not None
     made = (p for p in closed.parts if p.made == "made")
     rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made]
-    through = skin.length + 2 * choice.end_plate
     lengths = ", ".join(f"{count} of at most {size:g} mm" for size, count in dowels(closed).items())
     bought = [
         *_bolts(design, closed),
@@ -86,7 +85,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         f"release agent, {_tip(design)}tape for the bleeds, nitrile gloves (latex inhibits platinum "
         "silicone)",
     ]
-    bought += to_buy(design, through) if skin.curvature_radius_y is None else arcs_to_buy(design, closed)
+    bought += (arcs_to_buy if bent else to_buy)(design, closed)
     bought += kit(design)
     return [
         "## Parts",

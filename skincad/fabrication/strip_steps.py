@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from skincad.fabrication.bent_steps import arc_length
 from skincad.fabrication.bond_steps import NUMBERS, count
 from skincad.fabrication.electrodes import past_tabs
 from skincad.fabrication.strip_rules import misplaced
@@ -11,15 +12,24 @@ from skincad.fabrication.strips import deflection, pour, released, strip, weight
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.solids.inserts import GRIP
+from skincad.solids.mold import ClosedMold
+from skincad.solids.shrinkage import poured
 
 
-def to_buy(design: Design, through: float) -> list[str]:
-    """Return what to buy to keep the slots free; `through` is the length over both end plates, mm."""
+def shim_length(design: Design, closed: ClosedMold) -> int:
+    """Return how long a shim is, whole mm: it stands out at both ends; along its arc in a bent mold."""
+    if design.skin.curvature_radius_y is not None:
+        return math.ceil(arc_length(closed))
+    return math.ceil(poured(design).skin.length + 2 * design.mold.end_plate + 2 * GRIP)
+
+
+def to_buy(design: Design, closed: ClosedMold) -> list[str]:
+    """Return what to buy to keep the slots of a skin free that is straight along y."""
     if design.slot is None or design.mold.method == "cast-in":
         return []
     size = f"{design.slot.thickness:g} x {design.slot.depth:g} mm"
     return [
-        f"{count(design)} shims of spring steel, {size}, {math.ceil(through + 2 * GRIP)} mm long: slit or "
+        f"{count(design)} shims of spring steel, {size}, {shim_length(design, closed)} mm long: slit or "
         "etched from feeler stock, edges deburred"
     ]
 

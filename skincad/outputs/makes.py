@@ -95,6 +95,7 @@ def writers(
         "design.toml": lambda job, path: _text(job.design.to_toml(), path),
         "casting-sheet.md": lambda job, path: _text(_sheet(job), path),
         "casting-sheet.html": _page,
+        "parts-list.csv": _parts_list,
         "view.html": _view,
         **({} if preview else {"report.html": _report}),
         "picture.png": _picture,
@@ -162,6 +163,12 @@ def _page(job: Job, path: Path) -> None:
     from skincad.pictures.page import page
 
     _text(page(_sheet(job), _drawing(job), f"Casting sheet: {job.design.name}"), path)
+
+
+def _parts_list(job: Job, path: Path) -> None:
+    from skincad.fabrication.parts_list import parts_csv
+
+    _text(parts_csv(job.design, job.closed), path)
 
 
 def _view(job: Job, path: Path) -> None:

@@ -1,0 +1,109 @@
+"""The parts list of a mold: what is made, by which process, and what is bought, by its standard."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from skincad.base.version import __version__
+from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
+from skincad.fabrication.rules_of_machines import extent
+from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
+from skincad.fabrication.strip_steps import shim_length
+from skincad.fabrication.tolerances import material_words, process_words
+from skincad.inputs.catalog import entitled
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.solids.body import Prism
+from skincad.solids.closing import LEFT
+from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.layout import cavity_process
+from skincad.solids.mold import ClosedMold
+from skincad.solids.roles import PartRole
+
+
+class Item(NamedTuple):
+    """A row: how many, what, by which standard or of which size, mm, how it is come by, of what; the volume,
+    cm3, of one that is made; where it goes."""
+
+    quantity: str
+    what: str
+    designation: str
+    made_by: str
+    material: str
+    volume: str
+    place: str
+
+
+HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
+
+
+def parts_list(design: Design, closed: ClosedMold) -> list[Item]:
+    """Return what is made, a row for each part, then what is bought; consumables are the casting sheet's."""
+    return [*_made(design, closed), *_bought(design, closed)]
+
+
+def parts_csv(design: Design, closed: ClosedMold) -> str:
+    """Return the parts list as CSV, after a comment with the design's name and revision."""
+    text = io.StringIO()
+    text.write(f"# {entitled(design)}, revision {design.revision}, skincad {__version__}; mm\n")
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(HEADS)
+    rows.writerows((number, *item) for number, item in enumerate(parts_list(design, closed), 1))
+    return text.getvalue()
+
+
+def _made(design: Design, closed: ClosedMold) -> Iterator[Item]:
+    for part in closed.parts:
+        if part.made == "made":
+            size = " x ".join(f"{side:.2f}" for side in extent(part))
+            volume, by = f"{part.volume / 1000:.4g}", process_words(design, part)
+            yield Item("1", part.name, size, by, material_words(design, part), volume, part.role.what)
+
+
+def _bought(design: Design, closed: ClosedMold) -> Iterator[Item]:
+    lid, ends = cover_screws(design, closed), end_screws(design, closed)
+    bent = design.skin.curvature_radius_y is not None
+    for screws, place in ((ends, "end plates"), (lid, "cover")):
+        if screws is not None:
+            yield from _screws(screws, place)
+    if lid is None:
+        yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")
+    if cavity_process(design).thread != "tapped":
+        held = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
+        yield _item(held, "threaded insert", f"M3, {cavity_process(design).thread}", "brass", "printed parts")
+    for most, count in sorted(dowels(closed).items()):
+        size = f"ISO 8734 {2 * PIN_RADIUS:g} x {pin_length(most):g}"
+        yield _item(count, "dowel pin", size, "steel", f"holes that take {most:g} mm")
+    for seal in closed.of(PartRole.SEAL):
+        if isinstance(seal.body, Prism):
+            size = f"sheet of {(seal.body.high - seal.body.low) / LEFT:.3g}"
+            yield _item(1, "seal", size, "closed-cell EVA foam", "under the cover")
+    shims = len(closed.of(PartRole.SHIM))
+    if shims and design.slot is not None:
+        size = f"{design.slot.thickness:g} x {design.slot.depth:g} x {shim_length(design, closed):g}"
+        yield _item(shims, "shim", size, "spring steel", "slots")
+    if design.film is not None:
+        size = f"{design.film.thickness:g} thick, cut by strips.dxf"
+        strips = design.mold.cavities * 2 * design.ridge.count
+        yield _item(strips, "film strip", size, "PVDF, electrodes on both faces", "slots")
+    material = silicone(design)
+    grams = poured_volume(design, closed) * material.density * 1e-6 + DEAD_VOLUME
+    yield Item(f"{grams:.4g} g", "silicone", material.name, "bought", "", "", "skin, cup and syringe")
+
+
+def _screws(screws: Screws, place: str) -> Iterator[Item]:
+    what, size = "screw", f"ISO 4762 M3 x {screws.length:g}"
+    if screws.rod:
+        what, size = "threaded rod", f"DIN 976 M3 x {screws.length:g}"
+    yield _item(screws.pieces, what, size, "steel", place)
+    if screws.washers:
+        yield _item(screws.pieces * screws.washers, "washer", "ISO 7089 3", "steel", place)
+    if screws.nuts:
+        yield _item(screws.nuts, "nut", "ISO 4032 M3", "steel", place)
+
+
+def _item(quantity: int, what: str, designation: str, material: str, place: str) -> Item:
+    return Item(f"{quantity}", what, designation, "bought", material, "", place)

@@ -1,0 +1,55 @@
+"""The parts list, read back as a workshop's own program reads it."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+
+import pytest
+
+import skincad
+from skincad.fabrication.parts_list import HEADS, parts_csv
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.solids.mold import mold
+from skincad.solids.roles import PartRole
+
+
+def read(design: Design) -> list[dict[str, str]]:
+    comment, *rows = parts_csv(design, mold(design)).splitlines()
+    assert comment.startswith(f"# {design.name}")
+    assert design.revision in comment
+    return list(csv.DictReader(rows))
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_every_part_and_every_bought_piece_is_there(name: str) -> None:
+    design = skincad.load(name)
+    closed, rows = mold(design), read(design)
+    assert set(rows[0]) == set(HEADS)
+    assert [row["item"] for row in rows] == [str(number) for number in range(1, len(rows) + 1)]
+    made = [row for row in rows if row["made_by"] != "bought"]
+    assert [row["what"] for row in made] == [part.name for part in closed.parts if part.made == "made"]
+    for row in made:
+        x, y, z = map(float, row["designation"].split(" x "))
+        assert 0 < float(row["volume_cm3"]) < x * y * z / 1000
+    counts = Counter[str]()
+    for row in rows:
+        if row["made_by"] == "bought" and row["what"] != "silicone":
+            counts[row["what"]] += int(row["quantity"])
+    assert counts["shim"] == len(closed.of(PartRole.SHIM))
+    assert counts["film strip"] == (len(closed.of(PartRole.SHIM, PartRole.STRIP)) if design.film else 0)
+    assert counts["seal"] == len(closed.of(PartRole.SEAL))
+
+
+def test_standards_are_named() -> None:
+    designations = {row["what"]: row["designation"] for row in read(skincad.load("yamada-2002"))}
+    assert designations["screw"] == "ISO 4762 M3 x 8"  # the cover's, the last
+    assert designations["dowel pin"] == "ISO 8734 2 x 8"
+    printed = {row["what"]: row["designation"] for row in read(skincad.load("lab-bench"))}
+    assert (printed["nut"], printed["threaded insert"]) == ("ISO 4032 M3", "M3, glued")
+
+
+def test_words_with_commas_stay_one_column() -> None:
+    cavity = read(skincad.load("yamada-2002"))[0]
+    assert (cavity["made_by"], cavity["place"]) == ("edm, wire erosion", "a cavity in one piece")
