@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -110,11 +111,30 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
     return places
 
 
-def _openings(design: Design, place: Layout) -> tuple[Bore, Bore, list[tuple[float, float]]]:
-    """Vent, reservoir and the places of the carrier's holes."""
+class _Openings(NamedTuple):
+    """Vent, reservoir, the places of the carrier's holes and the threads to pull it by."""
+
+    vent: Bore
+    cup: Bore
+    rivets: list[tuple[float, float]]
+    pulls: list[Bore]
+
+
+def _openings(design: Design, place: Layout) -> _Openings:
+    """All openings. Where holes leave the threads no room, those in their way are left out, as long as half
+    of them stay."""
     vent = _vent(design, place)
     cup = _reservoir(design, place, vent)
-    return vent, cup, _rivets(design, place, vent, cup)
+    rivets = _rivets(design, place, vent, cup)
+    beside = [(vent.start, vent.radius), (cup.start, cup.radius)]
+    pulls = _pulls(design, place, [*beside, *(((x, y, 0.0), HOLD[1]) for x, y in rivets)])
+    if not pulls and (alone := _pulls(design, place, beside)):
+        apart = TAP_RADIUS + HOLD[1] + EDGE / 2
+        corners = [(x * bore.start[0], bore.start[1]) for bore in alone for x in (-1, 1)]
+        fewer = [at for at in rivets if all(math.dist(at, corner) > apart for corner in corners)]
+        if 2 * len(fewer) >= len(rivets) > 0:
+            return _Openings(vent, cup, fewer, alone)
+    return _Openings(vent, cup, rivets, pulls)
 
 
 def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
@@ -125,13 +145,12 @@ def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
 def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs."""
-    vent, cup, rivets = _openings(design, place)
+    vent, _, rivets, pulls = _openings(design, place)
     holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
     half = place.end - gap
     body = box(place.trough - gap, (-half, half), (0.0, place.back))
-    filled = [(vent.start, vent.radius), (cup.start, cup.radius), *((bore.start, HOLD[1]) for bore in holes)]
-    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *_pulls(design, place, filled)))
+    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls))
 
 
 def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
@@ -158,7 +177,7 @@ def cover(design: Design, place: Layout) -> Part:
     plates: once these are off, it is lifted there."""
     thick, end, low = place.lid, place.cover, place.top
     press = lid_fits(design).press
-    _, cup, rivets = _openings(design, place)
+    _, cup, rivets, _ = _openings(design, place)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]
     cuts = (
@@ -179,7 +198,7 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     outline = loop([Point(*p) for p in (*right, *((-x, -y) for x, y in right))])
     between = pairwise(place.centres)
     holes = tuple(rectangle(a + web, b - web, -end, end) for a, b in between)
-    _, cup, rivets = _openings(design, place)
+    _, cup, rivets, _ = _openings(design, place)
     low, thick = place.back, place.top - place.back
     over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)
     bleeds = [_bleed(design, hole) for hole in rivets]

@@ -105,14 +105,14 @@ def test_a_screwdriver_finds_a_notch_at_each_side_of_each_end_plate() -> None:
 
 
 def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
-    with_pulls = 0
+    without = []
     for name in template_names():
         design = skincad.load(name)
         closed = mold(design)
         carrier = closed.part("carrier")
         pulls = [c for c in carrier.cuts if isinstance(c, Bore) and c.start[2] > 0]
         assert len(pulls) in (0, 2)
-        with_pulls += bool(pulls)
+        without += [name] * (not pulls)
         filled = [c for c in carrier.cuts if c not in pulls]
         inside = [
             c
@@ -125,7 +125,7 @@ def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
                 apart = math.dist(pull.start[:2], other.start[:2])
                 wide = max(other.radius, other.end_radius or 0.0) if other in filled else other.radius
                 assert apart > pull.radius + wide + 0.2, name
-    assert with_pulls >= 6
+    assert without == ["steep-fingertip"]  # 5 mm wide, with one hole: it is held by its free ends
 
 
 @pytest.mark.parametrize("end", ["a", "b"])

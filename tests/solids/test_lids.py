@@ -103,6 +103,18 @@ def test_pull_holes_go_aside_as_far_as_they_must_and_a_carrier_ends() -> None:
     assert len(bores(carrier(empty, thin._replace(trough=40.0, back=3.0)), CutRole.PULL)) == 2
 
 
+def test_holes_make_way_for_threads_to_pull_by_as_long_as_half_stay() -> None:
+    design, place = planned("cast-in", "plain")
+    part = carrier(design, place)
+    pulls, rivets = bores(part, CutRole.PULL), bores(part, CutRole.RIVET)
+    assert (len(pulls), len(rivets)) == (2, 10)  # of 14
+    assert all(math.dist(at(p), at(r)) > TAP_RADIUS + r.far_radius + EDGE / 2 for p in pulls for r in rivets)
+    assert len(bores(cover(design, place), CutRole.BLEED)) == 10
+    tiny, narrow = planned("steep-fingertip", "plain")
+    assert bores(carrier(tiny, narrow), CutRole.PULL) == []
+    assert len(bores(carrier(tiny, narrow), CutRole.RIVET)) == 1
+
+
 def test_the_cup_covers_vent_and_gap_and_clears_bolts_and_edges() -> None:
     for design, place in possible():
         lid, vent = cover(design, place), bores(carrier(design, place), CutRole.VENT)[0]
