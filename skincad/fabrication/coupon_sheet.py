@@ -86,7 +86,7 @@ def _make(kit: CouponKit) -> list[str]:
         place = f" Print them the way up that they have in coupon.3mf{ladder} in one run or in several."
     return _section(
         "Make the parts",
-        "\n".join(["| part | cm3 |", "|---|---|", *rows]),
+        "\n".join(["| part | cm³ |", "|---|---|", *rows]),
         f"Make them by {kit.name}, with the settings and the cleaning that molds get.{place} Do not sand, "
         "lap or file what will be measured.",
         "To have at hand: feeler gauges in steps of 0.01 mm (blades may be laid together), a dial gauge on a "
