@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skincad.fabrication.coupon_kit import CouponKit
-from skincad.fabrication.sheet import DEAD_VOLUME
+from skincad.fabrication.sheet import DEAD_VOLUME, mixing
 from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, form
 from skincad.inputs.material_test import PRESSED, STRETCHED
 from skincad.inputs.process import Process
@@ -137,14 +137,7 @@ def _steps(process: Process) -> list[str]:
 
 def _cast(kit: CouponKit) -> list[str]:
     material, taken = kit.silicone, kit.grams
-    total = sum(taken.values()) + DEAD_VOLUME
-    parts = f"{total:.4g} g by its data sheet"
-    if material.mix:
-        a, b = (total * share / sum(material.mix) for share in material.mix)
-        parts = f"{a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
-    pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
-    cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
-    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} C"
+    parts, times = mixing(material, sum(taken.values()) + DEAD_VOLUME)
     sealed = ""
     if kit.process.inhibits_platinum and material.platinum_cure:
         sealed = (
@@ -154,7 +147,7 @@ def _cast(kit: CouponKit) -> list[str]:
     return _section(
         "Cast bars and pad",
         f"{material.name}: " + ", ".join(f"{grams:.3g} g for {name}" for name, grams in taken.items()) + ". "
-        f"With {DEAD_VOLUME:g} g more for the cup: {parts}. Pot life {pot}; cure {cure} at {warm}.",
+        f"With {DEAD_VOLUME:g} g more for the cup: {parts}. {times}",
         steps=(
             f"Clean and dry both molds, put release agent on them and wipe it thin.{sealed}",
             "Mix, and degas the mix in its cup. Set both molds level, the open side up.",

@@ -159,9 +159,8 @@ def _tip(design: Design) -> str:
     return f"a syringe with {what} for the gate, a plug for the gate, "
 
 
-def _mix(material: Silicone, volume: float) -> list[str]:
-    grams = volume * material.density * 1e-6
-    total = grams + DEAD_VOLUME
+def mixing(material: Silicone, total: float) -> tuple[str, str]:
+    """Return as words what to weigh for `total` g of a silicone, and its pot life and cure."""
     parts = f"mix {total:.4g} g by its data sheet"
     if material.mix:
         a, b = (total * share / sum(material.mix) for share in material.mix)
@@ -169,13 +168,19 @@ def _mix(material: Silicone, volume: float) -> list[str]:
     pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
     cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
     warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
+    return parts, f"Pot life {pot}; cure {cure} at {warm}."
+
+
+def _mix(material: Silicone, volume: float) -> list[str]:
+    grams = volume * material.density * 1e-6
+    parts, times = mixing(material, grams + DEAD_VOLUME)
     return [
         "## Silicone",
         "",
         f"{material.name}, {material.density:g} kg/m³; the mold takes {volume / 1000:.4g} cm³, "
         f"{grams:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
-        f"Pot life {pot}; cure {cure} at {warm}.",
+        times,
         "",
     ]
 
