@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from PIL import Image
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Mask
 from tests.consumers.prusaslicer import MARGIN, run
 
 NOZZLE = 0.45  # mm, wide as a line is laid
@@ -23,6 +24,19 @@ REACH = 2.0  # mm to either side along y in which a line's cover is looked for: 
 
 def resin_levels(path: Path, places: Array, layer: float, pixel: float, folder: Path) -> Array:
     """Return the heights `(n,)` mm over the bed at `places` `(n,)` mm along x from the part's middle."""
+    found = np.zeros(len(places))
+    for number, lit in enumerate(resin_layers(path, layer, pixel, folder), 1):
+        if number == 1:  # the block's whole foot: its middle is the part's
+            rows, columns = np.flatnonzero(lit.any(axis=1)), np.flatnonzero(lit.any(axis=0))
+            row, column = rows.mean(), columns.mean()
+        at = np.rint(column + places / pixel).astype(int)
+        beside = lit[round(row), at[:, None] + [-1, 0, 1]]  # no gauge sees a single pixel
+        found[beside.all(axis=1)] = number * layer
+    return found
+
+
+def resin_layers(path: Path, layer: float, pixel: float, folder: Path) -> Iterator[Mask]:
+    """Yield which pixels are lit, `(rows, columns)`, layer by layer from the bed up."""
     low, high = trimesh.load_mesh(path).bounds
     across = np.ceil((high[:2] - low[:2] + 2 * MARGIN) / pixel).astype(int)
     wide, deep = across * pixel
@@ -45,19 +59,10 @@ def resin_levels(path: Path, places: Array, layer: float, pixel: float, folder: 
     }
     archive = folder / "layers.sl1"
     run("--export-sla", str(path), "-o", str(archive), *(f"--{k}={v}" for k, v in settings.items()))
-    found = np.zeros(len(places))
     with zipfile.ZipFile(archive) as layers:
-        names = sorted(n for n in layers.namelist() if n.endswith(".png") and "thumbnail" not in n)
-        for number, name in enumerate(names, 1):
+        for name in sorted(n for n in layers.namelist() if n.endswith(".png") and "thumbnail" not in n):
             with layers.open(name) as picture:
-                lit = np.asarray(Image.open(picture).convert("L")) > 127
-            if number == 1:  # the block's whole foot: its middle is the part's
-                rows, columns = np.flatnonzero(lit.any(axis=1)), np.flatnonzero(lit.any(axis=0))
-                row, column = rows.mean(), columns.mean()
-            at = np.rint(column + places / pixel).astype(int)
-            beside = lit[round(row), at[:, None] + [-1, 0, 1]]  # no gauge sees a single pixel
-            found[beside.all(axis=1)] = number * layer
-    return found
+                yield np.asarray(Image.open(picture).convert("L")) > 127
 
 
 def filament_levels(path: Path, places: Array, layer: float, folder: Path) -> Array:
