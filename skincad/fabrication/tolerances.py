@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from skincad.fabrication.bore_fits import PINNED, process_of
 from skincad.fabrication.drawn_features import downward, leftward
-from skincad.fabrication.rules import maker
+from skincad.fabrication.rules import Case, grooves, maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
 from skincad.solids.inserts import PIN_RADIUS
@@ -21,6 +21,9 @@ from skincad.solids.roles import CAVITIES, PartRole
 from skincad.solids.shrinkage import shrinkage
 
 UNCHECKED = "Grooves: made without the check, so neither their limits nor a yield are known."
+
+
+CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
 
 
 class Judged(NamedTuple):
@@ -71,7 +74,23 @@ def notes(design: Design, part: Part) -> list[str]:
     process = process_of(design, part)
     if process.inhibits_platinum:
         rows.append("The process may keep platinum silicone from curing: wash, cure fully and seal the part.")
-    return rows
+    return [*rows, *_cutter(Case(design, part, maker(design, part), process))]
+
+
+def _cutter(case: Case) -> list[str]:
+    """The thickest wire or mill that the narrowest groove takes, and the cavity's inner corners."""
+    process, ridge = case.process, case.design.ridge
+    takes = [(groove.width, f"a {groove.width:.4g} wide {groove.where}") for groove in grooves(case)]
+    if not takes or process.tool not in CUTTERS:
+        return []
+    if case.part.role in CAVITIES and ridge.tip_fillet:
+        takes.append((2 * ridge.tip_fillet, f"inner corners of radius {ridge.tip_fillet:g}"))
+    width, where = min(takes)
+    kerf = math.floor(100 * (width - 2 * process.spark_gap) + 1e-6) / 100
+    if kerf <= 0:
+        return []
+    sparks = f"; {process.spark_gap:g} a side sparks off" if process.spark_gap else ""
+    return [f"{CUTTERS[process.tool]}: Ø{kerf:g} at most, for {where}{sparks}."]
 
 
 def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]:
