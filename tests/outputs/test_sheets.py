@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import re
 from pathlib import Path
@@ -303,3 +304,43 @@ def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
     unchecked = part_drawing(design, part, made, None)
     assert any("made without the check" in note for note in unchecked.notes)
     assert number(drawing.grooves[4].height) == "0.501"
+
+
+def profile_area(path: Path) -> float:
+    """The area, mm2, within the closed line of a DXF's visible edges to which the first arc belongs; arcs
+    are whole, no chords."""
+    read = dxf_parser.parse(path.read_text(encoding="utf-8"))
+    steps: list[tuple[complex, complex, float]] = []  # from, to, and the area between arc and chord
+    for e in (e for e in read["entities"] if e["layer"] == "OUTLINE"):
+        if e["type"] == "ARC":
+            middle, turn = complex(e["center"]["x"], e["center"]["y"]), e["angleLength"] % math.tau
+            a, b = (
+                middle + cmath.rect(e["radius"], way) for way in (e["startAngle"], e["startAngle"] + turn)
+            )
+            steps.insert(0, (a, b, e["radius"] ** 2 * (turn - math.sin(turn)) / 2))
+        elif e["type"] == "LINE":
+            a, b = (complex(v["x"], v["y"]) for v in e["vertices"])
+            steps.append((a, b, 0.0))
+    first, at, bulge = steps.pop(0)
+    total = bulge + (first.conjugate() * at).imag / 2
+    while abs(at - first) > READ:
+        near = [(i, end) for i, step in enumerate(steps) for end in (0, 1) if abs(step[end] - at) < READ]
+        ((i, end),) = near  # the line goes on, and does not fork
+        a, b, bulge = steps.pop(i)
+        a, b, bulge = (a, b, bulge) if end == 0 else (b, a, -bulge)
+        total += bulge + (a.conjugate() * b).imag / 2
+        at = b
+    return abs(total)
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", "lab-bench", "fingertip-soft", "milled-pad"])
+def test_a_cavitys_profile_is_cut_to_the_solids_area(name: str, tmp_path: Path) -> None:
+    """What a wire follows: true arcs, and larger than the skin by the shrinkage as the solid is."""
+    design = skincad.load(name)
+    part = mold(design).part("cavity")
+    made = solid(part)
+    sheet = sheet_of(design, part, made)
+    write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
+    end = min(made.Faces(), key=lambda face: face.Center().y)
+    whole = cq.Face.makeFromWires(end.outerWire()).Area()
+    assert profile_area(tmp_path / "part.dxf") == pytest.approx(whole, rel=1e-6)
