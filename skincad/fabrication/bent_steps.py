@@ -52,7 +52,7 @@ def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
         )
     return [
         f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(closed))} mm long, cut or etched "
-        f"as arcs from sheet, deburred{thin}; "
+        f"as arcs from sheet by shims.dxf, deburred{thin}; "
         f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
         f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
     ]

@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 
 from skincad.fabrication.pattern import StripPattern, pattern_notes, strip_patterns
+from skincad.fabrication.shim_pattern import shim_patterns
 from skincad.inputs.design import Design
 from skincad.outputs.dxf import write_dxf
 from skincad.outputs.stepfile import make_deterministic
@@ -128,6 +129,15 @@ def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, 
     texts += [("+", *strip.plus_at) for strip in strips]
     left = min(s.start.x for strip in strips for s in strip.cut)
     return [*texts, *((text, left, -2.0 - 2 * i) for i, text in enumerate(pattern_notes(design)))]
+
+
+def write_shims_dxf(design: Design, closed: ClosedMold, path: Path) -> None:
+    """Write the cutting pattern of one skin's shims as DXF, mm: CUT and MARK, which tells ridge and slot and
+    where a tail is thinned, at +x."""
+    shims = shim_patterns(design, closed)
+    marks: list[Mark] = [Words(shim.label, shim.label_at, 1.0, "MARK") for shim in shims]
+    marks += [line(*shim.thinned, "MARK") for shim in shims if shim.thinned]
+    write_dxf(path, marks, loops=[("CUT", shim.cut) for shim in shims])
 
 
 def write_strips_svg(design: Design, path: Path) -> None:

@@ -92,6 +92,7 @@ def writers(
             if design.film
             else {}
         ),
+        **({"shims.dxf": _shims} if closed.of(PartRole.SHIM) else {}),
         "design.toml": lambda job, path: _text(job.design.to_toml(), path),
         "casting-sheet.md": lambda job, path: _text(_sheet(job), path),
         "casting-sheet.html": _page,
@@ -163,6 +164,12 @@ def _page(job: Job, path: Path) -> None:
     from skincad.pictures.page import page
 
     _text(page(_sheet(job), _drawing(job), f"Casting sheet: {job.design.name}"), path)
+
+
+def _shims(job: Job, path: Path) -> None:
+    from skincad.outputs.export import write_shims_dxf
+
+    write_shims_dxf(job.design, job.closed, path)
 
 
 def _parts_list(job: Job, path: Path) -> None:

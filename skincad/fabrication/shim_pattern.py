@@ -1,0 +1,70 @@
+"""The cutting pattern of the shims that keep a skin's slots free, flat, mm: bars, or arcs in a bent mold."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from skincad.fabrication.bent_steps import arc_radius
+from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.pattern import ROW_GAP
+from skincad.fabrication.strip_steps import shim_length
+from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
+from skincad.shape.curves import Loop, Point, Segment, rectangle
+from skincad.solids.body import Revolved
+from skincad.solids.inserts import GRIP
+from skincad.solids.mold import ClosedMold
+from skincad.solids.roles import PartRole
+
+BESIDE = 5.0  # mm, of a label beside its shim
+
+
+class ShimPattern(NamedTuple):
+    """One shim: its ridge and slot, its outline, and the line at which a tail begins that is thinned; None
+    where it is not. The tail is at +x. The label's foot is at `label_at`."""
+
+    label: str
+    cut: Loop
+    thinned: tuple[Point, Point] | None
+    label_at: Point
+
+
+def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
+    """Return the shims of one skin, ridge 1 first, one above the other; none where strips are cast in."""
+    slot, found = design.slot, lap(design)
+    if slot is None or design.mold.method == "cast-in":
+        return []
+    thin = found is not None and found.tail < slot.thickness
+    bodies = [part.body for part in closed.of(PartRole.SHIM)]
+    pairs = zip(section(design).slots, bodies, strict=False)  # of a gang the first skin's
+    rows = []
+    for number, (place, body) in enumerate(pairs):
+        label, pitch = f"{place.ridge} {place.side}", slot.depth + ROW_GAP
+        if isinstance(body, Revolved):
+            radius = arc_radius(design, place.ridge, place.side)
+            half = (body.high - body.low) * abs(place.direction.z) / 2
+            centre = number * pitch / math.cos(half) - radius
+            inner, outer = radius - slot.depth / 2, radius + slot.depth / 2
+            cut, foot = _sector(inner, outer, half, centre), _at(inner, -half, centre)
+            tail = half - GRIP / radius
+            across = _at(inner, tail, centre), _at(outer, tail, centre)
+        else:
+            long, low = shim_length(design, closed) / 2, number * pitch - slot.depth / 2
+            cut, foot = rectangle(-long, long, low, low + slot.depth), Point(-long, low)
+            across = Point(long - GRIP, low), Point(long - GRIP, low + slot.depth)
+        rows.append(ShimPattern(label, cut, across if thin else None, Point(foot.x - BESIDE, foot.z)))
+    return rows
+
+
+def _at(radius: float, angle: float, centre: float) -> Point:
+    """A point at this angle from the upright, rad, about (0, centre)."""
+    return Point(radius * math.sin(angle), centre + radius * math.cos(angle))
+
+
+def _sector(inner: float, outer: float, half: float, centre: float) -> Loop:
+    """Part of a ring about (0, centre), from -half to half of the upright, rad."""
+    a, b = _at(outer, half, centre), _at(outer, -half, centre)
+    c, d = _at(inner, -half, centre), _at(inner, half, centre)
+    bulge = math.tan(half / 2)
+    return Segment(a, b, bulge), Segment(b, c), Segment(c, d, -bulge), Segment(d, a)
