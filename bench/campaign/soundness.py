@@ -29,9 +29,8 @@ from skincad.inputs.material import silicone
 from skincad.solids.mold import ClosedMold, mold
 
 CHORD = 2e-3  # mm, asked of the print meshes
-OF_DESIGN = {
-    "undercut"
-}  # errors that a design may well have: it is told, and nothing is wrong with its parts
+# a design may well have these errors: it is told, and nothing is wrong with its parts
+OF_DESIGN = {"undercut", "build volume", "lead width", "strip lap"}
 
 
 @dataclass(frozen=True)

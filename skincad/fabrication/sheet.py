@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
@@ -24,6 +26,7 @@ from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import cavity_process, end_process, fits, is_clamped, lid_process
 from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.screws import BEARING, TAP_RADIUS, torque
 from skincad.solids.shrinkage import poured, shrinkage
@@ -38,8 +41,13 @@ DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weig
 
 def poured_volume(design: Design, closed: ClosedMold) -> float:
     """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
-    their bleeds, and the flash in the gap round the carrier; for all skins of a gang."""
-    return design.mold.cavities * void(design, alone(design, closed)).volume
+    their bleeds, and the flash in the gap round the carrier; for all skins of a gang, whose cover and seal
+    are thicker than those of one."""
+    spaces = void(design, alone(design, closed)).spaces
+    below = math.fsum(space.body.volume for space in spaces if space.beside is not PartRole.COVER)
+    lids = closed.of(PartRole.COVER, PartRole.SEAL)
+    over = [bore.volume for part in lids for bore in bores(part, CutRole.RESERVOIR, CutRole.BLEED)]
+    return design.mold.cavities * below + math.fsum(over)
 
 
 def casting_sheet(

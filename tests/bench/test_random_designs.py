@@ -11,7 +11,7 @@ import pytest
 
 from bench.campaign import soundness
 from bench.campaign.random_designs import drawn
-from bench.campaign.soundness import outcome, summary
+from bench.campaign.soundness import faults, outcome, summary
 from skincad.inputs.design import Design
 from skincad.solids.mold import ClosedMold
 
@@ -34,6 +34,11 @@ def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object]
 def test_one_of_them_without_the_cad_kernel() -> None:
     found = [outcome(SMALLEST, kernel=False)]
     assert not any(each.faults for each in found), summary(found)
+
+
+def test_a_gang_is_poured_with_its_own_thicker_seal() -> None:
+    """The seal of one skin was taken for that of two: 22 mm3 of 6545."""
+    assert list(faults(drawn(21).design, kernel=False)) == []
 
 
 def test_a_seed_draws_the_same_design_again() -> None:
