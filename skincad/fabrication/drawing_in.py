@@ -16,11 +16,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.rules import coating
+from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import MOST_PULL, PVDF_YIELD
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.inputs.process import Process, processes
+from skincad.solids.layout import end_process
 from skincad.solids.undercut import SAFE_SHARE
 
 GLUE = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
@@ -53,22 +53,13 @@ def lap(design: Design) -> Lap | None:
         return None
     tail, notch = slot.thickness, None
     if design.skin.curvature_radius_y is not None:
-        maker, drawn = _maker(design), slot.thickness + 2 * design.mold.slit_clearance
-        notch = max(slot.thickness, drawn - 2 * _closes(design) - maker.tolerance)
+        maker, drawn = end_process(design), slot.thickness + 2 * design.mold.slit_clearance
+        notch = max(slot.thickness, drawn - 2 * walls_close(design, maker) - maker.tolerance)
         passing = math.floor(1e6 * (notch - film.thickness - GLUE) + 1e-3) / 1e6  # a nanometre is rounding
         tail = min(slot.thickness, max(LEAST_TAIL, passing))
     stack = tail + GLUE + film.thickness
     girth = slot.depth + slot.thickness
     return Lap(tail, stack, notch, max(0.0, (stack - slot.thickness) / girth))
-
-
-def _maker(design: Design) -> Process:
-    return processes(design.printer)[design.mold.end_plate_process or design.mold.process]
-
-
-def _closes(design: Design) -> float:
-    """By how much each wall of a notch comes nearer, mm: growth, and a coat where one is needed."""
-    return _maker(design).growth + coating(design, _maker(design))
 
 
 def drawing_time(design: Design) -> float:
@@ -130,7 +121,8 @@ def _notches(design: Design, found: Lap) -> Iterator[Finding]:
         return
     if found.stack > found.notch + 1e-6:  # mm; a nanometre is rounding
         need = LEAST_TAIL + GLUE + film.thickness
-        least = (need - slot.thickness + _maker(design).tolerance) / 2 + _closes(design)
+        maker = end_process(design)
+        least = (need - slot.thickness + maker.tolerance) / 2 + walls_close(design, maker)
         wide = math.ceil(1e3 * least - 1e-6) / 1e3  # whole micrometres
         remedy = (
             f"mold.slit_clearance of {wide:g} mm or more, a thinner film or a thicker slot, or a skin that "

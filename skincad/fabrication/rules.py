@@ -81,6 +81,12 @@ def coating(design: Design, process: Process) -> float:
     return process.coating if process.inhibits_platinum and silicone(design).platinum_cure else 0.0
 
 
+def walls_close(design: Design, process: Process) -> float:
+    """Return by how much each wall of a notch comes nearer than it is drawn, mm: growth, and a coat where one
+    is needed."""
+    return process.growth + coating(design, process)
+
+
 def grooves(case: Case) -> list[Feature]:
     """Return the narrowest groove of each kind: the highest ridge's in the cavity, a shim's in a comb."""
     design, ridge = case.design, case.design.ridge

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.rules import Case, Rule, coating, grooves
+from skincad.fabrication.rules import Case, Rule, coating, grooves, walls_close
 from skincad.fabrication.rules_of_layers import on_end
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
@@ -95,7 +95,7 @@ def _notch(case: Case) -> Iterator[Finding]:
     """What is left of a comb's notch by whole pixels, and by a coat and growth on both walls, against what
     lies in it."""
     process, design, coat = case.process, case.design, coating(case.design, case.process)
-    wall = coat + process.growth
+    wall = walls_close(design, process)
     pixel = process.pixel if process.tool == "screen" else 0.0
     if case.part.role is not PartRole.COMB or not (pixel or wall):
         return

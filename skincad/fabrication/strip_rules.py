@@ -8,6 +8,7 @@ from typing import Literal
 
 from skincad.fabrication.drawing_in import drawing_findings
 from skincad.fabrication.finding import Finding
+from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import (
     MOST_PULL,
     PVDF_YIELD,
@@ -22,7 +23,7 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.inputs.process import processes
+from skincad.solids.layout import end_process
 
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
 SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures
@@ -35,10 +36,10 @@ SETTLED = 0.1  # assumption: of the pot life, in which a strip must be back
 
 
 def misplaced(design: Design) -> float:
-    """Return how far a strip or shim may lie from its place in the section, mm: what growth leaves of the
-    slit clearance, and the tolerance of the process that makes the combs."""
-    process = processes(design.printer)[design.mold.end_plate_process or design.mold.process]
-    return max(0.0, design.mold.slit_clearance - process.growth) + process.tolerance
+    """Return how far a strip or shim may lie from its place in the section, mm: what growth and a coat
+    leave of the slit clearance, and the tolerance of the process that makes the combs."""
+    process = end_process(design)
+    return max(0.0, design.mold.slit_clearance - walls_close(design, process)) + process.tolerance
 
 
 def strip_findings(design: Design) -> list[Finding]:

@@ -202,6 +202,8 @@ def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> Non
     assert misplaced(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
     grown = cast.with_(mold={"slit_clearance": 0.04}, printer={"edm": {"growth": 0.03}})
     assert misplaced(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
+    coated = skincad.load("lab-bench", ["mold.slit_clearance=0.028", "printer.sla.coating=0.02"])
+    assert misplaced(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
     found = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
     assert (found.severity, found.limit) == ("note", pytest.approx(0.024))
     assert "may differ by 50 %" in found.remedy  # 2 x 0.06 / 0.24
