@@ -29,7 +29,8 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
     out: the designed ones without layers.
 
     All layers are equal, the first too; on end they follow the section, unless a screen's pixels draw it.
-    None where steps fall anywhere: those pixels, and the layers of a cavity that is parted, or a bowl.
+    None where steps fall anywhere: those pixels, and the layers of a cavity that is parted, or a bowl; and
+    where layers are so high that none has its middle in a groove or in what is over it.
     """
     process = processes(design.printer)[design.mold.process]
     on_its_end = process.orientation == "end"
@@ -42,7 +43,8 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
     grown = 1 / (1 - shrinkage(design))
     outline = corners(body, body.outline, print_chord(design))
     sides = [each.start.x for each in skin.outline]  # of the first skin of a gang
-    middle, bottom = (min(sides) + max(sides)) / 2, float(outline[:, 1].min())
+    middle = (min(sides) + max(sides)) / 2
+    bottom, top = float(outline[:, 1].min()), float(outline[:, 1].max())
     ledge = process.layer * math.ceil(-bottom / process.layer - 0.5)
     heights = []
     for ridge, high in enumerate(summits(design), 1):
@@ -50,6 +52,8 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
         layers = math.ceil((-high * grown - bottom) / process.layer - 0.5)
         while _open(outline, across, bottom + (layers + 0.5) * process.layer) <= CLOSED:
             layers += 1
+            if bottom + (layers + 0.5) * process.layer > top:
+                return None
         heights.append((ledge - layers * process.layer) / grown)
     return tuple(heights)
 

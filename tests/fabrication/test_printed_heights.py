@@ -58,3 +58,10 @@ def test_steps_that_fall_anywhere_are_not_told(name: str, changes: dict[str, dic
 def test_each_skin_of_a_gang_comes_out_as_one_alone() -> None:
     design = skincad.load("plain-ridges")
     assert heights(design.with_(mold={"cavities": 2})) == pytest.approx(heights(design), abs=1e-9)
+
+
+def test_layers_higher_than_the_block_are_not_looked_for_for_ever() -> None:
+    """The first middle of a layer over the grooves, 22.5 mm, is over the block, so the search had no end."""
+    coarse = ["mold.process=sla", "printer.sla.layer=9.0", "skin.thickness=1.0", "mold.floor=13.55"]
+    design = skincad.load("plain-ridges", coarse)
+    assert come_out(design, mold(design)) is None
