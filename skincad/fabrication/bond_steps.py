@@ -14,7 +14,7 @@ from skincad.fabrication.drawing_in import (
     lap,
     pull_test,
 )
-from skincad.fabrication.electrodes import PITCH, tab
+from skincad.fabrication.electrodes import PITCH, strip_capacitance, tab
 from skincad.fabrication.pattern import GLUED
 from skincad.fabrication.strips import GRAVITY, strip
 from skincad.inputs.design import Design
@@ -25,6 +25,7 @@ NUMBERS = (
     "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
     "two at end b, where the reservoir is"
 )
+TOWARDS = "towards the higher numbers in every slot"  # +x
 PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
 PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
 GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
@@ -103,8 +104,8 @@ def joined(design: Design) -> list[str]:
     )
     return [
         f"Glue each strip to its own shim's tail at end {film.wiring_side} ({NUMBERS}). Wipe the tail. Lay "
-        f"the strip's unwired end on it, {GLUED:g} mm up to the cut-off mark, flat and in line, + side to +x "
-        "in every slot, a trace of thin cyanoacrylate between. Press it for 1 min between two slips of "
+        f"the strip's unwired end on it, {GLUED:g} mm up to the cut-off mark, flat and in line, + side "
+        f"{TOWARDS}, a trace of thin cyanoacrylate between. Press it for 1 min between two slips of "
         f"polythene, which keep it off its neighbours, and leave it for {GLUE_MIN} min. {passes}"
     ]
 
@@ -171,8 +172,20 @@ def tested(design: Design) -> list[str]:
     return [
         f"{first}Pull test: hang {1000 * pull.force / GRAVITY:.3g} g ({pull.force:.2g} N, {why}; the bond is "
         f"sheared by {pull.shear:.2g} MPa) on each lead for 10 s, over a rod, so that it pulls along y. A "
-        f"strip that creeps out does not hold: {bad}.{last}"
+        f"strip that creeps out does not hold: {bad}.{last}",
+        _wired(design),
     ]
+
+
+def _wired(design: Design) -> str:
+    """How a strip's electrodes are tested: what a meter between its pads reads."""
+    value, error, leads = strip_capacitance(design)
+    return (
+        "Measure each strip between its two pads with a capacitance meter, 1 kHz, its clips' own capacitance "
+        f"taken off: {value:.2g} ± {error:.1g} pF, and up to {leads:.1g} pF more of its leads. Less than "
+        "half of it: a lead is torn. No capacitance at all, or less than 100 MΩ: the faces touch at a cut "
+        "edge; trim it. Write the values down by strip number: the charge of a strip goes with them."
+    )
 
 
 def kit(design: Design) -> list[str]:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import shapely
 
+from skincad.circuit.film import PICO, capacitance, electrode
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
@@ -29,6 +30,9 @@ LINK = 1.0  # mm, assumption: width of the metal from a lead to its pad
 SHOULDER = 0.5  # mm, assumption: fillet between strip and tab, or the film tears there
 LABEL = (4.5, 1.0)  # mm: room along a tab, in which "15 S2" is 3.9 long; height of letters, assumption
 CORNER = 1.0  # mm, assumption: legs of the corner cut off a tab at the ridge's side, to be seen and felt
+PERMITTIVITY = (12.5, 0.5)  # relative, and its error; source: data sheets of PVDF film, 12 to 13
+FILM_THICKNESS = 0.05  # relative, assumption: by which a film differs from its nominal thickness
+COPLANAR = 0.12  # pF/mm of lead, source: see circuit/film.py, on a half space of film
 LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
 
 
@@ -97,12 +101,35 @@ def _outline(boxes: list[tuple[float, float, float, float]]) -> Loop:
     return loop([Point(x, z) for x, z in shapely.orient_polygons(whole).exterior.coords[:-1]])
 
 
+class Capacitance(NamedTuple):
+    """Of a strip's electrodes with its error, and what its leads add at most, pF."""
+
+    value: float
+    error: float
+    leads: float
+
+
+def strip_capacitance(design: Design) -> Capacitance:
+    """Return what a meter reads between a strip's pads.
+
+    Its error: the faces' overlap where both are off by the registration across the strip, the film's
+    permittivity and thickness. Call where there are film and slot.
+    """
+    assert design.film is not None
+    assert design.slot is not None
+    film = design.film
+    value = capacitance(electrode(design), film.thickness, PERMITTIVITY[0]) / PICO
+    narrower = 2 * film.registration / (design.slot.depth - 2 * film.margin)
+    share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
+    return Capacitance(value, share * value, COPLANAR * (film.lead + tab(film)[0]))
+
+
 def past_tabs(design: Design) -> str:
     """Return how an end plate comes off strips with tabs outside it."""
     side = design.film.wiring_side if design.film else "b"
     return (
-        f"End plate {side} has the tabs outside it: when its bolts are out, slide it along the leads until "
-        "it is off its pins, then lift the keeper off and lower the comb."
+        f"End plate {side} has the tabs outside it: slide it along the leads until it is off its pins, then "
+        "lift the keeper off and lower the comb."
     )
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from skincad.fabrication.bent_steps import leave_steps
 from skincad.fabrication.bond_steps import cured_in, drawn, joined, made_ready, tested
 from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.electrodes import past_tabs
 from skincad.fabrication.strip_steps import let_go
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
@@ -54,15 +55,16 @@ def _still(lines: list[str]) -> list[OpeningStep]:
 
 def _taken_off(design: Design) -> list[str]:
     """How end plates and cover come off; the cover holds skin and carrier until the shims are out."""
-    slides = "along y,"
+    slides, tabs = "along y,", ""
     if design.slot is not None:
         cast_in = design.mold.method == "cast-in" and design.film
+        tabs = f" {past_tabs(design)}" if cast_in else ""
         slides += " over the strips," if cast_in else " over the shims (hold these back by their other ends),"
     held = "clamps" if is_clamped(poured(design)) else "bolts"
     return [
         "Take the end plates' bolts out; the cover stays on. "
         + ("Cut the sprue at the gate, and slide" if gate(design) else "Slide")
-        + f" the end plates off {slides} with a screwdriver in the notches at their sides.",
+        + f" the end plates off {slides} with a screwdriver in the notches at their sides.{tabs}",
         f"Take the cover's {held} off and lift it where it overhung the end plates, with the foam; the "
         "silicone in the reservoir and the bleeds tears off, or is cut flush.",
     ]

@@ -10,6 +10,7 @@ from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.fasteners import cover_screws, dowels, end_screws
 from skincad.fabrication.finding import Finding
+from skincad.fabrication.first_steps import prepared
 from skincad.fabrication.inspection import Inspection
 from skincad.fabrication.inspection_form import inspection_lines
 from skincad.fabrication.opening import opening_steps
@@ -174,9 +175,14 @@ def mixing(material: Silicone, total: float) -> tuple[str, str]:
         a, b = (total * share / sum(material.mix) for share in material.mix)
         parts = f"weigh {a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
     pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
+    return parts, f"Pot life {pot}; cure {cured(material)}."
+
+
+def cured(material: Silicone) -> str:
+    """Return as words how long a silicone cures, and how warm."""
     cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
     warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
-    return parts, f"Pot life {pot}; cure {cure} at {warm}."
+    return f"{cure} at {warm}"
 
 
 def _mix(material: Silicone, volume: float) -> list[str]:
@@ -200,12 +206,12 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
         else "prime its lower face for silicone, or the skin comes off"
     )
     close = [
-        ("End a has the gate. " if gate(design) else "")
-        + f"Clean and dry all parts. Put release agent on {released_where(design)}",
+        prepared(design, closed),
+        ("End a has the gate. " if gate(design) else "") + f"Put release agent on {released_where(design)}",
         *([] if lap(design) else made_ready(design)),
         *_closed_up(design, back),
-        "Lay the mold level to cure. Top up the reservoir over the vent: it makes up for shrinkage and "
-        "for bubbles that rise.",
+        f"Lay the mold level to cure, {cured(silicone(design))}. Top up the reservoir over the vent while "
+        "the mix still flows: it makes up for shrinkage and for bubbles that rise.",
     ]
     leave = [step.words for step in opening_steps(design, closed)]
     steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]

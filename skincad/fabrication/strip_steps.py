@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from skincad.fabrication.bent_steps import arc_length
-from skincad.fabrication.bond_steps import NUMBERS, count
-from skincad.fabrication.electrodes import past_tabs
+from skincad.fabrication.bond_steps import NUMBERS, TOWARDS, count
 from skincad.fabrication.strip_rules import misplaced
 from skincad.fabrication.strips import deflection, pour, released, strip, weight
 from skincad.inputs.design import Design
@@ -45,7 +44,7 @@ def laid_in(design: Design) -> str:
     load = weight(rod, silicone(design).density)
     return (
         "combs first. Lay each strip, primed and dry, into its notches, + "
-        f"side to +x ({NUMBERS}). Tie a thread to each tab's hole, lead it along y over a rod that lies "
+        f"side {TOWARDS} ({NUMBERS}). Tie a thread to each tab's hole, lead it along y over a rod that lies "
         "a little below the notches on one board with the mold, so that the strip stays upright, and hang "
         f"{rod.hung:.3g} g on each ({rod.tension:.3g} N, {rod.stress:.3g} MPa): it stands on the notches' "
         f"bottoms, its datum, and is within {misplaced(design):.2g} mm of its place; in silicone it sags by "
@@ -71,6 +70,6 @@ def let_go(design: Design) -> list[str]:
         return []
     return [
         "Take the weights off and cut off at the strips' marks what they hung on; the tabs with pads, "
-        f"number and + sign stay. {past_tabs(design)} The skin shortens by {100 * released(design):.2g} %, "
+        f"number and + sign stay. The skin shortens by {100 * released(design):.2g} %, "
         "when the strips are released."
     ]

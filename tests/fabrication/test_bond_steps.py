@@ -6,6 +6,7 @@ import re
 import pytest
 
 import skincad
+from skincad.circuit.film import capacitance, electrode
 from skincad.fabrication.bond_steps import kit, released_where
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.sheet import casting_sheet
@@ -127,3 +128,17 @@ def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     assert words[1] == "Draw each shim out along y, towards end b."
     assert not any("film" in each or "strip" in each for each in words)
     assert "cover and shims" in released_where(bare)
+
+
+@pytest.mark.parametrize("name", FILMED)
+def test_a_meter_reads_what_the_circuit_has(name: str) -> None:
+    """The capacitance told is that of the circuits' films (permittivity 12) within the error told."""
+    design = skincad.load(name)
+    assert design.film is not None
+    steps = order(sheet(design))
+    read, error = re.search(
+        r"taken off: ([\d.]+) ± ([\d.]+) pF", steps[place(steps, "capacitance meter")]
+    ).groups()
+    own = 1e12 * capacitance(electrode(design), design.film.thickness, 12.0)
+    assert abs(own - float(read)) <= float(error)
+    assert place(steps, "capacitance meter") == place(steps, PULL) + 1
