@@ -72,7 +72,7 @@ def test_a_format_is_written_alone(tmp_path: Path) -> None:
     assert done.returncode == 0
     names = {p.name for p in (tmp_path / "here").iterdir()}
     made = {"carrier.dxf", "cavity.dxf", "cover.dxf", "end-a.dxf", "end-b.dxf"}  # a drawing of each part
-    assert names == {"make.json", "section.dxf", *made}
+    assert names == {"make.json", "section.dxf", "seal.dxf", *made}
 
 
 @pytest.mark.parametrize(

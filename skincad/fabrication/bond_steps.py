@@ -201,7 +201,8 @@ def kit(design: Design) -> list[str]:
     rows = [
         f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, sputtered metal on both faces, "
         f"patterned and cut by strips.dxf or strips.svg, its + side up, {sheets}and {spare} to spare",
-        f"{2 * strips} crimp contacts for flat cable, {PITCH:g} mm apart: one for each pad",
+        f"{2 * strips} crimp contacts for flat cable, {PITCH:g} mm apart: one for each pad; for each skin a "
+        f"pin header of 2 x {2 * design.ridge.count}, {PITCH:g} mm, on a board by strip-board.kicad_mod",
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",
         f"isopropanol, {math.ceil(ALCOHOL[0] + ALCOHOL[1] * wiped)} ml, and {wiped} lint-free wipes",

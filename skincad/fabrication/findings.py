@@ -7,6 +7,7 @@ from dataclasses import replace
 from skincad.fabrication.closing import closing_findings
 from skincad.fabrication.demolding import undercut_findings
 from skincad.fabrication.electrodes import electrode_findings
+from skincad.fabrication.fan_out import fan_out_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, maker, material_findings, shim_findings
@@ -32,6 +33,7 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
         *shim_findings(design),
         *closing_findings(design),
         *electrode_findings(design),
+        *fan_out_findings(design),
         *material_findings(design),
         *undercut_findings(design),
     ]

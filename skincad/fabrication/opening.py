@@ -8,6 +8,7 @@ from skincad.fabrication.bent_steps import leave_steps
 from skincad.fabrication.bond_steps import cured_in, drawn, joined, made_ready, tested
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.electrodes import past_tabs
+from skincad.fabrication.fan_out import fanned
 from skincad.fabrication.strip_steps import let_go
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
@@ -39,13 +40,14 @@ def opening_steps(design: Design, closed: ClosedMold) -> list[OpeningStep]:
     drawn_in = [*_still(joined(design)), OpeningStep(drawn(design), shims)] if shims else []
     drawn_in += _still(cured_in(design))
     out, proof = OpeningStep(_out(design, closed), tuple(by["skin"])), _still(tested(design))
+    led = _still(fanned(design))
     if not straight:
         taken = map(OpeningStep, leave_steps(), (tuple(by["lid"]), tuple(by["ends"])))
-        return [*first, *drawn_in, *taken, out, *proof]
+        return [*first, *drawn_in, *taken, out, *proof, *led]
     ends, lid = map(OpeningStep, _taken_off(design), (tuple(by["ends"]), tuple(by["lid"])))
     if lap(design) is None:  # cast in, or no film
-        return [*first, ends, *drawn_in, lid, out, *proof]
-    return [*first, ends, *drawn_in, *proof, lid, out]
+        return [*first, ends, *drawn_in, lid, out, *proof, *led]
+    return [*first, ends, *drawn_in, *proof, lid, out, *led]
 
 
 def _still(lines: list[str]) -> list[OpeningStep]:

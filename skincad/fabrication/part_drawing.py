@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.fabrication.bore_table import HoleGroup, hole_groups, number
+from skincad.fabrication.cut_profile import CutProfile, cut_profile, cut_words
 from skincad.fabrication.drawing_views import ABOVE, FRONT, views
 from skincad.fabrication.drawn_features import (
     Datum,
@@ -75,6 +76,8 @@ class PartDrawing:
     slits: tuple[Slit, ...]
     grooves: tuple[Groove, ...]
     profile: tuple[Stroke, ...]  # that a detail shows: the front view, or a bent mold's middle section
+    cut: CutProfile | None  # what is cut right through, for DXF
+    cut_notes: tuple[str, ...]  # what is said of it there
     tables: tuple[Listed, ...]
     notes: tuple[str, ...]
     process: str
@@ -97,7 +100,7 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
         _slit_table(cut, seen),
         _groove_table(carved, seen, part, judged.drops if judged else ()),
     ]
-    top = seen[FRONT].box()[1][1]
+    top, cut_through = seen[FRONT].box()[1][1], cut_profile(part)
     words = [*notes(design, part), *what_matters(design, part, judged)]
     if design.mold.cavities > 1 and (cut or carved):
         words.append(_others(design, part))
@@ -115,6 +118,8 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
         slits=cut,
         grooves=carved,
         profile=_profile(part, seen[FRONT]),
+        cut=cut_through,
+        cut_notes=(cut_words(design, part),) if cut_through else (),
         tables=tuple(table for table in tables if table.rows),
         notes=("Datums: " + "; ".join(f"{d.letter} {d.what}" for d in datum) + ".", *words),
         process=process_words(design, part),

@@ -79,7 +79,7 @@ def _bought(design: Design, closed: ClosedMold) -> Iterator[Item]:
         yield _item(count, "dowel pin", size, "steel", f"holes that take {most:g} mm")
     for seal in closed.of(PartRole.SEAL):
         if isinstance(seal.body, Prism):
-            size = f"sheet of {(seal.body.high - seal.body.low) / LEFT:.3g}"
+            size = f"sheet of {(seal.body.high - seal.body.low) / LEFT:.3g}, cut by seal.dxf"
             yield _item(1, "seal", size, "closed-cell EVA foam", "under the cover")
     shims = len(closed.of(PartRole.SHIM))
     if shims and design.slot is not None:

@@ -91,6 +91,7 @@ def pattern_notes(design: Design) -> list[str]:
         "seen from the + side, which faces +x in every slot, the front; end a left, b right, ridges below",
         f"leads at end {wiring}, where the corner at the ridge is cut off; draw axis (d31) along the strips",
         "back: as seen through the film, so mirror it when that face lies up; let metal go on beyond the cut",
+        "CUT at nominal size, kerf not compensated; ENGRAVE stays to be read, cut off at MARK later",
         f"pads: {PAD[0]:g} x {PAD[1]:g} mm, one a face, pitch {PITCH:g} mm: flat cable crimps, clinchers",
     ]
 

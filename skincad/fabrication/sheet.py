@@ -140,9 +140,9 @@ def _seal(closed: ClosedMold) -> list[str]:
     """The foam under the cover, as it is bought and as it lies."""
     highs = [s.body.high - s.body.low for s in closed.of(PartRole.SEAL) if isinstance(s.body, Prism)]
     return [
-        f"closed-cell EVA foam, a sheet of {high / LEFT:.3g} mm, cut to carrier and end plates with the "
-        f"cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so that it follows what "
-        "these stand higher or lower by their processes' tolerances"
+        f"closed-cell EVA foam, a sheet of {high / LEFT:.3g} mm, cut by seal.dxf to carrier and end plates "
+        f"with the cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so it follows "
+        "what these stand higher or lower by their processes' tolerances"
         for high in highs
     ]
 

@@ -57,6 +57,14 @@ def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
     return rows
 
 
+def shim_notes(design: Design) -> list[str]:
+    """Return what is said on the pattern: which sheet, and what the cutter has to know."""
+    slot, skins = design.slot, design.mold.cavities
+    thick = f"spring steel {slot.thickness:g} thick; " if slot else ""
+    times = f"; for one skin: cut it {skins} times" if skins > 1 else ""
+    return [f"{thick}CUT at nominal size, kerf not compensated{times}", "a shim does not shrink: 1:1"]
+
+
 def _at(radius: float, angle: float, centre: float) -> Point:
     """A point at this angle from the upright, rad, about (0, centre)."""
     return Point(radius * math.sin(angle), centre + radius * math.cos(angle))

@@ -14,7 +14,7 @@ from ezdxf import units as dxf_units
 from ezdxf.enums import TextEntityAlignment
 
 from skincad.pictures.layers import LAYERS, LINES
-from skincad.pictures.marks import ARROW, Dimension, Fill, Ink, Mark, Words
+from skincad.pictures.marks import ARROW, Dimension, Fill, Ink, Mark, Sheet, Words
 from skincad.shape.curves import Loop
 from skincad.solids.projection import Arc, Place, Stroke
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 FONT = "SKINCAD"  # text style, in Arial
 ROTATED, DIAMETER, OWN_BLOCK, PLACED = 0, 3, 32, 128  # source: DXF reference, group 70 of DIMENSION
 DEGREES = 180 / math.pi
+NOTED = 20.0, 4.0  # mm of paper: the first note of a sheet, under its frame
 _ANCHORS = {
     "start": TextEntityAlignment.LEFT,
     "middle": TextEntityAlignment.CENTER,
@@ -34,13 +35,20 @@ _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
 
 
 def write_dxf(
-    path: Path, marks: Iterable[Mark], scale: float = 1.0, loops: Iterable[tuple[str, Loop]] = ()
+    path: Path,
+    marks: Iterable[Mark],
+    scale: float = 1.0,
+    loops: Iterable[tuple[str, Loop]] = (),
+    notes: Iterable[str] = (),
 ) -> None:
     """Write marks on paper as DXF in the part's own millimetres: `scale` is paper by part; and closed
-    outlines with true arcs, mm of the part, on these layers."""
+    outlines with true arcs, mm of the part, on these layers. Notes are the file's properties, which a
+    program shows without drawing them."""
     with _no_clock():
         marks, outlines = list(marks), list(loops)
         document = _document(scale, {name for name, _ in outlines} | set(_layers(marks)))
+        for number, note in enumerate(notes, 1):
+            document.header.custom_vars.append(f"note {number}", note)
         space = document.modelspace()
         for layer, outline in outlines:
             corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
@@ -53,6 +61,13 @@ def write_dxf(
         for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
             document.classes.add_class(kind)
         document.saveas(path)
+
+
+def write_sheet_dxf(sheet: Sheet, path: Path) -> None:
+    """Write a sheet as DXF at the part's full size, with what is cut on layer CUT, and what is said of that
+    under the frame."""
+    said = [Words(note, (NOTED[0], NOTED[1] - 4.0 * i), 2.0, "TEXT") for i, note in enumerate(sheet.notes)]
+    write_dxf(path, [*sheet.marks, *said], sheet.scale, sheet.loops, sheet.notes)
 
 
 def _layers(marks: Iterable[Mark]) -> Iterator[str]:

@@ -14,11 +14,20 @@ import numpy as np
 import trimesh
 
 from skincad.fabrication.pattern import StripPattern, pattern_notes, strip_patterns
-from skincad.fabrication.shim_pattern import shim_patterns
+from skincad.fabrication.seal_pattern import seal_pattern
+from skincad.fabrication.shim_pattern import shim_notes, shim_patterns
 from skincad.inputs.design import Design
 from skincad.outputs.dxf import write_dxf
 from skincad.outputs.stepfile import make_deterministic
-from skincad.pictures.flat_dimensions import section_dimensions, section_margin, strip_dimensions
+from skincad.pictures.flat_dimensions import (
+    SIZE,
+    WIDE,
+    seal_dimensions,
+    section_dimensions,
+    section_margin,
+    section_notes,
+    strip_dimensions,
+)
 from skincad.pictures.marks import Dimension, Mark, Words, line
 from skincad.pictures.sheet_svg import parted, svg_row, svg_style
 from skincad.shape.cross_section import section
@@ -29,6 +38,7 @@ if TYPE_CHECKING:
 
     from skincad.solids.mold import ClosedMold
 
+NOTED, NOTED_SEAL = -14.0, 6.0  # mm of paper: notes' first line, below z = 0, and below a seal
 ABOVE, BESIDE = 13.0, 5.0  # mm over and beside the strips, for their dimensions
 
 
@@ -93,18 +103,24 @@ def _uuid(name: str, kind: str) -> str:
 
 
 def write_section_dxf(design: Design, path: Path) -> None:
-    """Write the section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS, and
-    DIMENSIONS, to be switched off for cutting."""
+    """Write the skin's own section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS,
+    DIMENSIONS, and TEXT, which says that a mold is not cut by it."""
     shape = section(design)
     rows = [("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)]
     dimensions, scale = section_dimensions(design)
-    write_dxf(path, dimensions, scale, rows)
+    said = section_notes(design)
+    write_dxf(path, [*dimensions, *_under(said, (-WIDE / 2, NOTED), SIZE)], scale, rows, said)
+
+
+def _under(said: list[str], at: tuple[float, float], height: float) -> list[Words]:
+    """Notes below each other from the place of the first one on, mm of paper."""
+    return [Words(text, (at[0], at[1] - 2 * height * i), height, "TEXT") for i, text in enumerate(said)]
 
 
 def write_strips_dxf(design: Design, path: Path) -> None:
     """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), FRONT and BACK
-    (metal of either face), and MARK: what is cut off, ridge and side, + sign, draw axis; DIMENSIONS, to be
-    switched off."""
+    (metal of either face), ENGRAVE (ridge and side, + sign), MARK (where a strip is cut off later); TEXT and
+    DIMENSIONS, to be switched off."""
     strips = strip_patterns(design)
     rows = [row for strip in strips for row in _strip_rows(strip)]
     dimensions, scale = strip_dimensions(strips)
@@ -113,9 +129,10 @@ def write_strips_dxf(design: Design, path: Path) -> None:
         return scale * point.x, scale * point.z
 
     marks: list[Mark] = [line(on(a), on(b), "MARK") for strip in strips for a, b in strip.cut_off]
+    notes = pattern_notes(design)
     for text, x, z in _strip_texts(design, strips):
-        marks.append(Words(text, on(Point(x, z)), scale, "MARK"))
-    write_dxf(path, [*marks, *dimensions], scale, rows)
+        marks.append(Words(text, on(Point(x, z)), scale, "TEXT" if text in notes else "ENGRAVE"))
+    write_dxf(path, [*marks, *dimensions], scale, rows, notes)
 
 
 def _strip_rows(strip: StripPattern) -> list[tuple[str, Loop]]:
@@ -132,12 +149,25 @@ def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, 
 
 
 def write_shims_dxf(design: Design, closed: ClosedMold, path: Path) -> None:
-    """Write the cutting pattern of one skin's shims as DXF, mm: CUT and MARK, which tells ridge and slot and
-    where a tail is thinned, at +x."""
-    shims = shim_patterns(design, closed)
-    marks: list[Mark] = [Words(shim.label, shim.label_at, 1.0, "MARK") for shim in shims]
+    """Write the cutting pattern of one skin's shims as DXF, mm: CUT, ENGRAVE (ridge and slot, beside each),
+    MARK (where a tail is thinned, at +x) and TEXT."""
+    shims, said = shim_patterns(design, closed), shim_notes(design)
+    marks: list[Mark] = [Words(shim.label, shim.label_at, 1.0, "ENGRAVE") for shim in shims]
     marks += [line(*shim.thinned, "MARK") for shim in shims if shim.thinned]
-    write_dxf(path, marks, loops=[("CUT", shim.cut) for shim in shims])
+    low = min(s.start.z for shim in shims for s in shim.cut)
+    marks += _under(said, (min(shim.label_at.x for shim in shims), low - 3.0), 1.0)
+    write_dxf(path, marks, loops=[("CUT", shim.cut) for shim in shims], notes=said)
+
+
+def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
+    """Write the cutting pattern of the foam under the cover as DXF, mm, seen from above, end b up: CUT
+    (outline and holes), TEXT and DIMENSIONS."""
+    pattern = seal_pattern(closed)
+    dimensions, scale = seal_dimensions(pattern)
+    (left, low), _ = pattern.box
+    said = pattern.notes
+    under = _under(said, (scale * left, scale * low - NOTED_SEAL), SIZE)
+    write_dxf(path, [*dimensions, *under], scale, [("CUT", loop) for loop in pattern.loops], said)
 
 
 def write_strips_svg(design: Design, path: Path) -> None:

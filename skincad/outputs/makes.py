@@ -89,10 +89,12 @@ def writers(
         "drawing.svg": lambda job, path: _text(_drawing(job), path),
         **(
             {f"strips.{kind}": _exported(f"write_strips_{kind}") for kind in ("dxf", "svg")}
+            | {"strip-board.kicad_mod": _board}
             if design.film
             else {}
         ),
         **({"shims.dxf": _shims} if closed.of(PartRole.SHIM) else {}),
+        **({"seal.dxf": _seal} if closed.of(PartRole.SEAL) else {}),
         "design.toml": lambda job, path: _text(job.design.to_toml(), path),
         "casting-sheet.md": lambda job, path: _text(_sheet(job), path),
         "casting-sheet.html": _page,
@@ -170,6 +172,18 @@ def _shims(job: Job, path: Path) -> None:
     from skincad.outputs.export import write_shims_dxf
 
     write_shims_dxf(job.design, job.closed, path)
+
+
+def _board(job: Job, path: Path) -> None:
+    from skincad.outputs.footprint import write_strip_board
+
+    write_strip_board(job.design, path)
+
+
+def _seal(job: Job, path: Path) -> None:
+    from skincad.outputs.export import write_seal_dxf
+
+    write_seal_dxf(job.closed, path)
 
 
 def _parts_list(job: Job, path: Path) -> None:

@@ -11,7 +11,7 @@ from skincad.fabrication.making import Job
 from skincad.fabrication.part_drawing import part_drawing
 from skincad.fabrication.tolerances import Judged
 from skincad.outputs import checks
-from skincad.outputs.dxf import write_dxf
+from skincad.outputs.dxf import write_sheet_dxf
 from skincad.outputs.stepfile import source_date
 from skincad.pictures.marks import Sheet
 from skincad.pictures.part_sheet import part_sheet
@@ -62,4 +62,4 @@ def _text(text: str, path: Path) -> None:
 
 
 def _dxf(sheet: Sheet, path: Path) -> None:
-    write_dxf(path, sheet.marks, sheet.scale)
+    write_sheet_dxf(sheet, path)

@@ -9,11 +9,13 @@ import math
 
 from skincad.fabrication.bore_table import number
 from skincad.fabrication.pattern import StripPattern
+from skincad.fabrication.seal_pattern import SealPattern
 from skincad.inputs.design import Design
 from skincad.pictures.marks import Dimension, Words, aligned, diameter, linear
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop
 from skincad.solids.projection import Place
+from skincad.solids.shrinkage import shrinkage
 
 SIZE = 2.0  # mm of paper, height of capitals
 WIDE, BESIDE, OVER = 110.0, 10.0, 14.0  # mm of paper: a section, and the room beside and over it
@@ -46,6 +48,29 @@ def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
         linear((on(half, 0.0), on(half, top)), scale * half + 5.0, False, scale, number(top), SIZE),
     ]
     return [*rows, *_ridge(design, scale)], scale
+
+
+def section_notes(design: Design) -> list[str]:
+    """Return what is said under the section: it is the skin, and what a mold is cut by."""
+    larger = 1 / (1 - shrinkage(design))
+    by = f"{larger:.6g} times as large, for the silicone's shrinkage" if larger > 1 else "as large"
+    bent = design.skin.curvature_radius_y is not None
+    return [
+        "The skin as it shall be, cured: not for cutting."
+        + (" Section in its middle, y = 0." if bent else ""),
+        f"The mold is {by}: cut it by the DXF of its own parts, layer CUT.",
+    ]
+
+
+def seal_dimensions(pattern: SealPattern) -> tuple[list[Dimension], float]:
+    """Return the dimensions of a seal, over it and at its right, and their paper's scale: it suits 2 mm
+    letters for any seal."""
+    (left, low), (right, high) = pattern.box
+    rows = [
+        linear(((left, high), (right, high)), high + 6.0, True, 1.0, number(right - left), SIZE),
+        linear(((right, low), (right, high)), right + 8.0, False, 1.0, number(high - low), SIZE),
+    ]
+    return rows, 1.0
 
 
 def _ridge(design: Design, scale: float) -> list[Dimension]:

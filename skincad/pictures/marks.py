@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from skincad.shape.curves import Loop
 from skincad.solids.projection import Place, Polyline, Stroke
 
 Box = tuple[float, float, float, float]  # left, low, right, high, mm
@@ -95,12 +96,15 @@ Mark = Ink | Fill | Words | Dimension
 
 @dataclass(frozen=True)
 class Sheet:
-    """A sheet of paper, mm, what is on it, and the scale of its views, paper by part."""
+    """A sheet of paper, mm, what is on it, the scale of its views, paper by part, and closed outlines by
+    layer, which are cut: mm of the part, as they lie in their view; and what is said of them."""
 
     title: str
     size: tuple[float, float]
     scale: float
     marks: tuple[Mark, ...]
+    loops: tuple[tuple[str, Loop], ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def width(text: str, height: float) -> float:

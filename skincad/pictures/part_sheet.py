@@ -9,8 +9,11 @@ from skincad.fabrication.drawing_views import FRONT
 from skincad.fabrication.part_drawing import PartDrawing
 from skincad.pictures.detail import detail_marks, detail_size
 from skincad.pictures.marks import Box, Mark, Sheet, rectangle
+from skincad.pictures.sheet_bores import Placed
 from skincad.pictures.sheet_column import COLUMN, Titled, column, column_height
 from skincad.pictures.sheet_views import corner_of, places, size_of, view_marks
+from skincad.shape.curves import Loop
+from skincad.solids.plan import shifted
 
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02)  # source: ISO 5455
 FILED, EDGE = (
@@ -85,7 +88,16 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
         *view_marks(drawing, placed, views, taken),
         *detail_marks(drawing, placed[FRONT], corner, paper.window),
     ]
-    return Sheet(f"{drawing.design}: {drawing.name}", paper.size, found.scale, tuple(marks))
+    title = f"{drawing.design}: {drawing.name}"
+    return Sheet(title, paper.size, found.scale, tuple(marks), _cut(drawing, placed), drawing.cut_notes)
+
+
+def _cut(drawing: PartDrawing, placed: dict[str, Placed]) -> tuple[tuple[str, Loop], ...]:
+    """What is cut through, where its view lies, mm of the part."""
+    if drawing.cut is None:
+        return ()
+    (x, y), scale = placed[drawing.cut.view].origin, placed[drawing.cut.view].scale
+    return tuple(("CUT", shifted(loop, x / scale, y / scale)) for loop in drawing.cut.loops)
 
 
 def _area(drawing: PartDrawing, paper: Paper) -> Box:

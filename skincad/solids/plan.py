@@ -78,11 +78,13 @@ def moved(body: _Body, x: float) -> _Body:
     return replace(body, start=(body.start[0] + x, *body.start[1:]))
 
 
-def shifted(segments: Loop, x: float) -> Loop:
-    """Return segments moved by `x` mm along x."""
-    return tuple(
-        replace(s, start=Point(s.start.x + x, s.start.z), end=Point(s.end.x + x, s.end.z)) for s in segments
-    )
+def shifted(segments: Loop, x: float, z: float = 0.0) -> Loop:
+    """Return segments moved by `x` and `z` mm."""
+
+    def moved_on(point: Point) -> Point:
+        return Point(point.x + x, point.z + z)
+
+    return tuple(replace(s, start=moved_on(s.start), end=moved_on(s.end)) for s in segments)
 
 
 def mirrored(outline: Loop) -> Loop:

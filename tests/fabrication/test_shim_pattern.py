@@ -60,7 +60,9 @@ def test_no_shim_lies_on_another_and_a_thin_tail_is_marked(name: str, tmp_path: 
     read = dxf_parser.parse((tmp_path / "shims.dxf").read_text(encoding="utf-8"))
     kinds = [e["type"] for e in read["entities"] if e["layer"] == "CUT"]
     assert kinds == ["LWPOLYLINE"] * len(shims)
-    assert [e["text"] for e in read["entities"] if e["type"] == "TEXT"] == [shim.label for shim in shims]
+    texts = [(e["layer"], e["text"]) for e in read["entities"] if e["type"] == "TEXT"]
+    assert [text for layer, text in texts if layer == "ENGRAVE"] == [shim.label for shim in shims]
+    assert "kerf not compensated" in next(text for layer, text in texts if layer == "TEXT")
 
 
 def test_strips_that_are_cast_in_have_no_shims() -> None:

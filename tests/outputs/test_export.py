@@ -133,8 +133,10 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
         "BACK",
         "CUT",
         "DIMENSIONS",
+        "ENGRAVE",
         "FRONT",
         "MARK",
+        "TEXT",
     }
 
 

@@ -92,8 +92,9 @@ def test_sixty_random_designs_strips_too(tmp_path: Path) -> None:
 def test_the_layers_say_what_is_cut_kept_and_marked(made: Made) -> None:
     found = dxf_parser.parse((made.folder / "strips.dxf").read_text(encoding="utf-8"))
     colours = {name: row["colorIndex"] for name, row in found["tables"]["layer"]["layers"].items()}
-    assert {name: colours[name] for name in ("CUT", "FRONT", "BACK", "MARK", "DIMENSIONS")} == {
+    assert {name: colours[name] for name in ("CUT", "FRONT", "BACK", "ENGRAVE", "MARK", "DIMENSIONS")} == {
         "CUT": 1,
+        "ENGRAVE": 2,
         "FRONT": 3,
         "BACK": 4,
         "MARK": 5,
@@ -106,10 +107,10 @@ def test_number_and_sign_are_on_what_is_not_cut_off(name: str, tmp_path: Path) -
     """And off the leads, which an engraved mark could cut; a letter is at most 0.8 of its height wide."""
     layers = read(skincad.load(name), tmp_path)
     found = dxf_parser.parse((tmp_path / "strips.dxf").read_text(encoding="utf-8"))
-    texts = [e for e in found["entities"] if e["type"] == "TEXT" and e["layer"] == "MARK"]
+    texts = [e for e in found["entities"] if e["type"] == "TEXT" and e["layer"] == "ENGRAVE"]
     cuts = [e for e in found["entities"] if e["type"] == "LINE" and e["layer"] == "MARK"]
     words = [t for t in texts if t["text"] == "+" or t["text"].endswith(("S1", "S2"))]
-    assert len(words) == 2 * len(layers["CUT"])
+    assert len(words) == len(texts) == 2 * len(layers["CUT"])  # nothing else is engraved
     ends = {line["vertices"][0]["x"] for line in cuts}
     for word in words:
         x, y = word["startPoint"]["x"], word["startPoint"]["y"]
