@@ -97,6 +97,8 @@ def _keys(found: CouponReading) -> Iterator[MeasuredKey]:
     if (crests := found.crests) is not None:
         said = f"{by}: ± {crests.sigma.error:.4f} (95 %)"
         yield MeasuredKey("crest_sigma", round(float(crests.sigma), 4), said)
+        said = f"{by}: ± {crests.offset.error:.4f} (95 %)"
+        yield MeasuredKey("crest_offset", round(float(crests.offset), 4), said)
     worst = max((each.worst for each in (notches, crests) if each), default=0.0)
     if worst > found.before.tolerance:
         said = f"{by}: the largest error of a side or a crest"

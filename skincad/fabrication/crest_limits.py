@@ -16,6 +16,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.crests import summits
 from skincad.solids.mold import ClosedMold
+from skincad.solids.shrinkage import shrinkage
 
 ODDS = 0.005  # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
 OTHER_ROWS = 6  # tilt, mean crest, width, length, pitch, mass
@@ -42,7 +43,8 @@ def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     """Return the limits of a cast skin's crests."""
     process, count = processes(design.printer)[design.mold.process], design.ridge.count
     told = come_out(design, closed)
-    heights, step = told or summits(design), 0.0 if told else unknown_step(process)
+    step, offset = 0.0 if told else unknown_step(process), offset_of(design)
+    heights = tuple(high + offset for high in told or summits(design))
     sigma = math.hypot(process.crest_sigma, step / math.sqrt(12))  # a step falls anywhere
     deviations = NormalDist().inv_cdf(1 - ODDS / 2 / (count + OTHER_ROWS))
     read = math.hypot(sigma, GAUGE)
@@ -62,6 +64,11 @@ def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     )
 
 
+def offset_of(design: Design) -> float:
+    """Return by how much all crests of the cured skin come out higher over its back, mm."""
+    return processes(design.printer)[design.mold.process].crest_offset * (1 - shrinkage(design))
+
+
 def _span(design: Design) -> float:
     """Return how far it is from the first crest to the last, by the distance of the ledge's two sides."""
     return (design.ridge.count - 1) * design.ridge.pitch / design.skin.width
@@ -69,15 +76,16 @@ def _span(design: Design) -> float:
 
 def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
     """Return what layers do to the crests."""
-    process = processes(design.printer)[design.mold.process]
-    if crests.heights == summits(design) and crests.told:
+    process, meant_all = processes(design.printer)[design.mold.process], offset_of(design)
+    meant = tuple(high + meant_all for high in summits(design))
+    if crests.heights == meant and crests.told:
         return ()
     if not crests.told:
         return (
             f"Where the steps of {design.mold.process} fall on the crests is not known beforehand: the "
             f"limits hold one of {unknown_step(process):g} mm.",
         )
-    off = [out - meant for out, meant in zip(crests.heights, summits(design), strict=True)]
+    off = [out - high for out, high in zip(crests.heights, meant, strict=True)]
     middle = math.fsum(off) / len(off)
     aside = max(abs(each - middle) for each in off)
     return (

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 from skincad.fabrication.crest_limits import (
@@ -15,15 +16,19 @@ from skincad.fabrication.crest_limits import (
     Crests,
     crest_limits,
     layers_say,
+    offset_of,
     verdict_says,
 )
 from skincad.fabrication.pattern import strip_patterns
+from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.shape.cross_section import section
-from skincad.shape.curves import area
+from skincad.shape.curves import area, length
+from skincad.solids.body import Bore
+from skincad.solids.layout import lid_process
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
@@ -89,10 +94,12 @@ def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measur
         how = f"microscope, from crest 1 to crest {ridge.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
         rows.append(_across("mean pitch", ridge.pitch, 2 * body.tolerance / spans, tool, crests, how))
-    what, length = _length(design)
+    what, end_to_end = _length(design)
     how = "callipers, lightly"
-    rows.append(_across("width across the back", skin.width, 2 * body.tolerance, CALLIPERS, crests, how))
-    rows.append(_across(what, length, 2 * end.tolerance, CALLIPERS, crests, how))
+    near = walls_close(design, body)
+    wide, long = skin.width - 2 * near, end_to_end + 2 * near
+    rows.append(_across("width across the back", wide, 2 * body.tolerance, CALLIPERS, crests, how))
+    rows.append(_across(what, long, 2 * end.tolerance, CALLIPERS, crests, how))
     return [*rows, _mass(design, closed, crests)]
 
 
@@ -118,8 +125,8 @@ def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
     density, skin = silicone(design).density * 1e-6, design.skin
     held = bores(closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
     films, glue = _films(design)
-    body = density * (skin_part(design).volume + glue)
-    rubber = body + density * math.fsum(bore.volume for bore in held)
+    body = density * (skin_part(design).volume + _more(design) + glue)
+    rubber = body + density * math.fsum(map(partial(_left_open, design), held))
     process = processes(design.printer)[design.mold.process]
     sides = process.tolerance * math.sqrt(2 / 3) * math.hypot(1 / skin.width, 1 / skin.length)  # two, evenly
     shape = body * math.hypot(crests.mean / crests.deviations / skin.thickness, sides)
@@ -129,6 +136,26 @@ def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
     how = "balance, cut flush with the carrier's top, less what the carrier weighed"
     nominal = rubber + films
     return Measure(what, nominal, nominal - spread, nominal + spread + FLASH * rubber, "g", how)
+
+
+def _more(design: Design) -> float:
+    """Return how much more silicone a mold takes than drawn, mm3, to first order in what comes out.
+
+    Where walls come nearer by w, so does the ledge, on which the back lies: of the section w times (the cast
+    outline less its width) goes, for floors rise with the ledge; the cavity's ends, between which the plates
+    lie, stand 2 w further apart. An offset of all crests deepens all of it.
+    """
+    near = walls_close(design, processes(design.printer)[design.mold.process])
+    skin, shape = design.skin, section(design)
+    less = near * (length(shape.outline) - 2 * skin.width) - offset_of(design) * skin.width
+    drawn = area(shape.outline)
+    return (drawn - less) * (skin.length + 2 * near) - drawn * skin.length
+
+
+def _left_open(design: Design, bore: Bore) -> float:
+    """Volume of a carrier's hole as it comes out, mm3: by its mean radius."""
+    near = walls_close(design, lid_process(design))
+    return bore.volume * max(0.0, 1 - 2 * near / (bore.radius + bore.far_radius)) ** 2
 
 
 def _films(design: Design) -> tuple[float, float]:

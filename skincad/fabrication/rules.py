@@ -87,6 +87,11 @@ def walls_close(design: Design, process: Process) -> float:
     return process.growth + coating(design, process)
 
 
+def slit_play(design: Design, process: Process) -> float:
+    """Return the clearance of shims or strips a side as it comes out, mm; below 0 they jam."""
+    return design.mold.slit_clearance - walls_close(design, process)
+
+
 def grooves(case: Case) -> list[Feature]:
     """Return the narrowest groove of each kind: the highest ridge's in the cavity, a shim's in a comb."""
     design, ridge = case.design, case.design.ridge
@@ -173,8 +178,8 @@ def _hole(case: Case) -> Iterator[Finding]:
 
 
 def _clearance(case: Case) -> Iterator[Finding]:
-    """One key for all that slides, so one finding a process. A coat is on both parts."""
-    least = case.process.clearance + 2 * coating(case.design, case.process)
+    """One key for all that slides, so one finding a process. Coat and growth are on both parts."""
+    least = case.process.clearance + 2 * walls_close(case.design, case.process)
     given = case.design.mold.clearance
     if given < least - _ROUNDING:
         place = f"sliding parts, by {case.name}"
@@ -182,10 +187,11 @@ def _clearance(case: Case) -> Iterator[Finding]:
 
 
 def _slit_fit(case: Case) -> Iterator[Finding]:
-    given, limit = case.design.mold.slit_clearance, case.process.tolerance
-    if case.part.role is PartRole.COMB and given < limit - _ROUNDING:
+    """By the clearance that comes out; one that nothing is left of is told as a notch."""
+    left, limit = slit_play(case.design, case.process), case.process.tolerance
+    if case.part.role is PartRole.COMB and -_ROUNDING <= left < limit - _ROUNDING:
         remedy = "try each shim in its notch and lap the notch where it binds"
-        yield case.breaks("slit fit", "fit of shims and notches", given, limit, "mm", remedy, grave=False)
+        yield case.breaks("slit fit", "fit of shims and notches", left, limit, "mm", remedy, grave=False)
 
 
 def _notch_room(case: Case) -> Iterator[Finding]:

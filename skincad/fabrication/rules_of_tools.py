@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.reach import ERROR, corner, left_standing
-from skincad.fabrication.rules import Case, Rule, grooves
+from skincad.fabrication.rules import Case, Rule, grooves, slit_play
 from skincad.shape.cross_section import section
 from skincad.shape.curves import Segment
 from skincad.solids.body import Prism
@@ -56,7 +56,7 @@ def _elsewhere(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Findi
     depth, worst = found[0]
     reach, choice = case.process.reach, case.design.mold
     comb = case.part.role is PartRole.COMB
-    play = math.sqrt(2) * choice.slit_clearance if comb else choice.clearance
+    play = math.sqrt(2) * max(0.0, slit_play(case.design, case.process)) if comb else choice.clearance
     limit = play + case.process.tolerance
     if depth > _SHARP * corner(reach, math.pi / 2) + ERROR:
         notch = grooves(case)[0].width if comb else math.inf

@@ -8,7 +8,7 @@ from typing import Literal
 
 from skincad.fabrication.drawing_in import drawing_findings
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.rules import walls_close
+from skincad.fabrication.rules import slit_play
 from skincad.fabrication.strips import (
     MOST_PULL,
     PVDF_YIELD,
@@ -39,7 +39,7 @@ def misplaced(design: Design) -> float:
     """Return how far a strip or shim may lie from its place in the section, mm: what growth and a coat
     leave of the slit clearance, and the tolerance of the process that makes the combs."""
     process = end_process(design)
-    return max(0.0, design.mold.slit_clearance - walls_close(design, process)) + process.tolerance
+    return max(0.0, slit_play(design, process)) + process.tolerance
 
 
 def strip_findings(design: Design) -> list[Finding]:

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from skincad.fabrication.bore_fits import PINNED, process_of
 from skincad.fabrication.drawn_features import downward, leftward
-from skincad.fabrication.rules import Case, grooves, maker
+from skincad.fabrication.rules import Case, grooves, maker, slit_play, walls_close
 from skincad.inputs.design import Design
-from skincad.inputs.process import Process
+from skincad.inputs.process import Process, processes
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import fits
 from skincad.solids.plan import Part
@@ -97,16 +97,20 @@ def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]
     """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
     rows = _crests(design, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
     if part.role is PartRole.COMB:
-        gap, process = design.mold.slit_clearance, process_of(design, part)
+        process = process_of(design, part)
+        gap, drawn = slit_play(design, process), design.mold.slit_clearance
         lays = "strip" if design.mold.method == "cast-in" else "shim"
+        out = f" ({drawn:g} as drawn, less growth and coat)" if gap != drawn else ""
         rows.append(
-            f"Slits: {gap:g} a side beside the {lays}. Narrower ones jam it, wider ones let silicone in "
-            f"and the film lie aside; {_kept(process, gap)}"
+            f"Slits: {gap:.4g} a side beside the {lays}{out}. Narrower ones jam it, wider ones let silicone "
+            f"in and the film lie aside; {_kept(process, gap)}"
         )
     if part.role is PartRole.CARRIER:
+        drawn, by = design.mold.clearance, processes(design.printer)[design.mold.process]
+        gap = drawn - walls_close(design, by) - walls_close(design, process_of(design, part))
+        out = f" ({drawn:g} as drawn, less growth and coats)" if gap != drawn else ""
         rows.append(
-            f"Length and width: {design.mold.clearance:g} a side to its seat; larger it jams, smaller "
-            "the flash grows."
+            f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
         )
     pins = {cut.role for cut in part.cuts} & PINNED
     if pins:

@@ -93,6 +93,13 @@ class Process(Table):
     crest_sigma: float = quantity(
         "mm", "standard deviation of a cast ridge's crest height", ge=0.0, le=10.0, default=0.01
     )
+    crest_offset: float = quantity(
+        "mm",
+        "all crests come out higher over the back by this; below 0: lower",
+        ge=-1.0,
+        le=1.0,
+        default=0.0,
+    )
 
     @property
     def reach(self) -> float:

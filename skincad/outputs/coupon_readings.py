@@ -38,7 +38,7 @@ def _numbers(found: CouponReading) -> Iterator[str]:
         yield f"  narrowest gap  {notches.gap.value:g} mm or less; it was taken as {before.gap:g} mm"
     if crests:
         yield f"  crests         scatter {crests.sigma}; it was taken as {before.crest_sigma:g} mm"
-        yield f"  all crests     off by {crests.offset}; no key takes that, a first layer set anew may"
+        yield f"  all crests     off by {crests.offset}; it was taken as {before.crest_offset:g} mm"
     worst = max(each.worst for each in (notches, crests) if each)
     word = "more" if worst > before.tolerance else "not more"
     yield f"  largest error  {worst:.3f} mm, {word} than the tolerance of {before.tolerance:g} mm"

@@ -43,10 +43,11 @@ def test_what_is_written_is_a_process_of_the_same_name(tmp_path: Path) -> None:
     found = read_coupon("sla", tmp_path)
     own = tomllib.loads(found.to_toml())
     assert set(own) == {"sla"}
-    assert set(own["sla"]) - {"tolerance"} == {"gap", "growth", "crest_sigma"}
+    assert set(own["sla"]) - {"tolerance"} == {"gap", "growth", "crest_sigma", "crest_offset"}
     made = processes(load_design("lab-bench", printer=own).printer)["sla"]
     assert made.growth == pytest.approx(0.03, abs=0.005)
     assert made.crest_sigma == pytest.approx(0.01, abs=0.006)  # the half-width of 24 steps
+    assert made.crest_offset == pytest.approx(0.0, abs=0.01)  # 24 crests that scatter by 0.01
     assert made.gap == pytest.approx(0.08)
     assert made.pixel == processes()["sla"].pixel
     assert "growth = 0.0294 # measured on a coupon: ± 0.00" in found.to_toml()
@@ -57,12 +58,17 @@ def test_a_tolerance_is_said_only_where_the_part_is_worse(tmp_path: Path) -> Non
     assert "tolerance" not in {row.key for row in read_coupon("sla", tmp_path).keys}
     fill(tmp_path, growth=0.005, scatter=0.005, offset=0.2)
     worse = {row.key: row.value for row in read_coupon("sla", tmp_path).keys}
+    assert worse["crest_offset"] == pytest.approx(0.2, abs=0.005)  # 24 crests that scatter by 0.005
     assert worse["tolerance"] == pytest.approx(0.2, abs=0.015)  # the largest of 24 errors of 0.005
 
 
 def test_one_form_alone_is_read(tmp_path: Path) -> None:
     fill(tmp_path, growth=None)
-    assert {row.key for row in read_coupon("cnc", tmp_path).keys} == {"crest_sigma", "tolerance"}
+    assert {row.key for row in read_coupon("cnc", tmp_path).keys} == {
+        "crest_sigma",
+        "crest_offset",
+        "tolerance",
+    }
     assert read_coupon("cnc", tmp_path).as_json()["growth_mm"] == {"value": None, "error": None}
 
 

@@ -6,18 +6,23 @@ import math
 import xml.etree.ElementTree as ET
 
 import pytest
+import shapely
 
 import skincad
 from skincad.fabrication.inspection import Measure, inspection
 from skincad.fabrication.inspection_form import inspection_lines
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.pictures.drawing import PAGE, drawing
 from skincad.pictures.page import page
 from skincad.shape.crests import summits
 from skincad.shape.cross_section import section
+from skincad.shape.curves import polygon
 from skincad.solids.mold import mold
+from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
+from skincad.solids.shrinkage import shrinkage
 
 
 def rows(design: Design) -> dict[str, Measure]:
@@ -33,6 +38,55 @@ def test_crests_have_limits_beside_their_line(yamada: Design) -> None:
     sigma = 3.588 * math.hypot(0.003, 0.002)
     assert found.beside[0] == found.beside[8] == pytest.approx(sigma * math.sqrt(0.6222), rel=1e-3)
     assert found.beside[4] == pytest.approx(sigma * math.sqrt(0.8889), rel=1e-3)
+
+
+def grown_volume(design: Design, grown: float) -> float:
+    """Volume of a skin whose mold's faces all stand out by `grown`, mm3: the section's negative, thicker all
+    round by another library, and the back where the negative's ledge then is; ends further apart."""
+    half = design.skin.width / 2
+    skin = shapely.Polygon(polygon(section(design).outline, 1e-6))
+    block = shapely.box(-half - 5, 0.0, half + 5, 10.0).difference(skin).buffer(grown, 64, join_style="mitre")
+    left = shapely.box(-half, -grown, half, 9.0).difference(block)
+    return float(left.area * (design.skin.length + 2 * grown))
+
+
+@pytest.mark.parametrize("name", ["plain-ridges", "milled-pad"])
+def test_growth_is_in_the_nominal_sizes_and_the_mass(name: str) -> None:
+    """Of walls nearer by 0.02 mm the width loses 0.04 and the length gains it; silicone alone, by volume."""
+    drawn = skincad.load(name, ["mold.carrier=plain", "contact.film=ignored"])
+    made = drawn.mold.process
+    grown = drawn.with_(printer={made: {"growth": 0.02}})
+    before, after = rows(drawn), rows(grown)
+    width, length = "width across the back", "length along the ridges"
+    assert after[width].nominal - before[width].nominal == pytest.approx(-0.04, abs=1e-12)
+    assert after[length].nominal - before[length].nominal == pytest.approx(0.04, abs=1e-12)
+    assert after["mean pitch"] == before["mean pitch"]
+    assert next(iter(after.values())).nominal == next(iter(before.values())).nominal  # floors and ledge rise
+    (vent,) = bores(mold(drawn).part("carrier"), CutRole.VENT)
+    plug = vent.volume * ((1 - 0.02 / vent.radius) ** 2 - 1)
+    more = grown_volume(drawn, 0.02) - grown_volume(drawn, 0.0) + plug
+    more *= silicone(drawn).density * 1e-6
+    (mass,) = (key for key in before if key.startswith("mass"))
+    # the second order is w^2 at corners and edges: 5e-5 mm2 of section was found
+    off = 1e-3 * drawn.skin.length * silicone(drawn).density * 1e-6
+    assert after[mass].nominal - before[mass].nominal == pytest.approx(more, abs=off)
+    assert abs(more) > 5 * off
+
+
+def test_an_offset_of_all_crests_is_in_their_heights_and_the_mass(yamada: Design) -> None:
+    """0.05 mm deeper everywhere; the line through the crests, and what is said of them, stay."""
+    high = yamada.with_(printer={"edm": {"crest_offset": 0.05}})
+    before, after = inspection(yamada, mold(yamada)), inspection(high, mold(high))
+    up = 0.05 * (1 - shrinkage(yamada))
+    for a, b in zip(before.crests.heights, after.crests.heights, strict=True):
+        assert b - a == pytest.approx(up, abs=1e-12)
+    assert after.said == before.said
+    mass, heavier = before.measures[-1].nominal, after.measures[-1].nominal
+    assert heavier - mass == pytest.approx(up * 11.0 * 12.0 * silicone(yamada).density * 1e-6, rel=1e-3)
+    printed = skincad.load("lab-bench")
+    offset = printed.with_(printer={"sla": {"crest_offset": 0.05}})
+    told = [inspection(each, mold(each)).said[0] for each in (printed, offset)]
+    assert told[0] == told[1]  # what layers do, beside the offset
 
 
 @pytest.mark.parametrize("count", [1, 2])

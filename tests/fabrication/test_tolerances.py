@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.tolerances import notes
+from skincad.fabrication.tolerances import notes, what_matters
 from skincad.solids.mold import mold
 
 
@@ -31,3 +31,17 @@ def test_nothing_is_cut_of_a_print_or_with_no_room_for_a_wire() -> None:
     printed, narrow = skincad.load("lab-bench"), skincad.load("yamada-2002", ["ridge.tip_fillet=0.01"])
     for design, part in ((printed, "end-a-comb"), (narrow, "cavity")):
         assert not any("at most, for" in row for row in notes(design, mold(design).part(part)))
+
+
+def test_slits_and_seat_are_told_as_they_come_out() -> None:
+    """Growth of 0.002 on a comb's walls, and on both parts that slide: 0.005 and mold.clearance less that."""
+    design = skincad.load("yamada-2002")
+    grown = design.with_(printer={"edm": {"growth": 0.002}})
+    comb, carrier = mold(grown).part("end-a-comb"), mold(grown).part("carrier")
+    assert any("Slits: 0.003 a side" in row for row in what_matters(grown, comb, None))
+    assert any("(0.005 as drawn, less growth and coat)" in row for row in what_matters(grown, comb, None))
+    left = f"Length and width: {design.mold.clearance - 0.004:.4g} a side to its seat"
+    assert any(row.startswith(left) for row in what_matters(grown, carrier, None))
+    assert not any("as drawn" in row for row in what_matters(design, comb, None))
+    tight = design.with_(printer={"edm": {"growth": 0.003}})  # leaves 0.002, and ± 0.003 is the process
+    assert any("does not keep that gap" in row for row in what_matters(tight, comb, None))
