@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from skincad.fabrication.bore_fits import process_of
 from skincad.fabrication.bore_table import HoleGroup, hole_groups, number
 from skincad.fabrication.cut_profile import CutProfile, cut_profile, cut_words
 from skincad.fabrication.drawing_views import ABOVE, FRONT, views
@@ -33,6 +34,7 @@ from skincad.fabrication.tolerances import (
     material_words,
     notes,
     process_words,
+    surface_words,
     what_matters,
 )
 from skincad.inputs.catalog import entitled
@@ -83,6 +85,8 @@ class PartDrawing:
     process: str
     material: str
     tolerance: str
+    surface: str  # "" where the process says nothing of it
+    cut_from_solid: bool  # not printed
 
 
 def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | None) -> PartDrawing:
@@ -125,6 +129,8 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
         process=process_words(design, part),
         material=material_words(design, part),
         tolerance=general_tolerance(design, part),
+        surface=surface_words(design, part),
+        cut_from_solid=not process_of(design, part).layer,
     )
 
 

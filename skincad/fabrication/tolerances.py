@@ -40,6 +40,12 @@ def general_tolerance(design: Design, part: Part) -> str:
     return f"±{process_of(design, part).tolerance:g} (by {maker(design, part)})"
 
 
+def surface_words(design: Design, part: Part) -> str:
+    """Return how rough all faces may be, µm (ISO 21920-1); "" where the process says nothing of it."""
+    rough = process_of(design, part).roughness
+    return f"Ra {rough:g}" if rough else ""
+
+
 def process_words(design: Design, part: Part) -> str:
     """Return how a part is made."""
     name, process = maker(design, part), process_of(design, part)

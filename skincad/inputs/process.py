@@ -90,6 +90,9 @@ class Process(Table):
     chord: float = quantity(
         "mm", "how far a print mesh may leave the true surface", gt=0.0, le=10.0, default=0.01
     )
+    roughness: float = quantity(
+        "um", "Ra of faces as the process leaves them, which silicone copies", ge=0.0, le=1000.0, default=0.0
+    )
     crest_sigma: float = quantity(
         "mm", "standard deviation of a cast ridge's crest height", ge=0.0, le=10.0, default=0.01
     )

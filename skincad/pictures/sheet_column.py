@@ -111,9 +111,10 @@ def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> lis
         ((96, 30, 150, TITLE), "design", drawing.design, HEAD),
         ((0, 22.5, 96, 30), "what it is", drawing.what, HEAD),
         ((96, 22.5, 150, 30), "document", "part drawing", HEAD),
-        ((0, 15, 75, 22.5), "material (proposal)", drawing.material, HEAD),
-        ((75, 15, 125, 22.5), "process", drawing.process, HEAD),
-        ((125, 15, 180, 22.5), "general tolerance", drawing.tolerance, HEAD),
+        ((0, 15, 58, 22.5), "material (proposal)", drawing.material, HEAD),
+        ((58, 15, 102, 22.5), "process", drawing.process, HEAD),
+        ((102, 15, 141, 22.5), "general tolerance", drawing.tolerance, HEAD),
+        ((141, 15, 180, 22.5), "all faces, µm (ISO 21920-1)", "" if drawing.surface else "-", HEAD),
         ((0, 7.5, 75, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
         ((75, 7.5, 125, 15), "drawn by", f"skincad {titled.version}", HEAD),
         ((125, 7.5, 180, 15), "approved by", "", HEAD),
@@ -134,7 +135,19 @@ def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> lis
         fit = min(height, height * (x1 - x0 - 2.0) / max(width(text, height), 1e-9))
         marks.append(Words(text, (left + x0 + 1.0, low + y0 + 1.5), fit, "FRAME"))
     marks.append(rectangle((left + 150, low + 22.5, left + 180, low + TITLE), "FRAME"))
-    return [*marks, *_symbol(left, low)]
+    return [*marks, *_surface(drawing, left + 144.0, low + 15.6), *_symbol(left, low)]
+
+
+def _surface(drawing: PartDrawing, x: float, y: float) -> list[Mark]:
+    """The symbol of a surface's texture (ISO 21920-1), its tip there, with a bar where material is taken off
+    and without one where it is only put on, and what it asks for."""
+    if not drawing.surface:
+        return []
+    high = 2.1
+    end, up = x + 3.4 + width(drawing.surface, high), y + 3.8
+    legs = Polyline(((x - 1.1, y + 1.9), (x, y), (x + 2.2, up), (end, up)))
+    bar = [line((x - 1.1, y + 1.9), (x + 1.1, y + 1.9), "FRAME")] if drawing.cut_from_solid else []
+    return [Ink(legs, "FRAME"), *bar, Words(drawing.surface, (x + 2.8, y + 0.8), high, "FRAME")]
 
 
 def _symbol(left: float, low: float) -> list[Mark]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.tolerances import notes, what_matters
+from skincad.fabrication.tolerances import notes, surface_words, what_matters
+from skincad.inputs.process import processes
 from skincad.solids.mold import mold
 
 
@@ -45,3 +46,14 @@ def test_slits_and_seat_are_told_as_they_come_out() -> None:
     assert not any("as drawn" in row for row in what_matters(design, comb, None))
     tight = design.with_(printer={"edm": {"growth": 0.003}})  # leaves 0.002, and ± 0.003 is the process
     assert any("does not keep that gap" in row for row in what_matters(tight, comb, None))
+
+
+@pytest.mark.parametrize("name", ["fdm", "sla", "cnc", "edm"])
+def test_each_process_says_how_rough_its_faces_are(name: str) -> None:
+    design = skincad.load("plain-ridges", [f"mold.process={name}"])
+    part = mold(design).part("cavity")
+    rough = processes()[name].roughness
+    assert rough > 0
+    assert surface_words(design, part) == f"Ra {rough:g}"
+    unsaid = design.with_(printer={name: {"roughness": 0.0}})
+    assert surface_words(unsaid, part) == ""

@@ -21,6 +21,7 @@ from skincad.fabrication.part_drawing import part_drawing
 from skincad.fabrication.tolerances import Judged
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
+from skincad.inputs.process import processes
 from skincad.outputs.dxf import write_dxf
 from skincad.pictures.marks import Dimension, Ink, Sheet, Words, overlap
 from skincad.pictures.part_sheet import part_sheet
@@ -344,3 +345,27 @@ def test_a_cavitys_profile_is_cut_to_the_solids_area(name: str, tmp_path: Path) 
     end = min(made.Faces(), key=lambda face: face.Center().y)
     whole = cq.Face.makeFromWires(end.outerWire()).Area()
     assert profile_area(tmp_path / "part.dxf") == pytest.approx(whole, rel=1e-6)
+
+
+@pytest.mark.parametrize(("name", "strokes"), [("yamada-2002", 2), ("plain-ridges", 1)])
+def test_the_symbol_of_texture_has_its_bar_where_material_is_cut_away(name: str, strokes: int) -> None:
+    """Wire against resin; the symbol stands in its cell, and says what the process does."""
+    design = skincad.load(name)
+    part, made = next((p, m) for p, m in made_parts(design) if p.name == "cavity")
+    marks = sheet_of(design, part, made).marks
+    (label,) = (m for m in marks if isinstance(m, Words) and "ISO 21920-1" in m.text)
+    (said,) = (m for m in marks if isinstance(m, Words) and m.text.startswith("Ra "))
+    left, right, high = label.at[0] - 1.0, label.at[0] + 38.0, label.at[1]
+    inside = [
+        mark.stroke.box()
+        for mark in marks
+        if isinstance(mark, Ink)
+        and mark.layer == "FRAME"
+        and left < mark.stroke.box()[0][0]
+        and mark.stroke.box()[1][0] < right
+        and high - 5.5 < mark.stroke.box()[0][1]
+        and mark.stroke.box()[1][1] < high
+    ]
+    assert len(inside) == strokes
+    assert said.text == f"Ra {processes()[design.mold.process].roughness:g}"
+    assert not overlap(label.box(), said.box())
