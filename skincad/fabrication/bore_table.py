@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from skincad.fabrication.bore_fits import limits, purpose, thread
+from skincad.fabrication.bore_fits import full_thread, limits, purpose, thread
 from skincad.fabrication.drawing_views import DrawnFrom, views
 from skincad.inputs.design import Design
 from skincad.solids.body import Body, Bore, Reaching, Turned, Vector
@@ -66,6 +66,7 @@ class HoleGroup:
     lean: float
     holes: tuple[Hole, ...]
     asides: tuple[Aside, ...]
+    full: float | None = None  # depth of its full thread, where that is not all of it
 
     @property
     def size(self) -> str:
@@ -135,7 +136,7 @@ def _group(
         letter=letter,
         view=view.name,
         role=first.role,
-        purpose=purpose(part, first.role),
+        purpose=purpose(design, part, first.role),
         diameter=2 * first.bore.radius,
         far_diameter=2 * first.bore.far_radius,
         depth=None if all(first.opens) else first.bore.length,
@@ -145,6 +146,7 @@ def _group(
         lean=abs(first.lean),
         holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
         asides=tuple(_asides(alike, [one for one in seen if one is not view])),
+        full=full_thread(design, first.role),
     )
 
 

@@ -18,6 +18,7 @@ from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
     from skincad.fabrication.finding import Finding
+    from skincad.fabrication.mounting import Mounted
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
@@ -130,6 +131,7 @@ class MakeResult(Result):
     job: Job | None = field(default=None, compare=False)
     scenes: tuple[Result, ...] = field(default=(), compare=False)
     revision: str = ""  # of the design
+    mount: Mounted | None = None
 
     @property
     def passed(self) -> bool:
@@ -158,6 +160,7 @@ class MakeResult(Result):
             "findings": [finding.as_json() for finding in self.findings],
             "check": self.check and self.check.as_json(),
             "scenes": [scene.as_json() for scene in self.scenes],
+            **({"mount": self.mount.as_json()} if self.mount else {}),
             "seconds": self.seconds,
         }
 
@@ -183,6 +186,8 @@ def make(
     `passed` is false when ridges don't touch, a part is not valid, watertight or free, or (with `strict`) any
     finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
     """
+    from skincad.fabrication.mounting import mounted
+
     checked, solids = checked and not preview, solids or not preview
     _check_asked(checked, tier, budget)
     _check_scenes(design, scenes)
@@ -200,7 +205,8 @@ def make(
     volume = job.closed.first(PartRole.SKIN).volume
     made = preview, solids, job, job.scenes
     found = tuple(reports), job.findings, job.check, volume, watch.seconds(), *made
-    return MakeResult(design.name, strict, *found, revision=design.revision)
+    mount = mounted(design, closed)
+    return MakeResult(design.name, strict, *found, revision=design.revision, mount=mount)
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:

@@ -74,8 +74,10 @@ def _taken_off(design: Design) -> list[str]:
 
 def _out(design: Design, closed: ClosedMold) -> str:
     """How the skin and its cavity part."""
-    pulls = bores(closed.first(PartRole.CARRIER), CutRole.PULL)
-    grip = "by two M3 screws in its blind holes" if pulls else "from its two ends"
+    carrier = closed.first(PartRole.CARRIER)
+    pulls, mount = bores(carrier, CutRole.PULL), bores(carrier, CutRole.MOUNT)
+    other = "by two screws in its mount's threads" if mount else "from its two ends"
+    grip = "by two M3 screws in its blind holes" if pulls else other
     if not split_ridges(design):
         return f"Pull the carrier up {grip}; the skin comes out of the cavity with it. Cut the flash there."
     return (

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from skincad.base.version import __version__
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
+from skincad.fabrication.mounting import mounted
 from skincad.fabrication.rules_of_machines import extent
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.fabrication.strip_steps import shim_length
@@ -22,6 +23,7 @@ from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import cavity_process
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
+from skincad.solids.threads import pin_depth
 
 
 class Item(NamedTuple):
@@ -74,6 +76,7 @@ def _bought(design: Design, closed: ClosedMold) -> Iterator[Item]:
     if cavity_process(design).thread != "tapped":
         held = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
         yield _item(held, "threaded insert", f"M3, {cavity_process(design).thread}", "brass", "printed parts")
+    yield from _mount(design, closed)
     for most, count in sorted(dowels(closed).items()):
         size = f"ISO 8734 {2 * PIN_RADIUS:g} x {pin_length(most):g}"
         yield _item(count, "dowel pin", size, "steel", f"holes that take {most:g} mm")
@@ -103,6 +106,21 @@ def _screws(screws: Screws, place: str) -> Iterator[Item]:
         yield _item(screws.pieces * screws.washers, "washer", "ISO 7089 3", "steel", place)
     if screws.nuts:
         yield _item(screws.nuts, "nut", "ISO 4032 M3", "steel", place)
+
+
+def _mount(design: Design, closed: ClosedMold) -> Iterator[Item]:
+    """What a mount asks for; a screw or a pin is as much longer as what the skin is screwed to is thick."""
+    mount = mounted(design, closed)
+    if mount is None or mount.reach is None:
+        return
+    count, (least, most) = design.mold.cavities * len(mount.positions), mount.reach
+    size = f"ISO 4762 {mount.thread}, {least:g} to {most:g} in the carrier"
+    yield _item(count, "mount screw", size, "steel", "carrier, from the robot's side; no longer")
+    if mount.insert:
+        yield _item(count, "threaded insert", f"{mount.thread}, {mount.insert}", "brass", "carrier, mount")
+    if mount.pin is not None:
+        size = f"ISO 8734 {mount.pin:g}, {pin_depth(mount.pin):g} in the carrier"
+        yield _item(design.mold.cavities, "mount pin", size, "steel", "carrier, from the robot's side")
 
 
 def _item(quantity: int, what: str, designation: str, material: str, place: str) -> Item:

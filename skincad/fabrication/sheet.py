@@ -13,6 +13,7 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.first_steps import prepared
 from skincad.fabrication.inspection import Inspection
 from skincad.fabrication.inspection_form import inspection_lines
+from skincad.fabrication.mounting import kept_clean, screws_to_buy
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
 from skincad.fabrication.tolerances import process_words
@@ -95,7 +96,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         "silicone)",
     ]
     bought += (arcs_to_buy if bent else to_buy)(design, closed)
-    bought += kit(design)
+    bought += [*screws_to_buy(design, closed), *kit(design)]
     return [
         "## Parts",
         "",
@@ -207,6 +208,7 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
     )
     close = [
         prepared(design, closed),
+        *kept_clean(design, closed),
         ("End a has the gate. " if gate(design) else "") + f"Put release agent on {released_where(design)}",
         *([] if lap(design) else made_ready(design)),
         *_closed_up(design, back),

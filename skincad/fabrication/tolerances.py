@@ -13,12 +13,14 @@ from skincad.fabrication.bore_fits import PINNED, process_of
 from skincad.fabrication.drawn_features import downward, leftward
 from skincad.fabrication.rules import Case, grooves, maker, slit_play, walls_close
 from skincad.inputs.design import Design
+from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import Process, processes
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import fits
 from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, PartRole
 from skincad.solids.shrinkage import shrinkage
+from skincad.solids.threads import METRIC
 
 UNCHECKED = "Grooves: made without the check, so neither their limits nor a yield are known."
 
@@ -118,6 +120,13 @@ def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]
         rows.append(
             f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
         )
+    if part.role is PartRole.CARRIER and design.mount and design.mount.thread:
+        metric = METRIC[design.mount.thread]
+        off = (metric.clearance - metric.diameter) / 4
+        rows.append(
+            f"Mount: {pattern_words(design.mount)} about the middle, its threads within ±{off:.3g}, half of "
+            "what clearance holes by ISO 273 (medium) leave a side. No hole of it goes through."
+        )
     pins = {cut.role for cut in part.cuts} & PINNED
     if pins:
         sliding = fits(design, maker(design, part)).slide - PIN_RADIUS
@@ -126,6 +135,13 @@ def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]
             "the parts don't slide onto each other."
         )
     return rows
+
+
+def pattern_words(mount: Mount) -> str:
+    """Return the pattern of a mount's screws, mm."""
+    if mount.pattern == "circle":
+        return f"circle of {mount.diameter:g}"
+    return "rectangle of " + " x ".join(f"{wide:g}" for wide in (mount.pitch_x or 0, mount.pitch_y or 0))
 
 
 def _kept(process: Process, gap: float) -> str:

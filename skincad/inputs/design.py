@@ -10,6 +10,7 @@ from skincad.base.errors import together
 from skincad.base.tables import Document
 from skincad.inputs import guards
 from skincad.inputs.mold_table import Mold
+from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import Process
 from skincad.inputs.ridge_table import Ridge, heights, lean
 from skincad.inputs.silicone import Silicone
@@ -28,6 +29,7 @@ class Design(Document):
     film: Film | None = None
     material: Material
     mold: Mold = Mold(process="sla")
+    mount: Mount | None = None
     contact: Contact = Contact()
     printer: dict[str, Process] | None = Field(
         default=None, description="a workshop's own processes, [printer.sla] as in a printer.toml"

@@ -54,6 +54,7 @@ def manifest(result: MakeResult) -> dict[str, Any]:
         "passed": result.passed,
         "all_touch_force_N": result.check and result.check.all_touch_force.as_json(),
         "findings": [finding.as_json() for finding in result.findings],
+        **({"mount": result.mount.as_json()} if result.mount else {}),
     }
 
 

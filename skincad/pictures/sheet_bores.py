@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from skincad.fabrication.bore_fits import SCREW
+from skincad.fabrication.bore_fits import major
 from skincad.fabrication.bore_table import Aside, HoleGroup
 from skincad.pictures.marks import Box, Ink, Mark, line
 from skincad.solids.projection import Arc, Place, Polyline, Projection, Stroke
@@ -40,14 +40,14 @@ def bore_marks(holes: tuple[HoleGroup, ...], placed: dict[str, Placed]) -> list[
     """Return the bores' centre lines, from their ends and sides, and their threads."""
     marks: list[Mark] = []
     for group in holes:
-        place, tapped = placed[group.view], group.thread == SCREW.name
+        place, wide = placed[group.view], major(group.thread)
         for hole in group.holes:
             centre = place.at(hole.at)
             marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
-            if tapped:
-                marks.append(Ink(Arc(centre, place.scale * SCREW.diameter / 2, *THREE_QUARTERS), "THREAD"))
+            if wide is not None:
+                marks.append(Ink(Arc(centre, place.scale * wide / 2, *THREE_QUARTERS), "THREAD"))
         for aside in group.asides:
-            marks += _along(aside, placed[aside.view], SCREW.diameter / 2 if tapped else None)
+            marks += _along(aside, placed[aside.view], wide and wide / 2, group)
     return marks
 
 
@@ -56,14 +56,22 @@ def _cross(centre: Place, radius: float) -> list[Mark]:
     return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]
 
 
-def _along(aside: Aside, place: Placed, radius: float | None) -> list[Mark]:
-    """A bore's centre line from the side, and its thread's lines: hidden, so broken."""
+def _along(aside: Aside, place: Placed, radius: float | None, group: HoleGroup) -> list[Mark]:
+    """A bore's centre line from the side, and its thread's lines: hidden, so broken. Where the thread ends
+    before the bore does, a line across says so."""
     start, end = place.at(aside.start), place.at(aside.end)
     long = math.dist(start, end)
     u, v = (end[0] - start[0]) / long, (end[1] - start[1]) / long
     tail, head = (start[0] - BEYOND * u, start[1] - BEYOND * v), (end[0] + BEYOND * u, end[1] + BEYOND * v)
     marks: list[Mark] = [line(tail, head, "CENTRE")]
-    for side in (-1, 1) if radius else ():
-        x, y = -side * (radius or 0.0) * place.scale * v, side * (radius or 0.0) * place.scale * u
-        marks.append(line((start[0] + x, start[1] + y), (end[0] + x, end[1] + y), "HIDDEN"))
+    if radius is None:
+        return marks
+    if group.full is not None:  # blind, from above: its mouth is where the bore ends
+        deep = group.full * place.scale
+        start = end[0] - deep * u, end[1] - deep * v
+    x, y = -radius * place.scale * v, radius * place.scale * u
+    sides = [((start[0] + s * x, start[1] + s * y), (end[0] + s * x, end[1] + s * y)) for s in (-1, 1)]
+    marks += [line(*side, "HIDDEN") for side in sides]
+    if group.full is not None:
+        marks.append(line(sides[0][0], sides[1][0], "HIDDEN"))
     return marks

@@ -242,8 +242,11 @@ def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
 
 
 def _from_back(bore: Bore, grid: Grid) -> Bore:
-    """A bore of the straight carrier from where the arc is: through ones from below it, pulls above."""
+    """A bore of the straight carrier from where the arc is: through ones from below it, pulls above; those of
+    the mount are as they are, for over the arc the carrier is nowhere thinner than the straight one."""
     x, y, z = bore.start
+    if bore.role in (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL):
+        return bore
     if bore.role is CutRole.PULL:
         z += on_grid(rise(grid, abs(y) + bore.radius))
         return replace(bore, start=(x, y, z), length=bore.start[2] + bore.length - z)

@@ -29,6 +29,7 @@ from skincad.solids.roles import CutRole
 from skincad.solids.screws import TAP_RADIUS, blind
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
+from skincad.solids.threads import least_thickness
 
 BOLT_RADIUS = 1.7  # mm, source: ISO 273 clearance hole for M3, medium series
 INSERT_RADIUS = 2.0  # mm, source: makers' tables, hole for a threaded M3 insert, 3.9 to 4.2 mm wide
@@ -145,9 +146,8 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     broken += _length(design)
     split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
-    back, thin = _room(
-        "mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, "the keeper's bolts"
-    )
+    need, what = max((need, "the keeper's bolts"), _mounted(design))
+    back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
     straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
     top = on_grid(back + LEFT * seal(stack(design, spans, lid))) if straight else back
     need = lowest - split + 2 * (nut + EDGE)
@@ -201,6 +201,11 @@ def _closed(
     modulus, given = lid_process(design).part_modulus, design.mold.cover
     row, lid = closed_by(choices, wide, load, modulus, given, STOCK)
     return row, lid, Spans(wide, load, row.reach)
+
+
+def _mounted(design: Design) -> tuple[float, str]:
+    """Return how thick the carrier must be for its mount, and for what of it; 0 without one."""
+    return least_thickness(design.mount, lid_process(design)) if design.mount else (0.0, "")
 
 
 def stack(design: Design, spans: Spans, lid: float) -> float:

@@ -23,9 +23,11 @@ from skincad.solids.layout import (
     lid_fits,
     lid_process,
 )
+from skincad.solids.mounts import check_mount, fiducial_bores, mount_bores, size_key
 from skincad.solids.plan import Part, box, drilled, moved
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.screws import TAP_RADIUS
+from skincad.solids.threads import UNDER
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
 MOST_HOLES = (
@@ -37,7 +39,6 @@ LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
 CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
 OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
-UNDER_PULL = 1.0  # mm, assumption: what a pull hole leaves of the carrier over the silicone
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
 
@@ -112,29 +113,58 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
 
 
 class _Openings(NamedTuple):
-    """Vent, reservoir, the places of the carrier's holes and the threads to pull it by."""
+    """Vent, reservoir, the places of the carrier's holes, the threads to pull it by, and its mount."""
 
     vent: Bore
     cup: Bore
     rivets: list[tuple[float, float]]
     pulls: list[Bore]
+    mount: list[Bore]
 
 
 def _openings(design: Design, place: Layout) -> _Openings:
-    """All openings. Where holes leave the threads no room, those in their way are left out, as long as half
-    of them stay."""
+    """All openings. Where holes leave the mount or the threads no room, those in their way are left out, as
+    long as half of them stay."""
     vent = _vent(design, place)
     cup = _reservoir(design, place, vent)
-    rivets = _rivets(design, place, vent, cup)
+    all_holes = _rivets(design, place, vent, cup)
+    mount = mount_bores(design, place)
+    named = ("the vent", vent), ("the cup", cup)
+    check_mount(design, place, mount, [(name, bore.start, bore.radius) for name, bore in named])
+    rivets = _beside_mount(design, all_holes, mount)
     beside = [(vent.start, vent.radius), (cup.start, cup.radius)]
-    pulls = _pulls(design, place, [*beside, *(((x, y, 0.0), HOLD[1]) for x, y in rivets)])
+    beside += [(hole.start, hole.radius + EDGE / 2) for hole in mount]
+    pulls = _pulls(design, place, [*beside, *_filled(rivets)])
     if not pulls and (alone := _pulls(design, place, beside)):
         apart = TAP_RADIUS + HOLD[1] + EDGE / 2
         corners = [(x * bore.start[0], bore.start[1]) for bore in alone for x in (-1, 1)]
         fewer = [at for at in rivets if all(math.dist(at, corner) > apart for corner in corners)]
-        if 2 * len(fewer) >= len(rivets) > 0:
-            return _Openings(vent, cup, fewer, alone)
-    return _Openings(vent, cup, rivets, pulls)
+        if 2 * len(fewer) >= len(all_holes) > 0:
+            rivets, pulls = fewer, alone
+    taken = [*beside, *_filled(rivets), *((bore.start, bore.radius) for bore in pulls)]
+    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, taken)])
+
+
+def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
+    """What silicone fills of the carrier's holes, by place and radius."""
+    return [((x, y, 0.0), HOLD[1]) for x, y in rivets]
+
+
+def _beside_mount(
+    design: Design, rivets: list[tuple[float, float]], mount: list[Bore]
+) -> list[tuple[float, float]]:
+    """The carrier's holes that the mount leaves. Raises InputError where more than half are in its way."""
+    kept = [
+        at for at in rivets if all(math.dist(at, m.start[:2]) > m.radius + HOLD[1] + EDGE / 2 for m in mount)
+    ]
+    if design.mount and 2 * len(kept) < len(rivets):
+        key, gone = size_key(design.mount), len(rivets) - len(kept)
+        rule = (
+            f"is in the way of {gone} of the {len(rivets)} holes that hold the skin; half of them must stay"
+        )
+        remedy = 'take another pattern or a smaller thread, or mold.carrier = "plain" and a primer'
+        raise InputError(f"mount.{key}", rule, getattr(design.mount, key), remedy)
+    return kept
 
 
 def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
@@ -144,13 +174,14 @@ def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
 
 def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
-    them holds like rivets; blind threads from above lift the skin out, the only grip that it needs."""
-    vent, _, rivets, pulls = _openings(design, place)
+    them holds like rivets; blind threads from above lift the skin out, the only grip that it needs, and
+    others hold it on a robot."""
+    vent, _, rivets, pulls, mount = _openings(design, place)
     holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
     half = place.end - gap
     body = box(place.trough - gap, (-half, half), (0.0, place.back))
-    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls))
+    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount))
 
 
 def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
@@ -158,12 +189,12 @@ def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) ->
     middle as they clear all that silicone fills, by place and radius; none where they don't."""
     thick, gap = place.back, design.mold.clearance
     x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
-    if thick < UNDER_PULL + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
+    if thick < UNDER + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
         pair = (-x, -y), (x, y)
         if all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
-            return drilled(CutRole.PULL, "z", pair, UNDER_PULL, thick - UNDER_PULL, TAP_RADIUS)
+            return drilled(CutRole.PULL, "z", pair, UNDER, thick - UNDER, TAP_RADIUS)
     return []
 
 
@@ -177,7 +208,7 @@ def cover(design: Design, place: Layout) -> Part:
     plates: once these are off, it is lifted there."""
     thick, end, low = place.lid, place.cover, place.top
     press = lid_fits(design).press
-    _, cup, rivets, _ = _openings(design, place)
+    _, cup, rivets, *_ = _openings(design, place)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]
     cuts = (
@@ -198,7 +229,7 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     outline = loop([Point(*p) for p in (*right, *((-x, -y) for x, y in right))])
     between = pairwise(place.centres)
     holes = tuple(rectangle(a + web, b - web, -end, end) for a, b in between)
-    _, cup, rivets, _ = _openings(design, place)
+    _, cup, rivets, *_ = _openings(design, place)
     low, thick = place.back, place.top - place.back
     over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)
     bleeds = [_bleed(design, hole) for hole in rivets]

@@ -57,6 +57,9 @@ class CutRole(Enum):
     VENT = auto()
     RIVET = auto()  # a carrier's hole that holds the skin
     PULL = auto()  # a carrier's blind thread, to lift the skin by
+    MOUNT = auto()  # a carrier's blind thread, by which a robot holds it
+    MOUNT_PIN = auto()  # a hole for the pin that says where
+    FIDUCIAL = auto()  # a dimple that a camera finds
     RESERVOIR = auto()
     BLEED = auto()
     PRY = auto()  # notch for a screwdriver
