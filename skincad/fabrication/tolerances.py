@@ -141,7 +141,8 @@ def pattern_words(mount: Mount) -> str:
     """Return the pattern of a mount's screws, mm."""
     if mount.pattern == "circle":
         return f"circle of {mount.diameter:g}"
-    return "rectangle of " + " x ".join(f"{wide:g}" for wide in (mount.pitch_x or 0, mount.pitch_y or 0))
+    wide, long = mount.pitch_x, mount.pitch_y
+    return f"rectangle of {wide:g} x {long:g}" if wide and long else f"two in line, {wide or long:g} apart,"
 
 
 def _kept(process: Process, gap: float) -> str:

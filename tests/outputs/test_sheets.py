@@ -25,6 +25,7 @@ from skincad.inputs.process import processes
 from skincad.outputs.dxf import write_dxf
 from skincad.pictures.marks import Dimension, Ink, Sheet, Words, overlap
 from skincad.pictures.part_sheet import part_sheet
+from skincad.pictures.sheet_bores import Placed, bore_marks
 from skincad.pictures.sheet_pdf import write_sheet_pdf
 from skincad.pictures.sheet_svg import sheet_svg
 from skincad.solids.body import Turned
@@ -35,16 +36,19 @@ from skincad.solids.projection import Arc
 from skincad.solids.roles import CutRole
 from tests.bent_skin import three_ridges
 
-FAST = {"yamada-2002", "nozzle-04", "bent"}  # by wire, printed with nuts, doubly curved
+FAST = {"yamada-2002", "nozzle-04", "bent", "mounted"}  # by wire, printed with nuts, doubly curved
 NAMES = [
     pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
-    for name in (*template_names(), "bent")
+    for name in (*template_names(), "bent", "mounted")
 ]
 READ = 1e-6  # mm, DXF has 16 digits, the drawing's places six
-THREADED = {CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL}
+THREADED = {CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL, CutRole.MOUNT}
 
 
 def named(name: str) -> Design:
+    if name == "mounted":
+        mount = {"thread": "M3", "pattern": "rectangle", "pitch_x": 10.0, "fiducials": 3}
+        return skincad.load("fingertip-soft").with_(mount=mount)
     return three_ridges() if name == "bent" else skincad.load(name)
 
 
@@ -174,12 +178,30 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
                     assert off < 1e-5, (part.name, aside)  # the kernel's tolerance is 1e-7
         sheet = part_sheet(drawing, "0", "")
         arcs = [m.stroke for m in sheet.marks if isinstance(m, Ink) and m.layer == "THREAD"]
-        tapped = [hole for group in drawing.holes if group.thread == "M3" for hole in group.holes]
+        tapped = [hole for group in drawing.holes if group.thread in ("M3", "M3 x 4") for hole in group.holes]
         assert len(arcs) == len(tapped)
         for arc in arcs:
             assert isinstance(arc, Arc)
             assert arc.radius == pytest.approx(1.5 * sheet.scale)
             assert arc.sweep == pytest.approx(1.5 * math.pi)
+
+
+def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
+    """ISO 6410-1: from the mouth, above, 4 mm down, M3 wide; the bore is 6.5 mm deep."""
+    design = named("mounted")
+    part, made = next(both for both in made_parts(design) if both[0].name == "carrier")
+    drawing = part_drawing(design, part, made, None)
+    (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
+    marks = bore_marks((group,), {view: Placed((0.0, 0.0), 2.0) for view in drawing.views})
+    hidden = [m.stroke.points for m in marks if isinstance(m, Ink) and m.layer == "HIDDEN"]
+    assert len(hidden) == 3 * len(group.asides)
+    assert group.asides
+    for aside in group.asides:
+        (u, v), (x, y) = aside.start, aside.end
+        share = 4.0 / math.dist(aside.start, aside.end)
+        last = 2 * (x + share * (u - x)), 2 * (y + share * (v - y))  # of full thread, on paper
+        ends = [points for points in hidden if math.dist(points[0], last) < 3.0 + READ]
+        assert sorted(round(math.dist(*points), 6) for points in ends) == [6.0, 8.0, 8.0]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -15,12 +15,16 @@ from skincad.base.errors import InputError
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
+from skincad.shape.cross_section import section
 from skincad.solids.body import Bore, Prism
 from skincad.solids.bowl import rise
+from skincad.solids.layout import layout
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.occ import solid
+from skincad.solids.mounts import fiducial_bores
+from skincad.solids.occ import solid, volume
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.shrinkage import poured
 from tests.mounted import IN_LINE, NAMES, mounted_design
 
 HOLES = (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL)
@@ -99,7 +103,7 @@ def test_no_hole_comes_nearer_to_the_silicone_than_a_millimetre(name: str) -> No
 @pytest.mark.parametrize("name", NAMES)
 def test_the_kernel_finds_the_plans_volume(name: str) -> None:
     part = mold(mounted_design(name)).part("carrier")
-    assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9)  # the kernel's quadrature
+    assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-9)  # the kernel's quadrature
 
 
 @pytest.mark.parametrize("name", ["yamada-2002", "bent", pytest.param("gripper-pad", marks=pytest.mark.slow)])
@@ -160,7 +164,11 @@ def test_a_carrier_is_computed_as_thick_as_its_mount_asks_or_refused() -> None:
 
 REFUSED = [
     ("yamada-2002", {"thread": "M3", "diameter": 20.0}, "mount.diameter: must be at most 10.029 mm"),
-    ("yamada-2002", {**IN_LINE, "pitch_x": 14.0}, "mount.pitch_x: must be at most 11.011 mm, for 1.2 mm between a thread and"),
+    (
+        "yamada-2002",
+        {**IN_LINE, "pitch_x": 14.0},
+        "mount.pitch_x: must be at most 11.011 mm, for 1.2 mm between a thread and",
+    ),
     (
         "yamada-2002",
         {"thread": "M2", "pattern": "rectangle", "pitch_y": 7.0},
@@ -206,3 +214,16 @@ def test_the_most_that_is_told_is_taken_and_no_more(name: str) -> None:
     )
     with pytest.raises(InputError):
         mold(plain.with_(mount={**mount, "diameter": most + 0.002}))
+
+
+def test_a_dimple_is_refused_rather_than_drawn_to_the_middle() -> None:
+    """All but the carrier's inner third is taken: three there would lie too near to each other to tell."""
+    design = poured(skincad.load("gripper-pad").with_(mount={"fiducials": 3}))
+    place = layout(design, section(design))[0]
+    x, y = place.trough - 1.7, place.end - 1.7  # of a corner's dimple, about
+    free = 0.3 * math.hypot(x, y)
+    ring = [cmath.rect(math.hypot(x, y), math.radians(2 * i)) for i in range(180)]
+    taken = [((z.real, z.imag, 0.0), math.hypot(x, y) - free) for z in ring]
+    with pytest.raises(InputError, match=r"^mount.fiducials: finds no room"):
+        fiducial_bores(design, place, taken)
+    assert len(fiducial_bores(design, place, [])) == 3
