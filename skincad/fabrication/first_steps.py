@@ -45,8 +45,9 @@ def _threaded(design: Design, parts: list[Part]) -> Iterator[str]:
         kind, _, how = what.partition(" insert, ")
         if how:
             yield f"Set the {kind} inserts ({how}) into {_and(names)}."
-        else:
-            yield f"Tap the {kind} threads of {_and(names)}."
+            continue
+        name, _, deep = what.partition(" x ")
+        yield f"Tap the {name} threads of {_and(names)}" + (f", {deep} mm deep (mount)." if deep else ".")
 
 
 def _pinned(parts: list[Part]) -> Iterator[str]:

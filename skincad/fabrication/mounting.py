@@ -105,9 +105,8 @@ def kept_clean(design: Design, closed: ClosedMold) -> list[str]:
     holes = "threads and fiducials" if mount.positions and mount.fiducials else "threads"
     holes = holes if mount.positions else "fiducials"
     words = f"The mount's {holes} are blind and lie under the {over}, beside its openings"
-    words += ", so no silicone comes to them."
+    sealed = ", so no silicone comes to them."
+    words += sealed if over == "foam" else "; fill them flush with wax, for no foam seals there."
     if gate(design) is None:
         words += " Tape them until the carrier lies on its ledge: silicone wells up through its holes."
-    if mount.insert:
-        words = f"Set the mount's inserts, flush with the carrier's top, before anything is cast. {words}"
     return [words]

@@ -10,6 +10,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.bore_fits import full_thread, limits, major, purpose, thread
+from skincad.fabrication.first_steps import prepared
 from skincad.fabrication.mounting import kept_clean, mounted, screws_to_buy
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.parts_list import parts_csv
@@ -73,13 +74,22 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     assert f"- {buy}" in sheet
     assert clean in sheet
     assert "4 threaded inserts M3 (glued, 5.7 mm long, in holes of 4 mm), 4 M3 screws" in buy
-    assert clean.startswith("Set the mount's inserts")
+    assert "Set the M3 inserts (glued) into cavity and carrier." in sheet
     assert "under the foam" in clean
     assert "Tape" not in clean
     poured = design.with_(mold={"pour": "open", "gate": None})
     assert "Tape them until the carrier lies" in kept_clean(poured, mold(poured))[0]
     bent = mounted_design("bent")
-    assert "threads and fiducials are blind and lie under the cover" in kept_clean(bent, mold(bent))[0]
+    (bare,) = kept_clean(bent, mold(bent))
+    assert "threads and fiducials are blind and lie under the cover" in bare
+    assert "fill them flush with wax" in bare
+
+
+def test_the_first_step_taps_a_mount_as_deep_as_its_thread_is() -> None:
+    design = mounted_design("milled-pad")
+    words = prepared(design, mold(design))
+    assert "Tap the M3 x" not in words
+    assert "Tap the M3 threads of carrier, 4 mm deep (mount)." in words
 
 
 def test_marks_alone_ask_for_nothing_to_buy() -> None:
