@@ -17,12 +17,13 @@ from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PartRole
 
 if TYPE_CHECKING:
+    from skincad.fabrication.estimates import PartEstimate, ProcessEstimate
     from skincad.fabrication.finding import Finding
     from skincad.fabrication.mounting import Mounted
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
-STAGES = ("contact check", "meshes", "solids", "measuring", "interference", "files", "picture")
+STAGES = ("contact check", "meshes", "solids", "measuring", "interference", "estimates", "files", "picture")
 FINEST_CHORD = 1e-4  # mm; finer ones cost memory and show nothing
 INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that are tested for interference
 
@@ -41,6 +42,7 @@ class PartReport:
     valid: bool | None = None
     self_intersections: int | None = None
     deviation: float | None = None
+    estimate: PartEstimate | None = None  # of what is made; the skin is cast
 
     def as_json(self) -> dict[str, Any]:
         """Return the part under the contract's keys."""
@@ -54,6 +56,7 @@ class PartReport:
             "self_intersections": self.self_intersections,
             "deviation_mm": self.deviation,
             "asked_deviation_mm": self.asked_deviation,
+            **(self.estimate.as_json() if self.estimate else {}),
         }
 
 
@@ -86,6 +89,7 @@ class Job:
     findings: tuple[Finding, ...]
     check: ContactCheck | None  # None where nobody asked for the verdict
     scenes: tuple[Result, ...] = ()  # simulated with this skin
+    estimates: tuple[ProcessEstimate, ...] = ()  # of mass, time and cost by process
     _solids: dict[Part, Any] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -132,6 +136,7 @@ class MakeResult(Result):
     scenes: tuple[Result, ...] = field(default=(), compare=False)
     revision: str = ""  # of the design
     mount: Mounted | None = None
+    estimates: tuple[ProcessEstimate, ...] = ()  # of mass, time and cost by process
 
     @property
     def passed(self) -> bool:
@@ -157,6 +162,7 @@ class MakeResult(Result):
             "preview": self.preview,
             "parts": [part.as_json() for part in self.parts],
             "cavity_volume_mm3": self.cavity_volume,
+            "processes": [each.as_json() for each in self.estimates],
             "findings": [finding.as_json() for finding in self.findings],
             "check": self.check and self.check.as_json(),
             "scenes": [scene.as_json() for scene in self.scenes],
@@ -205,8 +211,8 @@ def make(
     volume = job.closed.first(PartRole.SKIN).volume
     made = preview, solids, job, job.scenes
     found = tuple(reports), job.findings, job.check, volume, watch.seconds(), *made
-    mount = mounted(design, closed)
-    return MakeResult(design.name, strict, *found, revision=design.revision, mount=mount)
+    revision, mount = design.revision, mounted(design, closed)
+    return MakeResult(design.name, strict, *found, revision=revision, mount=mount, estimates=job.estimates)
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:
@@ -260,6 +266,7 @@ def _build(
     solids: bool,
     measured: bool,
 ) -> tuple[Job, list[PartReport]]:
+    from skincad.fabrication.estimates import by_part, estimates
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import interference
@@ -288,7 +295,11 @@ def _build(
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
         findings = [*design_findings(design, closed), *mesh_findings(reports), *interference(closed, fine)]
         findings += [*filling_findings(design, closed), *strip_findings(design)]
-    return replace(job, findings=tuple(findings)), reports
+    with watch.stage("estimates"):
+        taken = estimates(design, closed, job.laid)
+    alone = by_part(taken)
+    reports = [replace(report, estimate=alone.get(report.name)) for report in reports]
+    return replace(job, findings=tuple(findings), estimates=taken), reports
 
 
 def _closed(mesh: Any) -> bool:

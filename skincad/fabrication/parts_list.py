@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from skincad.base.version import __version__
+from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
 from skincad.fabrication.mounting import mounted
 from skincad.fabrication.rules_of_machines import extent
@@ -28,7 +29,8 @@ from skincad.solids.threads import pin_depth
 
 class Item(NamedTuple):
     """A row: how many, what, by which standard or of which size, mm, how it is come by, of what; the volume,
-    cm3, of one that is made; where it goes."""
+    cm3, of one that is made; where it goes; mass g, time h and cost EUR of one that is made, with their
+    errors, and the basis of these estimates."""
 
     quantity: str
     what: str
@@ -37,32 +39,50 @@ class Item(NamedTuple):
     material: str
     volume: str
     place: str
+    mass: str = ""
+    mass_error: str = ""
+    time: str = ""
+    time_error: str = ""
+    cost: str = ""
+    cost_error: str = ""
+    basis: str = ""
 
 
 HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
+ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
 
 
-def parts_list(design: Design, closed: ClosedMold) -> list[Item]:
-    """Return what is made, a row for each part, then what is bought; consumables are the casting sheet's."""
-    return [*_made(design, closed), *_bought(design, closed)]
+def parts_list(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:
+    """Return what is made, a row for each part with its estimates, then what is bought; consumables are the
+    casting sheet's."""
+    return [*_made(design, closed, by_part(estimates)), *_bought(design, closed)]
 
 
-def parts_csv(design: Design, closed: ClosedMold) -> str:
+def parts_csv(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
     """Return the parts list as CSV, after a comment with the design's name and revision."""
     text = io.StringIO()
     text.write(f"# {entitled(design)}, revision {design.revision}, skincad {__version__}; mm\n")
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(HEADS)
-    rows.writerows((number, *item) for number, item in enumerate(parts_list(design, closed), 1))
+    rows.writerow((*HEADS, *ESTIMATED))
+    rows.writerows((number, *item) for number, item in enumerate(parts_list(design, closed, estimates), 1))
     return text.getvalue()
 
 
-def _made(design: Design, closed: ClosedMold) -> Iterator[Item]:
+def _made(design: Design, closed: ClosedMold, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
     for part in closed.parts:
         if part.made == "made":
             size = " x ".join(f"{side:.2f}" for side in extent(part))
             volume, by = f"{part.volume / 1000:.4g}", process_words(design, part)
-            yield Item("1", part.name, size, by, material_words(design, part), volume, part.role.what)
+            own = material_words(design, part), volume, part.role.what
+            yield Item("1", part.name, size, by, *own, *_estimated(estimates.get(part.name)))
+
+
+def _estimated(part: PartEstimate | None) -> list[str]:
+    """The cells of a part's estimates; none where nothing was estimated."""
+    if part is None:
+        return []
+    numbers = [n for e in (part.mass, part.time, part.cost) for n in (float(e), e.error or 0.0)]
+    return [*(f"{number:.4g}" for number in numbers), part.basis]
 
 
 def _bought(design: Design, closed: ClosedMold) -> Iterator[Item]:

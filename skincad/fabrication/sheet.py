@@ -8,6 +8,7 @@ from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.estimates import ProcessEstimate, lines
 from skincad.fabrication.fasteners import cover_screws, dowels, end_screws
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.first_steps import prepared
@@ -59,9 +60,10 @@ def casting_sheet(
     verdict: str,
     passed: bool,
     inspected: Inspection | None = None,
+    estimates: tuple[ProcessEstimate, ...] = (),
 ) -> str:
     """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job,
-    `inspected` what to measure on the skin."""
+    `inspected` what to measure on the skin, `estimates` what each process takes."""
     material = silicone(design)
     summary = (
         "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
@@ -73,7 +75,7 @@ def casting_sheet(
         "",
         f"Revision {design.revision} of the design, by skincad {__version__}.",
         "",
-        *_parts(design, closed),
+        *_parts(design, closed, estimates),
         *_mix(material, poured_volume(design, closed)),
         *_order(design, closed),
         *_findings(closed, findings),
@@ -82,7 +84,7 @@ def casting_sheet(
     return "\n".join(lines) + "\n"
 
 
-def _parts(design: Design, closed: ClosedMold) -> list[str]:
+def _parts(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
     bent = design.skin.curvature_radius_y is not None
     made = (p for p in closed.parts if p.made == "made")
     rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made]
@@ -104,6 +106,7 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         "|---|---|---|",
         *rows,
         "",
+        *_effort(design, estimates),
         _shrinkage(design, closed),
         "",
         "To buy:",
@@ -111,6 +114,11 @@ def _parts(design: Design, closed: ClosedMold) -> list[str]:
         *(f"- {row}" for row in bought),
         "",
     ]
+
+
+def _effort(design: Design, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
+    """What each process takes, where that was estimated."""
+    return [" ".join(["Estimated:", *lines(design, estimates)]), ""] if estimates else []
 
 
 def _bolts(design: Design, closed: ClosedMold) -> list[str]:

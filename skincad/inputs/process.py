@@ -104,6 +104,57 @@ class Process(Table):
         default=0.0,
     )
 
+    density: float = quantity("g/cm3", "of filament, cured resin or stock", gt=0.0, le=30.0, default=1.0)
+    price: float = quantity("EUR/kg", "of filament, resin or stock", ge=0.0, le=1e5, default=0.0)
+    rate: float = quantity("EUR/h", "of the machine, with who runs it", ge=0.0, le=1e4, default=0.0)
+    setup: float = quantity(
+        "min",
+        "to set up a plate of prints, or a part in a machine, and to finish it; in the cost alone",
+        ge=0.0,
+        le=1e4,
+        default=0.0,
+    )
+    waste: float = quantity(
+        "1", "material lost by the mass that is estimated; in the cost alone", ge=0.0, le=10.0, default=0.0
+    )
+    mass_error: float = quantity(
+        "1", "share by which an estimated mass may be off", ge=0.0, le=1.0, default=0.1
+    )
+    time_error: float = quantity(
+        "1", "share by which an estimated time may be off", ge=0.0, le=1.0, default=0.5
+    )
+    price_error: float = quantity(
+        "1", "share by which price and rate may be off", ge=0.0, le=1.0, default=0.5
+    )
+    line: float = quantity("mm", "width of a line of filament", gt=0.0, le=10.0, default=0.45)
+    loops: int = Field(default=3, description="lines of filament round each layer", ge=1, le=1000)
+    shells: int = Field(
+        default=4, description="layers that are filled solid under a top and over a bottom", ge=0, le=1000
+    )
+    infill: float = quantity("1", "share of the rest that is filled", ge=0.0, le=1.0, default=1.0)
+    outer_speed: float = quantity("mm/s", "of the outermost line", gt=0.0, le=1e4, default=25.0)
+    loop_speed: float = quantity("mm/s", "of the other loops", gt=0.0, le=1e4, default=45.0)
+    fill_speed: float = quantity("mm/s", "of what fills a layer", gt=0.0, le=1e4, default=80.0)
+    first_speed: float = quantity("mm/s", "of all lines of the first layer", gt=0.0, le=1e4, default=20.0)
+    travel_speed: float = quantity("mm/s", "from a line to the next", gt=0.0, le=1e4, default=180.0)
+    acceleration: float = quantity("mm/s2", "of the nozzle", gt=0.0, le=1e6, default=1000.0)
+    exposure: float = quantity("s", "of a layer of resin", ge=0.0, le=1e4, default=0.0)
+    first_exposure: float = quantity("s", "of each of the first layers", ge=0.0, le=1e4, default=0.0)
+    first_layers: int = Field(default=3, description="that are exposed so long", ge=0, le=1000)
+    fading: int = Field(default=10, description="layers from that exposure to the usual one", ge=0, le=1000)
+    lift: float = quantity("s", "from a layer's exposure to the next one's", ge=0.0, le=1e4, default=0.0)
+    allowance: float = quantity(
+        "mm", "by which stock is larger than its part, on each side", ge=0.0, le=1000.0, default=0.0
+    )
+    removal_rate: float = quantity(
+        "mm3/min", "of roughing; 0: what is cut off comes off in one piece", ge=0.0, le=1e7, default=0.0
+    )
+    finish_rate: float = quantity("mm2/min", "of faces, all passes", gt=0.0, le=1e6, default=100.0)
+    fine_rate: float = quantity(
+        "mm2/min", "of the skin's negative and of notches, all passes", gt=0.0, le=1e6, default=10.0
+    )
+    hole_time: float = quantity("min", "of a hole, with its thread or fit", ge=0.0, le=1e4, default=0.0)
+
     @property
     def reach(self) -> float:
         """Radius of the smallest corner that the tool leaves, mm: the tool's and the spark gap."""

@@ -53,6 +53,7 @@ def manifest(result: MakeResult) -> dict[str, Any]:
         "name": result.name,
         "passed": result.passed,
         "all_touch_force_N": result.check and result.check.all_touch_force.as_json(),
+        "processes": [each.as_json() for each in result.estimates],
         "findings": [finding.as_json() for finding in result.findings],
         **({"mount": result.mount.as_json()} if result.mount else {}),
     }
@@ -190,7 +191,7 @@ def _seal(job: Job, path: Path) -> None:
 def _parts_list(job: Job, path: Path) -> None:
     from skincad.fabrication.parts_list import parts_csv
 
-    _text(parts_csv(job.design, job.closed), path)
+    _text(parts_csv(job.design, job.closed, job.estimates), path)
 
 
 def _view(job: Job, path: Path) -> None:
@@ -252,7 +253,7 @@ def _sheet_of(job: Job) -> str:
     measured = inspection(job.design, job.closed, checks.allowed_drops(job.check))
     found, said = list(job.findings), _verdict(job)
     passed = passes(job.check, job.findings, strict=False)
-    return casting_sheet(job.design, job.closed, found, said, passed, measured)
+    return casting_sheet(job.design, job.closed, found, said, passed, measured, job.estimates)
 
 
 def _text(text: str, path: Path) -> None:

@@ -1,0 +1,51 @@
+"""On how many plates of a printer parts lie: rectangles in rows, the tallest parts together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from skincad.inputs.process import Process
+
+APART = 5.0  # mm, assumption: between parts on a plate
+
+
+class Laid(NamedTuple):
+    """A part as it lies on the bed: its sides along x, y and z, mm."""
+
+    name: str
+    x: float
+    y: float
+    z: float
+
+
+def plates(parts: Sequence[Laid], process: Process) -> list[list[Laid]]:
+    """Return parts by plate. Each part, from the tallest down, goes onto the first plate that takes it; one
+    that is larger than any plate has one to itself (the finding `build volume` tells it)."""
+    full: list[list[Laid]] = []
+    for part in sorted(parts, key=lambda part: (-part.z, part.name)):
+        for plate in full:
+            if _fit([*plate, part], process):
+                plate.append(part)
+                break
+        else:
+            full.append([part])
+    return full
+
+
+def _fit(parts: list[Laid], process: Process) -> bool:
+    """Whether parts lie in rows, widest rows first, each part with its longer side along the row."""
+    longer, shorter = sorted((process.build_x, process.build_y), reverse=True)
+    if not shorter:
+        return True  # no limit
+    sides = sorted((sorted((part.x, part.y)) for part in parts), reverse=True)
+    used = reach = deep = 0.0
+    for wide, long in sides:
+        if reach and reach + APART + long <= longer:
+            reach += APART + long
+        else:
+            used += deep + (APART if deep else 0.0)
+            reach, deep = long, wide
+        if reach > longer or used + deep > shorter:
+            return False
+    return True

@@ -1,0 +1,125 @@
+"""What a mold takes: plates, sums, errors and prices."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
+from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, lines
+from skincad.fabrication.meshes import laid, mesh, print_chord
+from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
+from skincad.fabrication.resin import exposed
+from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.sheet import casting_sheet
+from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
+from skincad.inputs.process import processes
+from skincad.solids.mold import mold
+
+
+def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
+    closed = mold(design)
+    made = [part for part in closed.parts if part.made == "made"]
+    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in made}
+    return estimates(design, closed, prints)
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_every_made_part_has_estimates_with_errors(name: str) -> None:
+    design = skincad.load(name)
+    found = estimated(design)
+    assert sorted(by_part(found)) == sorted(p.name for p in mold(design).parts if p.made == "made")
+    for each in (*found, *by_part(found).values()):
+        for number in (each.mass, each.time, each.cost):
+            assert number.error is not None
+            assert 0 < number.error < float(number)
+    for each in found:
+        assert float(each.mass) == pytest.approx(sum(float(part.mass) for part in each.parts))
+        assert float(each.cost) == pytest.approx(sum(float(part.cost) for part in each.parts))
+
+
+def test_resin_takes_the_tallest_part_of_each_plate() -> None:
+    """lab-bench: the cavity, 23.06 mm high, and what lies beside it; the cover does not fit there."""
+    design = skincad.load("lab-bench")
+    (found,) = estimated(design)
+    sla = processes()["sla"]
+    assert found.plates == 2
+    assert float(found.time) == pytest.approx((exposed(23.06, sla) + exposed(4.0, sla)) / 3600)
+    assert float(found.time) < sum(float(part.time) for part in found.parts)
+    (one,) = estimated(skincad.load("lab-bench", ["printer.sla.build_y=120.0"]))
+    assert one.plates == 1
+    assert float(one.time) == pytest.approx(exposed(23.06, sla) / 3600)
+
+
+def test_filament_takes_all_parts_one_after_the_other() -> None:
+    (found,) = estimated(skincad.load("nozzle-04"))
+    assert found.plates == 1
+    assert float(found.time) == pytest.approx(sum(float(part.time) for part in found.parts))
+
+
+def test_parts_of_two_processes_are_told_apart() -> None:
+    design = skincad.load("milled-pad")
+    found = estimated(design)
+    assert [(each.process, len(each.parts), each.plates) for each in found] == [("cnc", 3, 0), ("edm", 4, 0)]
+    assert [line[:16] for line in lines(design, found)] == ["By cnc, 3 parts:", "By edm, 4 parts:"]
+
+
+def test_cost_is_material_machine_and_setup() -> None:
+    """Of lab-bench by hand; and where prices are known, its error is that of mass and time."""
+    (found,) = estimated(skincad.load("lab-bench"))
+    sla = processes()["sla"]
+    material = float(found.mass) / 1000 * (1 + sla.waste) * sla.price
+    machine, setup = float(found.time) * sla.rate, found.plates * sla.setup / 60 * sla.rate
+    assert float(found.cost) == pytest.approx(material + machine + setup)
+    (sure,) = estimated(skincad.load("lab-bench", ["printer.sla.price_error=0.0"]))
+    assert sure.cost.error == pytest.approx(material * sla.mass_error + machine * sla.time_error)
+
+
+def test_a_workshops_own_prices_count() -> None:
+    (shipped,) = estimated(skincad.load("lab-bench"))
+    (own,) = estimated(skincad.load("lab-bench", ["printer.sla.price=0.0", "printer.sla.rate=20.0"]))
+    setup, hours = 2 * 45 / 60, float(shipped.time)
+    assert float(own.cost) == pytest.approx(20.0 * (hours + setup))
+    assert own.mass == shipped.mass
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("density", 0.0), ("infill", 1.5), ("loops", 0), ("loops", 2.5), ("outer_speed", 0.0), ("price", -1.0)],
+)
+def test_bad_keys_are_refused(key: str, value: float) -> None:
+    with pytest.raises(InputError, match=rf"^printer.fdm.{key}: "):
+        skincad.load("nozzle-04", [f"printer.fdm.{key}={value}"])
+
+
+def test_the_parts_list_has_them_beside_the_volumes() -> None:
+    design = skincad.load("plain-ridges")
+    closed, found = mold(design), estimated(design)
+    _, head, *rows = parts_csv(design, closed, found).splitlines()
+    assert head.split(",") == [*HEADS, *ESTIMATED]
+    cover = by_part(found)["cover"]
+    (row,) = (row for row in rows if row.split(",")[2] == "cover")
+    cells = [
+        f"{n:.4g}" for e in (cover.mass, cover.time, cover.cost) for n in (float(e), e.error or math.nan)
+    ]
+    assert ",".join([*cells, cover.basis]) in row
+    assert all(row.endswith(",,,,,,,") for row in rows if ",bought," in row)
+
+
+def test_the_sheet_says_them_in_a_line() -> None:
+    design = skincad.load("plain-ridges")
+    closed, found = mold(design), estimated(design)
+    text = casting_sheet(design, closed, [], "Passes.", True, None, found)
+    assert f"Estimated: {lines(design, found)[0]}" in text
+    assert "Estimated" not in casting_sheet(design, closed, [], "Passes.", True)
+    assert "5 parts on 1 plate:" in text
+
+
+def test_an_estimate_keeps_its_unit() -> None:
+    (found,) = estimated(skincad.load("plain-ridges"))
+    assert isinstance(found.mass, Estimate)
+    assert (found.mass.unit, found.time.unit, found.cost.unit) == ("g", "h", "EUR")
