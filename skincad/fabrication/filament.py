@@ -2,7 +2,7 @@
 
 Each layer has loops along its contours, a filled rest, and ways between them. The layers' sections are the
 print mesh's. No number here is fitted: those of the machine are the process's, the rest is what PrusaSlicer
-does with its defaults.
+does with its defaults. How often it draws filament back was counted in G-code of two parts (`_ways`).
 """
 
 from __future__ import annotations
@@ -130,7 +130,9 @@ def _sparse(stack: tuple[CrossSection, ...], core: CrossSection, process: Proces
 
 def _ways(section: CrossSection, process: Process) -> float:
     """How long ways between lines take, s: to each contour and to a patch of filling beside it as far as
-    contours lie apart, with the filament drawn back, and from loop to loop."""
+    contours lie apart, with the filament drawn back, and from loop to loop: so round what lies alone, whose
+    loops begin far from where the last one ended, and a step aside round a hole. Source: G-code of an end
+    plate's keeper and a carrier by PrusaSlicer."""
     contours = section.num_contour()
     if not contours:
         return 0.0
@@ -140,4 +142,7 @@ def _ways(section: CrossSection, process: Process) -> float:
 
     near = moves(2 * process.line, 1, process.travel_speed, JERK, process.acceleration)
     across = moves(far, 1, process.travel_speed, JERK, process.acceleration)
-    return float(contours * (2 * (2 * drawn + across) + (process.loops - 1) * near))
+    islands = len(section.decompose())
+    far_ways = 2 * contours + (process.loops - 1) * islands
+    near_ways = (process.loops - 1) * (contours - islands)
+    return float(far_ways * (2 * drawn + across) + near_ways * near)

@@ -2,8 +2,8 @@
 
 A move begins and ends at the speed that a corner allows, accelerates evenly and brakes evenly, as firmware
 of printers plans it, but for looking further ahead than one line: where a circle of short chords begins or
-ends, that is 0.02 s too much, about what is left out of a layer's change and of ends of filling. Source:
-PrusaSlicer's own estimate, whose machine limits are the defaults here.
+ends, that is 0.02 s too much, about what is left out of ends of filling. Source: PrusaSlicer's own estimate,
+whose machine limits are the defaults here.
 """
 
 from __future__ import annotations

@@ -40,8 +40,7 @@ def layer_of_box(x: float, y: float, process: Process, bottom: bool) -> float:
     seconds += moves(DIAGONAL * apart * count, count, speed, corner, firm)
     drawn = 2 * (2.0 / 40.0 + 37.5**2 / (1500.0 * 40.0))  # back and forth from 2.5 to 40 mm/s
     far = moves(math.sqrt(x * y), 1, process.travel_speed, JERK, firm)
-    near = moves(2 * process.line, 1, process.travel_speed, JERK, firm)
-    return seconds + 2 * (drawn + far) + (process.loops - 1) * near
+    return seconds + (2 + process.loops - 1) * (drawn + far)
 
 
 @pytest.mark.parametrize(("x", "y"), [(30.0, 20.0), (48.0, 6.0)])
