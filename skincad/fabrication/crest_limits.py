@@ -22,6 +22,8 @@ ODDS = 0.005  # assumption: of good parts, by all rows together; the rest of 1 %
 OTHER_ROWS = 6  # tilt, mean crest, width, length, pitch, mass
 GAUGE = 0.002  # mm, assumption: standard deviation of a measuring microscope's or projector's height
 READINGS = 4  # of each crest, where single parts are judged: so that GAUGE counts half
+AGAIN = 64  # of each crest in all, near the verdict's edge: so that GAUGE counts an eighth
+NEAR = 2.5  # standard deviations of what READINGS leave of GAUGE: beyond, one verdict in 160 is the gauge's
 SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
 
 
@@ -95,9 +97,16 @@ def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
     )
 
 
-def verdict_says(design: Design, crests: Crests, allowed_drops: tuple[float, ...]) -> str:
+def edge(margin: float, allowed_drops: tuple[float, ...]) -> float:
+    """Return how near to 0 a measured part's margin, N, is the gauge's own doing: `NEAR` standard deviations
+    of it by `READINGS` of each crest. `margin` N is the design's, and what `allowed_drops` use up."""
+    slopes = (margin / drop for drop in allowed_drops if drop)
+    return NEAR * GAUGE / math.sqrt(READINGS) * math.hypot(*slopes)
+
+
+def verdict_says(design: Design, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
     """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
-    each crest may lie lower alone until the verdict's margin is used up, empty where there is none."""
+    each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
     if design.ridge.count == 1:
         return "One ridge touches in any case: its height changes no verdict."
     if not allowed_drops:
@@ -122,6 +131,8 @@ def verdict_says(design: Design, crests: Crests, allowed_drops: tuple[float, ...
     return (
         f"**These limits don't decide.** The verdict allows {one}, and {design.mold.process} alone may take "
         f"{taken:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good ones "
-        f"pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; near its edge "
-        "good parts are lost by the gauge. Or take a finer process or more margin (`ridge.levelling`)."
+        f"pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
+        f"margin is within ±{edge(margin, allowed_drops):.2g} N, read on until each crest is the mean of "
+        f"{AGAIN}: "
+        "that verdict counts. Or take a finer process or more margin (`ridge.levelling`)."
     )

@@ -65,14 +65,16 @@ class Inspection(NamedTuple):
     said: tuple[str, ...]
 
 
-def inspection(design: Design, closed: ClosedMold, allowed_drops: tuple[float, ...] = ()) -> Inspection:
+def inspection(
+    design: Design, closed: ClosedMold, allowed_drops: tuple[float, ...] = (), margin: float = 0.0
+) -> Inspection:
     """Return the inspection of a cast skin on its carrier.
 
     `allowed_drops` `(ridges,)` mm is how much lower each crest may lie alone until the verdict's margin is
-    used up (inf where lowering it does no harm), empty where there is no verdict, or it fails.
+    used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
     crests = crest_limits(design, closed)
-    said = [*layers_say(design, crests), verdict_says(design, crests, allowed_drops)]
+    said = [*layers_say(design, crests), verdict_says(design, crests, allowed_drops, margin)]
     if design.skin.curvature_radius_y is None and design.ridge.count > 1:
         said.append(MEASURED)
     return Inspection(crests, tuple(_measures(design, closed, crests)), tuple(said))

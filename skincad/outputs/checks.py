@@ -47,6 +47,11 @@ def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
     return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
 
 
+def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
+    """Return these drops, mm, and the margin that each uses up, N."""
+    return allowed_drops(check), (check.margin or 0.0) if check else 0.0
+
+
 def lines(check: ContactCheck) -> list[str]:
     """Return what `check` prints."""
     return [*verdict_lines(check), *advice_lines(check)]

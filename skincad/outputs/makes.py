@@ -250,7 +250,7 @@ def _sheet_of(job: Job) -> str:
     from skincad.fabrication.inspection import inspection
     from skincad.fabrication.sheet import casting_sheet
 
-    measured = inspection(job.design, job.closed, checks.allowed_drops(job.check))
+    measured = inspection(job.design, job.closed, *checks.allowance(job.check))
     found, said = list(job.findings), _verdict(job)
     passed = passes(job.check, job.findings, strict=False)
     return casting_sheet(job.design, job.closed, found, said, passed, measured, job.estimates)

@@ -34,11 +34,12 @@ PVDF = 1.78e-3  # g/mm3
 
 
 class Parts(NamedTuple):
-    """What a person reads of `n` parts: crests `(n, ridges)` mm over the back, and their true values; pitch,
-    width and length `(n,)` mm, mass `(n,)` g."""
+    """What a person reads of `n` parts: crests `(n, ridges)` mm over the back, their true values, and what a
+    person has who reads on; pitch, width and length `(n,)` mm, mass `(n,)` g."""
 
     crests: Array
     true_crests: Array
+    crests_again: Array
     pitch: Array
     width: Array
     length: Array
@@ -81,9 +82,15 @@ def _films(design: Design) -> float:
 
 
 def drawn(
-    design: Design, closed: ClosedMold, count: int, seed: int, worse: float = 1.0, readings: int = 1
+    design: Design,
+    closed: ClosedMold,
+    count: int,
+    seed: int,
+    worse: float = 1.0,
+    readings: tuple[int, int] = (1, 1),
 ) -> Parts:
-    """Draw `count` parts; `worse` multiplies the crests' errors alone; crests are means of `readings`."""
+    """Draw `count` parts; `worse` multiplies the crests' errors alone; crests are means of the first of
+    `readings`, and when read on, these among them, of the second."""
     rng = np.random.default_rng(seed)
     body = processes(design.printer)[design.mold.process]
     end = processes(design.printer)[design.mold.end_plate_process or design.mold.process]
@@ -114,11 +121,18 @@ def drawn(
     volume = volume + sum(hole.volume for hole in bores(carrier, CutRole.RIVET, CutRole.VENT))
     mass = volume * silicone(design).density * 1e-6 * (1 + DENSITY * rng.standard_normal(count))
     mass = mass * (1 + rng.uniform(0, FLASH, count)) + _films(design) * PVDF
+    first, last = readings
+    gauge = GAUGE / math.sqrt(first) * rng.standard_normal(crests.shape)
+    width = width + CALLIPERS * rng.standard_normal(count)
+    length = length + CALLIPERS * rng.standard_normal(count)
+    mass = mass + BALANCE * rng.standard_normal(count)
+    more = GAUGE * math.sqrt(last - first) * rng.standard_normal(crests.shape)
     return Parts(
-        crests + GAUGE / math.sqrt(readings) * rng.standard_normal(crests.shape),
+        np.asarray(crests + gauge),
         np.asarray(crests),
+        np.asarray(crests + (first * gauge + more) / last),
         np.asarray(pitch),
-        np.asarray(width + CALLIPERS * rng.standard_normal(count)),
-        np.asarray(length + CALLIPERS * rng.standard_normal(count)),
-        np.asarray(mass + BALANCE * rng.standard_normal(count)),
+        np.asarray(width),
+        np.asarray(length),
+        np.asarray(mass),
     )
