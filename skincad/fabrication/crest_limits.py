@@ -19,6 +19,7 @@ from skincad.solids.mold import ClosedMold
 from skincad.solids.shrinkage import shrinkage
 
 ODDS = 0.005  # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
+OFFSET = 0.1  # mm, asked: of a part that is so much too thick, or too thin, the thickness is to fail
 OTHER_ROWS = 6  # tilt, mean crest, width, length, pitch, mass
 GAUGE = 0.002  # mm, assumption: standard deviation of a measuring microscope's or projector's height
 READINGS = 4  # of each crest, where single parts are judged: so that GAUGE counts half
@@ -30,12 +31,14 @@ SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from ba
 class Crests(NamedTuple):
     """What crests of good parts do, mm: their heights over the back as they come out `(ridges,)`, each one's
     limit beside their line `(ridges,)`, both ways (empty for two ridges or one), the line's rise from first
-    to last, and its height in the middle; how many standard deviations all these limits are."""
+    to last, its height in the middle, and that against the mold's own; how many standard deviations all these
+    limits are."""
 
     heights: tuple[float, ...]
     beside: tuple[float, ...]
     rise: float
     mean: float
+    beside_mold: float
     deviations: float
     sigma: float  # mm, of one crest, ridge against ridge
     told: bool  # whether layers, if there are any, are known where they fall
@@ -54,12 +57,15 @@ def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     squares = math.fsum(place**2 for place in places)
     beside = [math.sqrt(1 - 1 / count - place**2 / squares) for place in places] if count > 2 else []
     rise = math.hypot(read * (count - 1) / math.sqrt(squares or 1.0), sigma * math.sqrt(2) * _span(design))
-    own = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE, SCATTER * math.fsum(heights) / count
+    batch = SCATTER * math.fsum(heights) / count
+    own = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE, batch
+    gauges = GAUGE * math.sqrt(2 + 2 / count)  # part and mold: each one's datum and crests
     return Crests(
         heights,
         tuple(deviations * read * share for share in beside),
         deviations * rise,
         deviations * math.hypot(*own),
+        deviations * math.hypot(gauges, batch),
         deviations,
         sigma,
         told is not None,
@@ -94,6 +100,18 @@ def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
         f"Slice the cavity in layers of {process.layer:g} mm from the bed on, the first one too: then "
         f"crests come out as in the table, {middle:+.3f} mm from the design in the mean, and from there up "
         f"to {aside:.3f} mm up or down.",
+    )
+
+
+def thickness_says(design: Design, crests: Crests) -> tuple[str, ...]:
+    """Return how a fault of the thickness is seen where the process's own errors hide it."""
+    if crests.mean < OFFSET:
+        return ()
+    return (
+        f"The mean crest's limit passes a part that is {OFFSET:g} mm too thick: {design.mold.process} itself "
+        f"takes {crests.mean / crests.deviations:.3f} mm in the standard deviation. Measure the mold once, "
+        "each groove's bottom under the ledge, by the same gauge: a part's mean crest is within "
+        f"±{crests.beside_mold:.3f} mm of theirs times {1 - shrinkage(design):.4g}.",
     )
 
 

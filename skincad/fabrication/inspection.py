@@ -17,6 +17,7 @@ from skincad.fabrication.crest_limits import (
     crest_limits,
     layers_say,
     offset_of,
+    thickness_says,
     verdict_says,
 )
 from skincad.fabrication.pattern import strip_patterns
@@ -74,7 +75,8 @@ def inspection(
     used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
     crests = crest_limits(design, closed)
-    said = [*layers_say(design, crests), verdict_says(design, crests, allowed_drops, margin)]
+    said = [*layers_say(design, crests), *thickness_says(design, crests)]
+    said.append(verdict_says(design, crests, allowed_drops, margin))
     if design.skin.curvature_radius_y is None and design.ridge.count > 1:
         said.append(MEASURED)
     return Inspection(crests, tuple(_measures(design, closed, crests)), tuple(said))

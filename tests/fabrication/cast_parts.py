@@ -40,6 +40,7 @@ class Parts(NamedTuple):
     crests: Array
     true_crests: Array
     crests_again: Array
+    mold_crests: Array
     pitch: Array
     width: Array
     length: Array
@@ -98,7 +99,8 @@ def drawn(
     batch = 1 + BATCH * rng.standard_normal(count)
     share = 0.5 + (np.arange(ridges) - (ridges - 1) / 2) * design.ridge.pitch / design.skin.width
     left, right = sigma * rng.standard_normal((2, count, 1))
-    crests = sliced(design, closed) * batch[:, None] + left * (1 - share) + right * share
+    shrunk = sliced(design, closed) * (batch[:, None] - 1)
+    crests = sliced(design, closed) + shrunk + left * (1 - share) + right * share
     crests = crests + worse * sigma * rng.standard_normal((count, ridges))
 
     def surface(tolerance: float) -> Array:
@@ -131,6 +133,7 @@ def drawn(
         np.asarray(crests + gauge),
         np.asarray(crests),
         np.asarray(crests + (first * gauge + more) / last),
+        np.asarray(crests - shrunk + GAUGE * rng.standard_normal(crests.shape)),
         np.asarray(pitch),
         np.asarray(width),
         np.asarray(length),

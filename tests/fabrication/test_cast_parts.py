@@ -176,9 +176,25 @@ def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     line = np.polyval(np.polyfit(number, heights - np.array(one.found.crests.heights), 1), number)
     assert np.all(np.abs(0.1 - line) <= np.array(one.found.crests.beside))
     (thick,) = (m for m in one.found.measures if m.what.startswith("mean crest"))
-    # filament: layers of 0.2 mm scatter by as much
-    assert bool(heights.mean() > thick.high) is (one.design.mold.process != "fdm")
+    limits = one.found.crests
+    hidden = limits.mean > 0.1
+    assert hidden is (one.design.mold.process == "fdm")  # whose ledge alone is off by 0.05 / sqrt(2) mm
+    assert hidden is any("Measure the mold once" in said for said in one.found.said)
+    # against its own mold then
+    assert heights.mean() > np.mean(limits.heights) + min(limits.beside_mold, limits.mean)
+    assert hidden or heights.mean() > thick.high
     assert one.passes(heights[None])[0] == one.passes(heights[None] - 0.1)[0]
+
+
+@pytest.mark.parametrize("name", ["nozzle-04", "plain-ridges"])
+def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
+    """In the place of the mean crest's limit, so that it costs no more good parts than that."""
+    one = judged(name)
+    parts = parts_of(one, 106)
+    off = np.abs(parts.crests.mean(axis=1) - parts.mold_crests.mean(axis=1))
+    lost = float((off > one.found.crests.beside_mold).mean())
+    assert lost < 1e-3  # 0.005 by 13 or 15 rows is 4e-4 or 3e-4: three of its errors by 10,000 parts
+    assert (off > one.found.crests.beside_mold / 2).mean() > 0.01  # and it is no wider than they are
 
 
 @pytest.mark.parametrize("name", template_names())
