@@ -73,7 +73,7 @@ def arc_radius(design: Design, ridge: int, side: str) -> float:
     return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)
 
 
-def close_steps(design: Design, back: str) -> list[str]:
+def close_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
     """Return how the mold is closed and filled, after cleaning."""
     if design.slot is None:
         ends = f"Lay the carrier on its ledge ({back}); the end plates lean over it and are screwed on next."
@@ -91,7 +91,7 @@ def close_steps(design: Design, back: str) -> list[str]:
     )
     return [
         ends,
-        "Cover and bolts.",
+        f"{'Then the foam, cover' if closed.of(PartRole.SEAL) else 'Cover'} and bolts.",
         f"{DEGAS} Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
         "through the gate at end a, and tape each bleed as silicone shows in it, until silicone stands in "
         "the reservoir.",
@@ -99,10 +99,11 @@ def close_steps(design: Design, back: str) -> list[str]:
     ]
 
 
-def leave_steps() -> list[str]:
+def leave_steps(closed: ClosedMold) -> list[str]:
     """Return how the mold is opened, once the shims are out."""
+    foam = ", with the foam" if closed.of(PartRole.SEAL) else ""
     return [
-        "Take the cover's bolts out and lift it by its ends, which overhang the end plates; the "
+        f"Take the cover's bolts out and lift it by its ends, which overhang the end plates{foam}; the "
         "silicone in the reservoir and the bleeds tears off, or is cut flush.",
         "Take the end plates' screws out, cut the sprue at the gate, and take the plates off square to the "
         "cavity's ends, with a screwdriver in the notches at their sides. Where strips' tabs stand outside a "

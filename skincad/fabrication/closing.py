@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from skincad.fabrication.fasteners import end_screws
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.solids.closing import BOW, PLAY, SHEETS, bow, thick_enough
-from skincad.solids.layout import STOCK, layout, lid_process, stack
+from skincad.solids.layout import STOCK, cavity_process, layout, lid_process, stack
+from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.plan import bores
+from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.screws import WASHER, spare
 from skincad.solids.shrinkage import poured
 
 
-def closing_findings(design: Design) -> Iterator[Finding]:
+def closing_findings(design: Design, closed: ClosedMold | None = None) -> Iterator[Finding]:
     """Yield a warning where a cover of a given thickness bows by more than `BOW` mm under 10 kPa, and one
     where carrier and keepers may stand so high or low that no seal both lets the cover lie on the cavity's
-    walls and holds them down."""
+    walls and holds them down. `closed` saves the planning of a doubly curved mold.
+
+    Such a mold has no seal where its top narrows too much for one, and is short of thread: each is told.
+    """
     cast = poured(design)
     place, _ = layout(cast, section(cast))
     modulus = lid_process(design).part_modulus
@@ -25,7 +33,30 @@ def closing_findings(design: Design) -> Iterator[Finding]:
             f"mold.cover of {thick_enough(place.spans, modulus, STOCK):g} mm, or a stiffer mold.lid_process"
         )
         yield Finding("cover bow", "cover, under 10 kPa", measured, BOW, "mm", "warning", remedy)
-    off, most = stack(cast, place.spans, place.lid), PLAY * SHEETS[-1]
-    if place.top > place.back and off > most:
-        where, remedy = "carrier and keepers, under the seal", "finer processes, or a thicker mold.cover"
-        yield Finding("closing stack", where, off, most, "mm", "warning", remedy)
+    off, most, where = (
+        stack(cast, place.spans, place.lid),
+        PLAY * SHEETS[-1],
+        "carrier and keepers, under the ",
+    )
+    bent = design.skin.curvature_radius_y is not None
+    closed = (closed or mold(design)) if bent else closed
+    if closed and bent and not closed.of(PartRole.SEAL):
+        remedy = "lap the carrier's top until the cover lies on the cavity, or make the skin longer, or its "
+        remedy += "curvature_radius_y larger, so that the narrow top has room for a seal"
+        yield Finding("closing stack", where + "cover, without a seal", off, 0.0, "mm", "warning", remedy)
+    elif off > most:
+        remedy = "finer processes, or a thicker mold.cover"
+        yield Finding("closing stack", where + "seal", off, most, "mm", "warning", remedy)
+    if closed and bent:
+        yield from _run_outs(design, closed)
+
+
+def _run_outs(design: Design, closed: ClosedMold) -> Iterator[Finding]:
+    """A note where the holes of both ends meet before a tap's lead has room: no screw is short enough."""
+    screws, process = end_screws(design, closed), cavity_process(design)
+    deep = min(bore.length for bore in bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD))
+    left = deep + design.mold.end_plate + screws.washers * WASHER - screws.length
+    if screws.bottoming and left < spare(process) - 1e-9:
+        remedy = "finish these threads by a bottoming tap, as the casting sheet says, or make the skin longer"
+        where = "screws of the end plates, from tip to the hole's end"
+        yield Finding("thread run-out", where, left, spare(process), "mm", "note", remedy)

@@ -11,7 +11,7 @@ import math
 from statistics import NormalDist
 from typing import NamedTuple
 
-from skincad.fabrication.printed_heights import come_out, unknown_step
+from skincad.fabrication.printed_heights import come_out, snapped_say, unknown_step, unsure
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.crests import summits
@@ -82,7 +82,7 @@ def _span(design: Design) -> float:
     return (design.ridge.count - 1) * design.ridge.pitch / design.skin.width
 
 
-def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
+def layers_say(design: Design, closed: ClosedMold, crests: Crests) -> tuple[str, ...]:
     """Return what layers do to the crests."""
     process, meant_all = processes(design.printer)[design.mold.process], offset_of(design)
     meant = tuple(high + meant_all for high in summits(design))
@@ -100,6 +100,18 @@ def layers_say(design: Design, crests: Crests) -> tuple[str, ...]:
         f"Slice the cavity in layers of {process.layer:g} mm from the bed on, the first one too: then "
         f"crests come out as in the table, {middle:+.3f} mm from the design in the mean, and from there up "
         f"to {aside:.3f} mm up or down.",
+        *_unsure_say(design, closed),
+        *snapped_say(design, closed),
+    )
+
+
+def _unsure_say(design: Design, closed: ClosedMold) -> tuple[str, ...]:
+    which, layer = unsure(design, closed), processes(design.printer)[design.mold.process].layer
+    if not which:
+        return ()
+    return (
+        f"Crests {', '.join(map(str, which))} may come out a layer of {layer:g} mm lower or higher than "
+        "that: a layer's middle is where their groove, or the ledge, ends.",
     )
 
 

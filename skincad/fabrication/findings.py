@@ -11,7 +11,7 @@ from skincad.fabrication.fan_out import fan_out_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.knife_edges import EDGE_RULES
 from skincad.fabrication.rules import RULES, Case, maker, material_findings, shim_findings
-from skincad.fabrication.rules_of_layers import LAYER_RULES
+from skincad.fabrication.rules_of_layers import LAYER_RULES, crest_findings
 from skincad.fabrication.rules_of_machines import MACHINE_RULES
 from skincad.fabrication.rules_of_tools import TOOL_RULES
 from skincad.inputs.design import Design
@@ -28,10 +28,12 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
 
     `closed` saves the planning of the mold. Print meshes are looked at for overhangs only; no CAD kernel.
     """
+    closed = closed or mold(design)
     found = [
-        *process_findings(design, closed or mold(design)),
+        *process_findings(design, closed),
+        *crest_findings(design, closed),
         *shim_findings(design),
-        *closing_findings(design),
+        *closing_findings(design, closed),
         *electrode_findings(design),
         *fan_out_findings(design),
         *material_findings(design),

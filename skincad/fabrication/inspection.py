@@ -75,7 +75,7 @@ def inspection(
     used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
     crests = crest_limits(design, closed)
-    said = [*layers_say(design, crests), *thickness_says(design, crests)]
+    said = [*layers_say(design, closed, crests), *thickness_says(design, crests)]
     said.append(verdict_says(design, crests, allowed_drops, margin))
     if design.skin.curvature_radius_y is None and design.ridge.count > 1:
         said.append(MEASURED)

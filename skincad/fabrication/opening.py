@@ -42,7 +42,7 @@ def opening_steps(design: Design, closed: ClosedMold) -> list[OpeningStep]:
     out, proof = OpeningStep(_out(design, closed), tuple(by["skin"])), _still(tested(design))
     led = _still(fanned(design))
     if not straight:
-        taken = map(OpeningStep, leave_steps(), (tuple(by["lid"]), tuple(by["ends"])))
+        taken = map(OpeningStep, leave_steps(closed), (tuple(by["lid"]), tuple(by["ends"])))
         return [*first, *drawn_in, *taken, out, *proof, *led]
     ends, lid = map(OpeningStep, _taken_off(design), (tuple(by["ends"]), tuple(by["lid"])))
     if lap(design) is None:  # cast in, or no film

@@ -7,6 +7,7 @@ groove ends at the layer whose middle is the first to find it wider, by the prin
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,13 +16,27 @@ from skincad.fabrication.meshes import print_chord
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.crests import summits
-from skincad.shape.cross_section import frame
+from skincad.shape.cross_section import frame, section
 from skincad.solids.body import Prism, corners
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
-from skincad.solids.shrinkage import shrinkage
+from skincad.solids.shrinkage import poured, shrinkage
 
+BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
+SAME = 1e-3  # mm, and layers: nobody sees so little
 CLOSED = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
+
+
+class _Block(NamedTuple):
+    """A printed cavity in its section's plane, mm: outline `(n, 2)`, its foot and top, a layer's height, how
+    much larger than the skin it is, and each groove's place across with the depth of its bottom."""
+
+    outline: Array
+    foot: float
+    top: float
+    layer: float
+    grown: float
+    grooves: tuple[tuple[float, float], ...]
 
 
 def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
@@ -33,28 +48,98 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
     where layers are so high that none has its middle in a groove or in what is over it.
     """
     process = processes(design.printer)[design.mold.process]
-    on_its_end = process.orientation == "end"
-    if not process.layer or (on_its_end and process.tool != "screen"):
+    if not process.layer or (process.orientation == "end" and process.tool != "screen"):
         return summits(design)
+    block = _block(design, closed)
+    return block and _heights(block)
+
+
+def unsure(design: Design, closed: ClosedMold) -> tuple[int, ...]:
+    """Return which ridges may come out a layer higher or lower than said, from 1 on: where a layer's middle
+    is within `BAND` of a groove's bottom; all, where it is that of the ledge."""
+    block, said = _block(design, closed), come_out(design, closed)
+    if block is None or said is None:
+        return ()
+    found = set()
+    for off in ((-BAND, 0.0), (BAND, 0.0), (0.0, -BAND), (0.0, BAND)):  # each by itself
+        moved = _heights(block, *off) or [math.inf] * len(said)
+        found |= {i for i, (a, b) in enumerate(zip(said, moved, strict=True), 1) if not math.isclose(a, b)}
+    return tuple(sorted(found))
+
+
+def on_layers(design: Design, closed: ClosedMold) -> tuple[tuple[float, ...], float] | None:
+    """Return the heights of the ridges, mm, and the mold's floor with which each groove's bottom, and the
+    ledge, is where a layer ends: the nearest to the design's. None where crests come out as designed, or
+    nobody knows how.
+
+    Rounded to what a TOML shows, which moves a crest by less than a micrometre.
+    """
+    block, said = _block(design, closed), come_out(design, closed)
+    if block is None or said is None:
+        return None
+    off = max(abs(out - high) for out, high in zip(said, summits(design), strict=True))
+    heights = []
+    for ridge, high in enumerate(summits(design), 1):
+        foot, one = (frame(design, ridge).at(0.0, h).z for h in (0.0, 1.0))
+        crest = block.layer * round(high * block.grown / block.layer) / block.grown
+        heights.append(round((crest - foot) / (one - foot), 4))
+    if min(heights) <= 0 or (off < SAME and not unsure(design, closed)):
+        return None
+    ridge_table = design.ridge.model_copy(
+        update={"heights": tuple(heights), "height": None, "levelling": None}
+    )
+    cast = poured(design.model_copy(update={"ridge": ridge_table}))
+    top = section(cast).top
+    least = -block.foot - section(poured(design)).top
+    return tuple(heights), round(block.layer * math.ceil((top + least) / block.layer - SAME) - top, 4)
+
+
+def snapped_say(design: Design, closed: ClosedMold) -> tuple[str, ...]:
+    """Return with which keys each crest is at a layer's end."""
+    if (snapped := on_layers(design, closed)) is None:
+        return ()
+    heights, floor = snapped
+    keys = " and ".join(key for key in ("height", "levelling") if getattr(design.ridge, key) is not None)
+    return (
+        f"With `mold.floor = {floor:g}` and `ridge.heights = {list(heights)}`"
+        f"{f' in the place of {keys}' if keys else ''} each crest is at a layer's end: then section, check "
+        "and mold are of what comes out.",
+    )
+
+
+def _block(design: Design, closed: ClosedMold) -> _Block | None:
+    """Return the block that a printed cavity is, flat on the bed; None where steps fall anywhere."""
+    process = processes(design.printer)[design.mold.process]
     blocks, skin = closed.of(PartRole.CAVITY), closed.first(PartRole.SKIN).body
     body = blocks[0].body if len(blocks) == 1 else None
-    if not (isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid or on_its_end:
+    flat = process.layer and process.orientation != "end"
+    if not (flat and isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid:
         return None
     grown = 1 / (1 - shrinkage(design))
     outline = corners(body, body.outline, print_chord(design))
     sides = [each.start.x for each in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2
-    bottom, top = float(outline[:, 1].min()), float(outline[:, 1].max())
-    ledge = process.layer * math.ceil(-bottom / process.layer - 0.5)
+    grooves = tuple(
+        (middle + frame(design, ridge).at(0.0, design.heights[ridge - 1]).x * grown, -high * grown)
+        for ridge, high in enumerate(summits(design), 1)
+    )
+    foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
+    return _Block(outline, foot, top, process.layer, grown, grooves)
+
+
+def _heights(block: _Block, ledge_off: float = 0.0, groove_off: float = 0.0) -> tuple[float, ...] | None:
+    """Return the crests' heights, mm, by the layers' middles, where these are so much off at the ledge, and
+    in the grooves; None where no layer is over a groove."""
+    layer, foot = block.layer, block.foot + groove_off
+    ledge = layer * math.ceil(-(block.foot + ledge_off) / layer - 0.5)
     heights = []
-    for ridge, high in enumerate(summits(design), 1):
-        across = middle + frame(design, ridge).at(0.0, design.heights[ridge - 1]).x * grown
-        layers = math.ceil((-high * grown - bottom) / process.layer - 0.5)
-        while _open(outline, across, bottom + (layers + 0.5) * process.layer) <= CLOSED:
+    for across, depth in block.grooves:
+        layers = math.ceil((depth - foot) / layer - 0.5)
+        while _open(block.outline, across, foot + (layers + 0.5) * layer) <= CLOSED:
             layers += 1
-            if bottom + (layers + 0.5) * process.layer > top:
+            if foot + (layers + 0.5) * layer > block.top:
                 return None
-        heights.append((ledge - layers * process.layer) / grown)
+        heights.append((ledge - layers * layer) / block.grown)
     return tuple(heights)
 
 

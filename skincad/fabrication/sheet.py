@@ -219,7 +219,7 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
         *kept_clean(design, closed),
         ("End a has the gate. " if gate(design) else "") + f"Put release agent on {released_where(design)}",
         *([] if lap(design) else made_ready(design)),
-        *_closed_up(design, back),
+        *_closed_up(design, closed, back),
         f"Lay the mold level to cure, {cured(silicone(design))}. Top up the reservoir over the vent while "
         "the mix still flows: it makes up for shrinkage and for bubbles that rise.",
     ]
@@ -228,10 +228,10 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
     return ["## In this order", "", *steps, ""]
 
 
-def _closed_up(design: Design, back: str) -> list[str]:
+def _closed_up(design: Design, closed: ClosedMold, back: str) -> list[str]:
     """How the cleaned parts are put together and filled."""
     if design.skin.curvature_radius_y is not None:
-        return close_steps(design, back)
+        return close_steps(design, closed, back)
     return [
         "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if design.slot is not None else "."),
         *(_by_syringe if gate(design) else _open)(design, back),

@@ -34,6 +34,7 @@ from skincad.shape.curves import Point, flipped
 from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
 from skincad.solids.bowl import across, height, rise, seat
 from skincad.solids.cavity import cavity
+from skincad.solids.closing import LEFT, seal
 from skincad.solids.ends import end_plates
 from skincad.solids.grid import Grid
 from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
@@ -44,8 +45,9 @@ from skincad.solids.layout import (
     cavity_process,
     end_angle,
     fits,
+    stack,
 )
-from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels
+from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels, seal_sheet
 from skincad.solids.plan import Part, turned
 from skincad.solids.roles import ENDS, CutRole, End, PartRole
 from skincad.solids.screws import WASHER, into, spare
@@ -77,6 +79,7 @@ def bent_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
     ]
     pins = [_end_pin(design, place, grid, end, i) for i in (0, 1) for end in ENDS]
     rest = [_carrier(design, lids, grid), cover(design, lids), *pins, *cover_dowels(design, lids)]
+    rest += [seal_sheet(design, lids)] if lids.top > lids.back else []
     return [skin, _cavity(design, shape, place, lids, grid), *ends, *rest, *_shims(design, grid)]
 
 
@@ -120,22 +123,33 @@ def _stand(place: Layout, grid: Grid, end: End) -> tuple[float, float]:
 
 
 def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
-    """The layout of what is flat above: the top where the end plates' inner faces reach `place.top`, measured
-    along them; and bolts and pins of the cover as far apart as the narrower top allows."""
-    top = on_grid(height(grid, grid.half) + place.top * math.cos(grid.half))
-    end = on_grid((grid.centre - place.top) * math.sin(grid.half))
-    own = fits(design, design.mold.process)
-    bolt, hole = (min(place.pin_along, end - TOP_EDGE - r) for r in (own.thread, own.slide))
-    apart = bolt + hole - own.thread - own.slide
-    if place.top >= grid.centre or apart < BESIDE:
+    """The layout of what is flat above: carriers and end plates up to where the end plates' inner faces reach
+    `place.back`, measured along them; the cavity's walls higher by a squeezed seal, where they leave it room
+    as they narrow; and bolts and pins of the cover as far apart as the narrow top allows."""
+    back = on_grid(height(grid, grid.half) + place.back * math.cos(grid.half))
+    sealed = back + LEFT * seal(stack(design, place.spans, place.lid))
+    top = next(
+        (on_grid(top) for top in (sealed, back) if _apart(design, place, grid, top)[2] >= BESIDE), back
+    )
+    bolt, hole, apart = _apart(design, place, grid, top)
+    if place.back >= grid.centre or apart < BESIDE:
         key, remedy = "skin.curvature_radius_y", "make the skin longer or the radius larger"
         rule = f"leaves {apart:.3g} mm at the narrow top between a bolt and a pin of the cover, which need "
         raise InputError(key, rule + f"{BESIDE:g} mm", design.skin.curvature_radius_y, remedy)
+    end = on_grid(across(grid, back))
     out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
     keying = place.keying[1], 0.0  # there is no room along y
-    lids = place._replace(back=top, top=top, end=end, cover=on_grid(out))
+    lids = place._replace(back=back, top=top, end=end, cover=on_grid(out))
     bolts = (place.outer, bolt), (-place.outer, -bolt)
     return lids._replace(bolts=bolts, pin_along=hole, keying=keying)
+
+
+def _apart(design: Design, place: Layout, grid: Grid, top: float) -> tuple[float, float, float]:
+    """Return how far along y bolts and pins of the cover may stand where the cavity's walls end at `top`, and
+    what is left between a bolt and a pin, mm."""
+    own, end = fits(design, design.mold.process), across(grid, top)
+    bolt, hole = (on_grid(min(place.pin_along, end - TOP_EDGE - r)) for r in (own.thread, own.slide))
+    return bolt, hole, bolt + hole - own.thread - own.slide
 
 
 def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: Grid) -> Part:

@@ -19,6 +19,7 @@ LARGEST_IS_BEST = {
     "undercut",
     "cure inhibition",
     "build volume",
+    "crest layer",
 }
 
 

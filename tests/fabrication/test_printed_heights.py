@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.fabrication.printed_heights import come_out
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.inspection import inspection
+from skincad.fabrication.printed_heights import come_out, on_layers, unsure
 from skincad.inputs.design import Design
+from skincad.inputs.process import processes
 from skincad.shape.crests import summits
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage
@@ -53,6 +56,43 @@ def test_a_groove_that_is_narrower_at_a_middle_than_slicers_close_ends_a_layer_h
 def test_steps_that_fall_anywhere_are_not_told(name: str, changes: dict[str, dict[str, object]]) -> None:
     design = skincad.load(name).with_(**changes)
     assert come_out(design, mold(design)) is None
+
+
+@pytest.mark.parametrize(("floor", "found"), [(9.0, ()), (9.048, (2, 8)), (9.012, (4, 6))])
+def test_a_groove_that_ends_at_a_layers_middle_is_told(floor: float, found: tuple[int, ...]) -> None:
+    """A floor of 9.048 mm has a middle at the bottoms of ridges 2 and 8, 9.012 at those of 4 and 6."""
+    design = skincad.load("plain-ridges", [f"mold.floor={floor}"])
+    closed = mold(design)
+    assert unsure(design, closed) == found
+    notes = [f for f in design_findings(design, closed) if f.rule == "crest layer"]
+    assert [f.severity for f in notes] == ["note"] * bool(found)
+    said = " ".join(inspection(design, closed).said)
+    assert ("may come out a layer" in said) == bool(found)
+
+
+def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
+    design = skincad.load("plain-ridges")
+    ledge = -min(s.start.z for s in mold(design).part("cavity").body.outline)
+    floor = 9.0 + 0.05 * (np.ceil(ledge / 0.05 - 0.5) + 0.5) - ledge
+    moved = skincad.load("plain-ridges", [f"mold.floor={floor:.6f}"])
+    assert unsure(moved, mold(moved)) == tuple(range(1, 10))
+
+
+@pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
+def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
+    design = skincad.load(name)
+    found = on_layers(design, mold(design))
+    assert found is not None
+    tall, floor = found
+    layer = processes(design.printer)[design.mold.process].layer
+    snapped = skincad.load(name, [f"ridge.heights={list(tall)}", f"mold.floor={floor}"])
+    closed = mold(snapped)
+    # mm: heights are told to 0.1 um, along axes that lean
+    assert heights(snapped) == pytest.approx(summits(snapped), abs=2e-4)
+    assert np.abs(np.array(summits(snapped)) - summits(design)).max() <= 0.501 * layer
+    assert unsure(snapped, closed) == ()
+    assert on_layers(snapped, closed) is None
+    assert f"`mold.floor = {floor:g}`" in " ".join(inspection(design, mold(design)).said)
 
 
 def test_each_skin_of_a_gang_comes_out_as_one_alone() -> None:

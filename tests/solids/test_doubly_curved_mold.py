@@ -175,6 +175,7 @@ def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:
         "end-b-keeper": 2,
         "carrier": 3,  # vent and two rivets
         "cover": 7,
+        "seal": 3,  # cup and two bleeds
     }
 
 
@@ -240,11 +241,15 @@ def test_gate_and_vent_open_on_the_skin(closed: ClosedMold, meshes: dict[str, Ma
     assert (manifold(Part("plug", PartRole.COVER, vent), 1e-3) ^ meshes["skin"]).volume() > 0.05
 
 
-def test_cover_and_tops_are_level(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
-    """Carrier, cavity and the beveled end plates stand under the cover without a step."""
+def test_the_cover_lies_on_the_walls_and_a_seal_on_the_rest(
+    closed: ClosedMold, meshes: dict[str, Manifold]
+) -> None:
+    """Carrier and beveled end plates stand under the seal without a step; it is 0.7 of its sheet's 1 mm."""
     low = meshes["cover"].bounding_box()[2]
-    for name in ("carrier", "cavity", "end-a-keeper", "end-b-keeper"):
-        assert meshes[name].bounding_box()[5] == pytest.approx(low, abs=1e-12)  # rounding of a turn
+    assert meshes["cavity"].bounding_box()[5] == pytest.approx(low, abs=1e-12)  # rounding of a turn
+    for name in ("carrier", "end-a-keeper", "end-b-keeper"):
+        assert meshes[name].bounding_box()[5] == pytest.approx(low - 0.7, abs=1e-11)
+    assert meshes["seal"].bounding_box()[2::3] == pytest.approx((low - 0.7, low), abs=1e-11)
     over = meshes["cover"].bounding_box()[4] - meshes["end-b-keeper"].bounding_box()[4]
     assert over > 0  # what it is lifted by, past the keeper; the comb below reaches further
 
