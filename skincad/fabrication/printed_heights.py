@@ -29,14 +29,15 @@ CLOSED = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.04
 
 class _Block(NamedTuple):
     """A printed cavity in its section's plane, mm: outline `(n, 2)`, its foot and top, a layer's height, how
-    much larger than the skin it is, and each groove's place across with the depth of its bottom."""
+    much larger than the skin it is, and of each groove its place across, its bottom's height, and how far a
+    layer's middle may be from that for all that one knows."""
 
     outline: Array
     foot: float
     top: float
     layer: float
     grown: float
-    grooves: tuple[tuple[float, float], ...]
+    grooves: tuple[tuple[float, float, float], ...]
 
 
 def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
@@ -56,13 +57,14 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
 
 def unsure(design: Design, closed: ClosedMold) -> tuple[int, ...]:
     """Return which ridges may come out a layer higher or lower than said, from 1 on: where a layer's middle
-    is within `BAND` of a groove's bottom; all, where it is that of the ledge."""
+    is within `BAND` of a groove's bottom, or of what lies within a pixel beside the axis of one that leans;
+    all, where it is that of the ledge."""
     block, said = _block(design, closed), come_out(design, closed)
     if block is None or said is None:
         return ()
     found = set()
-    for off in ((-BAND, 0.0), (BAND, 0.0), (0.0, -BAND), (0.0, BAND)):  # each by itself
-        moved = _heights(block, *off) or [math.inf] * len(said)
+    for signs in ((-1, 0), (1, 0), (0, -1), (0, 1)):  # each by itself
+        moved = _heights(block, *signs) or [math.inf] * len(said)
         found |= {i for i, (a, b) in enumerate(zip(said, moved, strict=True), 1) if not math.isclose(a, b)}
     return tuple(sorted(found))
 
@@ -119,21 +121,27 @@ def _block(design: Design, closed: ClosedMold) -> _Block | None:
     outline = corners(body, body.outline, print_chord(design))
     sides = [each.start.x for each in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2
+    pixel = process.pixel if process.tool == "screen" else 0.0
     grooves = tuple(
-        (middle + frame(design, ridge).at(0.0, design.heights[ridge - 1]).x * grown, -high * grown)
+        (
+            middle + frame(design, ridge).at(0.0, design.heights[ridge - 1]).x * grown,
+            -high * grown,
+            BAND + pixel * abs(math.tan(design.lean(ridge))),
+        )
         for ridge, high in enumerate(summits(design), 1)
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
     return _Block(outline, foot, top, process.layer, grown, grooves)
 
 
-def _heights(block: _Block, ledge_off: float = 0.0, groove_off: float = 0.0) -> tuple[float, ...] | None:
-    """Return the crests' heights, mm, by the layers' middles, where these are so much off at the ledge, and
-    in the grooves; None where no layer is over a groove."""
-    layer, foot = block.layer, block.foot + groove_off
-    ledge = layer * math.ceil(-(block.foot + ledge_off) / layer - 0.5)
+def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[float, ...] | None:
+    """Return the crests' heights, mm, by the layers' middles, where these are off by as much as may be, so
+    signed; None where no layer is over a groove."""
+    layer = block.layer
+    ledge = layer * math.ceil(-(block.foot + at_ledge * BAND) / layer - 0.5)
     heights = []
-    for across, depth in block.grooves:
+    for across, depth, band in block.grooves:
+        foot = block.foot + in_grooves * band
         layers = math.ceil((depth - foot) / layer - 0.5)
         while _open(block.outline, across, foot + (layers + 0.5) * layer) <= CLOSED:
             layers += 1

@@ -11,6 +11,7 @@ import skincad
 from skincad.base.arrays import Array
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.meshes import laid, mesh, print_chord
+from skincad.fabrication.printed_heights import on_layers, unsure
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.export import write_stl
@@ -42,6 +43,27 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
     else:
         found = filament_levels(folder / "cavity.stl", places, process.layer, folder)
     return np.asarray((found[-1] - found[:-1]) / grown)
+
+
+@pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
+def test_crests_on_layers_come_out_as_designed(name: str, tmp_path: Path) -> None:
+    design = skincad.load(name)
+    found = on_layers(design, mold(design))
+    assert found is not None
+    heights, floor = found
+    snapped = skincad.load(name, [f"ridge.heights={list(heights)}", f"mold.floor={floor}"])
+    assert crests_as_sliced(snapped, tmp_path) == pytest.approx(summits(snapped), abs=1e-3)  # of no layer
+
+
+@pytest.mark.parametrize("floor", [9.0, 9.0045, 9.013, 9.0195, 9.03, 9.0475])
+def test_crests_are_within_20_um_of_the_sheet_or_told_as_unsure(floor: float, tmp_path: Path) -> None:
+    """Floors over a layer; by four of them middles lie at grooves' bottoms, or the ledge."""
+    design = skincad.load("plain-ridges", [f"mold.floor={floor}"])
+    closed = mold(design)
+    off = np.abs(crests_as_sliced(design, tmp_path) - inspection(design, closed).crests.heights)
+    told = unsure(design, closed)
+    assert {i for i, each in enumerate(off, 1) if each > CLOSE} <= set(told)
+    assert bool(told) == (floor in (9.0, 9.013, 9.0195, 9.0475))
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 import math
 
+import numpy as np
 import pytest
 
 import skincad
@@ -10,12 +11,12 @@ from skincad.fabrication.void import perforated
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
-from skincad.shape.curves import area, rectangle
+from skincad.shape.curves import area, polygon, rectangle
 from skincad.solids.body import Bore
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part, box
+from skincad.solids.plan import Part, bores, box
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.undercut import undercuts
 from tests.templates import KINDS
@@ -176,6 +177,18 @@ def test_opening_takes_plates_then_shims_then_cover_then_skin(yamada: Design) ->
         ("z", "cover"),
         ("z", "skin"),
     ]
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_a_wall_of_keeper_stays_under_each_gate(name: str) -> None:
+    """To all of its edge, by points on it."""
+    for keeper in mold(skincad.load(name)).of(PartRole.KEEPER):
+        for hole in bores(keeper, CutRole.GATE):
+            edge = polygon(keeper.body.outline, 1e-4)
+            along = np.linspace(0.0, 1.0, 400)[:, None, None]
+            points = (edge + along * (np.roll(edge, -1, axis=0) - edge)).reshape(-1, 2)
+            away = np.hypot(points[:, 0] - hole.start[0], points[:, 1] - hole.start[2]).min()
+            assert away - hole.radius >= 0.8
 
 
 def test_gate_is_low_at_one_end_and_vent_at_the_other(yamada: Design) -> None:
