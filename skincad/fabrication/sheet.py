@@ -118,7 +118,7 @@ def _parts(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate,
 
 def _effort(design: Design, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
     """What each process takes, where that was estimated."""
-    return [" ".join(["Estimated:", *lines(design, estimates)]), ""] if estimates else []
+    return [" ".join(["Estimates.", *lines(design, estimates)]), ""] if estimates else []
 
 
 def _bolts(design: Design, closed: ClosedMold) -> list[str]:

@@ -114,8 +114,8 @@ def test_the_sheet_says_them_in_a_line() -> None:
     design = skincad.load("plain-ridges")
     closed, found = mold(design), estimated(design)
     text = casting_sheet(design, closed, [], "Passes.", True, None, found)
-    assert f"Estimated: {lines(design, found)[0]}" in text
-    assert "Estimated" not in casting_sheet(design, closed, [], "Passes.", True)
+    assert f"Estimates. {lines(design, found)[0]}" in text
+    assert "Estimates" not in casting_sheet(design, closed, [], "Passes.", True)
     assert "5 parts on 1 plate:" in text
 
 
