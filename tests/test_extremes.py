@@ -96,6 +96,7 @@ BASES: dict[
             **read_table("yamada-2002", "circuits"),
             "sweep": {"points": 40},
             "indenter": {"resonance": 9000.0},
+            "force_sensor": {"resonance": 1200.0, "damping": 0.57},
             "sampling": {"rate": 650.0},
         },
         circuit_told,

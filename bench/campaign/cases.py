@@ -173,14 +173,15 @@ def scene_figures(case: Case) -> Figures:
 def circuit_figures(case: Case) -> Figures:
     """What `circuit` says, beside the gain in fractions at three frequencies, both in dB."""
     from bench.campaign import rational
-    from skincad.circuit.bode import gain, indenter_response
+    from skincad.circuit.bode import gain
     from skincad.circuit.model import Circuit
     from skincad.circuit.response import decibels
+    from skincad.circuit.rig import film_load
 
     circuit = Circuit(**case.tables)
     found = gain(circuit)
     some = found.frequency[[0, found.frequency.size // 2, -1]]
-    passed = decibels(indenter_response(circuit.indenter, some)) if circuit.indenter else np.zeros(3)
+    passed = decibels(film_load(circuit, some))
     return {
         "gain": found.gain.tolist(),
         "some": found.gain[[0, found.frequency.size // 2, -1]].tolist(),

@@ -59,6 +59,8 @@ def gain(c: Constants, frequency: float) -> float:
     motional = real(c.motional_resistance) + jw * real(c.motional_inductance)
     motional += ONE / (jw * real(c.motional_capacitance))
     leak, a, out = shunt / real(c.input_resistance), real(c.gain), real(c.output_resistance)
+    if c.gain_bandwidth:
+        a /= ONE + jw * a / real(2 * math.pi * c.gain_bandwidth)
     rows = [  # i1, i2, vd, i4
         [film + motional, NONE - motional, NONE, NONE],
         [NONE - motional, motional + real(c.series_resistance), ONE, NONE],

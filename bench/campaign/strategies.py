@@ -219,6 +219,8 @@ def circuits(draw: DrawFn) -> Case:
     }
     if dice.happens(0.3):
         tables["indenter"] = {"resonance": dice.scale(low, high), "damping": dice.scale(1e-3, 5.0)}
+    if dice.happens(0.3):
+        tables["force_sensor"] = {"resonance": dice.scale(low, high), "damping": dice.scale(1e-3, 5.0)}
     return Case("circuit", attacked(draw, Circuit, tables, 2))
 
 

@@ -15,9 +15,10 @@ from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
 from skincad.circuit.constants import Constants
 from skincad.circuit.elements import Complex, Network, Real
-from skincad.circuit.model import Circuit, Indenter, constants, noise_sources
+from skincad.circuit.model import Circuit, constants, noise_sources
 from skincad.circuit.resample import PASS
 from skincad.circuit.response import decibels, response
+from skincad.circuit.rig import film_load, has_rig
 from skincad.circuit.slopes import Slopes, fit_slopes
 from skincad.circuit.topologies import network
 
@@ -34,9 +35,24 @@ class Measured:
     calibration: Calibration
 
 
+@dataclass(frozen=True)
+class OwnSignal:
+    """The gain `(n,)` dB by the load that the film feels, without the rig, and its slopes."""
+
+    gain: Real
+    slopes: Slopes
+
+    def as_json(self) -> dict[str, Any]:
+        """Return gain, cut-off and slopes by the result's own keys."""
+        return {"gain_dB": self.gain.tolist(), **_told(self.slopes)}
+
+
 @dataclass(frozen=True, repr=False)
 class CircuitGain(Result):
-    """The gain `(n,)` in dB re 1 V/N at `(n,)` Hz, of the circuit, or of the constants calibrated to data."""
+    """The gain `(n,)` in dB re 1 V/N at `(n,)` Hz, of the circuit, or of the constants calibrated to data.
+
+    Of a circuit with a rig it is that by the measured load; `own` is the film's, as in use.
+    """
 
     shown_by = "skincad.outputs.gains"
     circuit: Circuit
@@ -45,6 +61,7 @@ class CircuitGain(Result):
     gain: Real
     slopes: Slopes
     measured: Measured | None
+    own: OwnSignal | None
     warnings: tuple[str, ...]
     seconds: dict[str, float]
 
@@ -69,7 +86,7 @@ class CircuitGain(Result):
         return network(self.constants, noise_sources(self.circuit), self.circuit.amplifier.topology)
 
     def as_json(self) -> dict[str, Any]:
-        """Return the contract's keys; with measured data also `calibration`."""
+        """Return the contract's keys; with a rig also `own_signal`, with measured data `calibration`."""
         found: dict[str, Any] = {
             "name": self.name,
             "constants": self.constants.as_json(),
@@ -78,12 +95,12 @@ class CircuitGain(Result):
             "gain_reference": "1 V/N",
             "mid_band_Hz": self.mid_band[0],
             "mid_band_gain_dB": self.mid_band[1],
-            "cutoff_Hz": self.slopes.cutoff.as_json(),
-            "slope_below_dB_per_dec": self.slopes.below.as_json(),
-            "slope_above_dB_per_dec": self.slopes.above.as_json(),
+            **_told(self.slopes),
             "seconds": self.seconds,
             "warnings": list(self.warnings),
         }
+        if self.own:
+            found["own_signal"] = self.own.as_json()
         if self.measured:
             found["calibration"] = self.measured.calibration.as_json()
         return found
@@ -94,15 +111,16 @@ def gain(
 ) -> CircuitGain:
     """Return a circuit's gain over its sweep, with cut-off and slopes.
 
-    With a CSV of columns frequency_Hz and gain_dB the network is calibrated to it first; the film's d33
-    stays, since the level is free. Raises InputError for unusable input.
+    With a CSV of columns frequency_Hz and gain_dB the network is calibrated to it first, less what the rig
+    makes of it; the film's d33 stays, since the level is free. Raises InputError for unusable input.
     """
     watch, sweep, amplifier = Stopwatch(progress), circuit.sweep, circuit.amplifier
-    given = None
+    given, own = None, None
     if measured is not None:
-        for key, wanted in (("topology", "inverting"), ("feedback_capacitance", 0.0)):
-            if (value := getattr(amplifier, key)) != wanted:
-                rule = f"must be {wanted or '0 F'} where constants are calibrated to a measured curve"
+        wanted = {"topology": "inverting", "feedback_capacitance": "0 F", "gain_bandwidth": "0 Hz"}
+        for key, told in wanted.items():
+            if (value := getattr(amplifier, key)) not in (told, 0.0):
+                rule = f"must be {told} where constants are calibrated to a measured curve"
                 raise InputError(f"amplifier.{key}", rule, value, "take the paper's network")
         with watch.stage("calibrating"):
             given = _measured(circuit, measured)
@@ -111,25 +129,33 @@ def gain(
         frequency = np.geomspace(sweep.low, sweep.high, sweep.points)
         with np.errstate(all="ignore"):  # constants so far apart that they overflow are refused below
             ratio = response(network(c, topology=amplifier.topology), frequency)
-        if circuit.indenter:
-            ratio = ratio * indenter_response(circuit.indenter, frequency)
-        if not (np.isfinite(ratio).all() and np.abs(ratio).min() > 0):
-            raise InputError(
-                circuit.name,
-                "gives no finite gain at some frequency",
-                remedy="bring the constants closer together",
-            )
-        level = decibels(ratio)
+            felt = film_load(circuit, frequency)
+        level = _level(circuit, ratio * felt)
         slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
-    return CircuitGain(
-        circuit, c, frequency, level, slopes, given, tuple(_warnings(circuit, c, slopes)), watch.seconds()
-    )
+        if has_rig(circuit):
+            alone = _level(circuit, ratio)
+            own = OwnSignal(alone, fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
+    warnings = tuple(_warnings(circuit, c, slopes))
+    return CircuitGain(circuit, c, frequency, level, slopes, given, own, warnings, watch.seconds())
 
 
-def indenter_response(indenter: Indenter, frequency: Real) -> Complex:
-    """Return the share of the load that reaches the film, `(n,)`: a driven mass on a damped spring."""
-    ratio = frequency / indenter.resonance
-    return np.asarray(1 / (1 - ratio**2 + 2j * indenter.damping * ratio))
+def _told(slopes: Slopes) -> dict[str, Any]:
+    return {
+        "cutoff_Hz": slopes.cutoff.as_json(),
+        "slope_below_dB_per_dec": slopes.below.as_json(),
+        "slope_above_dB_per_dec": slopes.above.as_json(),
+    }
+
+
+def _level(circuit: Circuit, ratio: Complex) -> Real:
+    """Return a gain in dB; raises InputError where there is none."""
+    if not (np.isfinite(ratio).all() and np.abs(ratio).min() > 0):
+        raise InputError(
+            circuit.name,
+            "gives no finite gain at some frequency",
+            remedy="bring the constants closer together",
+        )
+    return decibels(ratio)
 
 
 def _measured(circuit: Circuit, file: Path | str) -> Measured:
@@ -144,7 +170,8 @@ def _measured(circuit: Circuit, file: Path | str) -> Measured:
     inside = frequency <= high
     slopes = fit_slopes(frequency, gain, float(frequency[0]), high, str(file))
     d33 = constants(circuit).d33
-    found = calibrate(frequency[inside], gain[inside], d33=d33, largest_ratio=ANY_RATIO)
+    film = gain[inside] - decibels(film_load(circuit, frequency[inside]))
+    found = calibrate(frequency[inside], film, d33=d33, largest_ratio=ANY_RATIO)
     return Measured(frequency, gain, slopes, found)
 
 

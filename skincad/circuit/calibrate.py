@@ -13,12 +13,12 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.circuit.constants import Constants
+from skincad.circuit.constants import MAY_BE_0, Constants
 from skincad.circuit.elements import Real
 from skincad.circuit.response import checked_frequencies, decibels, response
 from skincad.circuit.topologies import network
 
-FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", "feedback_capacitance"))
+FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", *MAY_BE_0))
 PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2
 PAPER_LOW, PAPER_HIGH = 10.0, 8000.0  # Hz; paper's sweep up to before its drop at 9 kHz
 

@@ -11,6 +11,8 @@ from dataclasses import asdict, dataclass
 
 from skincad.base.errors import InputError
 
+MAY_BE_0 = ("feedback_capacitance", "gain_bandwidth")  # what the paper's network has not
+
 
 @dataclass(frozen=True)
 class NoiseSources:
@@ -27,8 +29,8 @@ class NoiseSources:
 class Constants:
     """The constants of a film and its amplifier, each finite and above 0; `d33` may have either sign, not 0.
 
-    `capacitance` is the paper's Cpvd with the cable's in parallel; `feedback_capacitance` may be 0:
-    none. Raises InputError for any other value.
+    `capacitance` is the paper's Cpvd with the cable's in parallel; `feedback_capacitance` may be 0,
+    none, and `gain_bandwidth` 0, no limit. Raises InputError for any other value.
     """
 
     d33: float  # C/N
@@ -43,17 +45,22 @@ class Constants:
     output_resistance: float  # ohm, Ropo
     gain: float  # A
     feedback_capacitance: float = 0.0  # F, beside R3 + R4; none in the paper
+    gain_bandwidth: float = 0.0  # Hz, of A, one pole; none in the paper
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not math.isfinite(value):
                 raise InputError(name, "must be a finite number", value)
-            rules = {"d33": (value != 0, "not be 0"), "feedback_capacitance": (value >= 0, "not be below 0")}
-            kept, rule = rules.get(name, (value > 0, "be above 0"))
+            kept, rule = value > 0, "be above 0"
+            if name in MAY_BE_0:
+                kept, rule = value >= 0, "not be below 0"
+            elif name == "d33":
+                kept, rule = value != 0, "not be 0"
             if not kept:
                 raise InputError(name, f"must {rule}", value)
 
     def as_json(self) -> dict[str, float]:
         """Return the constants by name, the unit as suffix."""
         units = {"d33": "_C_per_N", "resistance": "_ohm", "capacitance": "_F", "inductance": "_H", "gain": ""}
+        units["bandwidth"] = "_Hz"
         return {name + units[name.rpartition("_")[2]]: value for name, value in asdict(self).items()}

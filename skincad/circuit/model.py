@@ -67,6 +67,9 @@ class Amplifier(Table):
     feedback_capacitance: float = quantity(
         "F", "parallel to R3 + R4, in a charge amplifier; 0: none", ge=0.0, le=1e-3, default=0.0
     )
+    gain_bandwidth: float = quantity(
+        "Hz", "where the open loop's gain has fallen to 1; 0: no limit", ge=0.0, le=1e12, default=0.0
+    )
 
     @field_validator("topology")
     @classmethod
@@ -121,10 +124,23 @@ class Sweep(Table):
 
 
 class Indenter(Table):
-    """The mechanical resonance of indenter and film: a mass on a spring with a damper passes the load on."""
+    """The mechanical resonance of indenter and film: a mass on a spring with a damper passes the load on.
+
+    Of the frequency test's rig: it is in the gain by the measured load, and not in use.
+    """
 
     resonance: float = quantity("Hz", "of indenter and film; 9000 in the paper", gt=0.0, le=1e9)
     damping: float = quantity("1", "relative to critical damping", gt=0.0, le=10.0, default=0.5)
+
+
+class ForceSensor(Table):
+    """The rig's force sensor, a mass on a damped spring: above its resonance it reads less than is felt.
+
+    Of the frequency test's rig: it is in the gain by the measured load, and not in use.
+    """
+
+    resonance: float = quantity("Hz", "of the sensor with its probe, or of its amplifier", gt=0.0, le=1e9)
+    damping: float = quantity("1", "relative to critical damping", gt=0.0, le=10.0)
 
 
 class Sampling(Table):
@@ -142,6 +158,7 @@ class Circuit(Document):
     amplifier: Amplifier
     sweep: Sweep = Field(default=Sweep(), description="10 to 20 000 Hz in the paper")
     indenter: Indenter | None = None
+    force_sensor: ForceSensor | None = None
     sampling: Sampling | None = None
     noise: Noise = Field(default=Noise(), description="a noiseless amplifier at 293 K")
 

@@ -1,12 +1,12 @@
 """The amplifiers: each a function from constants to the list of elements behind the film.
 
 A new one is a function here and its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film`
-(the film's electrode) and `vout` are given; capacitors and sources alone must not close a loop. An amplifier
-of finite bandwidth is its gain, 1 ohm, gain / (2 pi bandwidth) F to ground, and a source of 1 behind them.
+(the film's electrode) and `vout` are given; capacitors and sources alone must not close a loop.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from skincad.circuit.constants import Constants, NoiseSources
@@ -25,7 +25,7 @@ def inverting(c: Constants, n: NoiseSources) -> tuple[Element, ...]:
         Resistor("R34", "in", "out", c.feedback_resistance),
         *_beside(c, "in", "out"),
         Resistor("Ropo", "amp", "out", c.output_resistance),
-        Source("Eamp", "amp", "in", "0", -c.gain, n.voltage_density, n.current_density),
+        *_open_loop(c, n, "in", "0", -c.gain),
         Source("Evout", "vout", "out", "0", -1),
     )
 
@@ -41,7 +41,7 @@ def follower(c: Constants, n: NoiseSources) -> tuple[Element, ...]:
         Resistor("R34", "back", "out", c.feedback_resistance),
         *_beside(c, "back", "out"),
         Resistor("Ropo", "amp", "out", c.output_resistance),
-        Source("Eamp", "amp", "in", "back", c.gain, n.voltage_density, n.current_density),
+        *_open_loop(c, n, "in", "back", c.gain),
         Source("Evout", "vout", "out", "0", 1),
     )
 
@@ -74,6 +74,23 @@ def _input(c: Constants) -> tuple[Element, ...]:
         Resistor("R12", "film", "in", c.series_resistance),
         Resistor("Ropi", "in", "0", c.input_resistance),
         Capacitor("Copi", "in", "0", c.input_capacitance),
+    )
+
+
+def _open_loop(c: Constants, n: NoiseSources, plus: str, minus: str, gain: float) -> tuple[Element, ...]:
+    """The amplifier's source at `amp`; of a finite bandwidth its gain, a pole of 1 ohm, and a source of 1.
+
+    The pole lies at gain_bandwidth / gain. Its resistor's noise, 0.13 nV/sqrt(Hz), comes behind the gain and
+    counts for nothing.
+    """
+    noise = n.voltage_density, n.current_density
+    if not c.gain_bandwidth:
+        return (Source("Eamp", "amp", plus, minus, gain, *noise),)
+    return (
+        Source("Eamp", "fast", plus, minus, gain, *noise),
+        Resistor("Rpole", "fast", "slow", 1.0),
+        Capacitor("Cpole", "slow", "0", c.gain / (2 * math.pi * c.gain_bandwidth)),
+        Source("Epole", "amp", "slow", "0", 1),
     )
 
 

@@ -24,8 +24,8 @@ from skincad.circuit.state import Stepper, run, sizes, state_space, stepper
 from skincad.inputs.design import Design
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
 
-CIRCUIT = "yamada-2002"  # a design has no circuit of its own
-FREQUENCY = 1200.0  # Hz; paper: the cut-off
+CIRCUIT = "yamada-2002-motional"  # a design has no circuit of its own; the one whose network has a cut-off
+FREQUENCY = 1200.0  # Hz; that cut-off
 PER_PERIOD = (16, 64, 256, 1024, 4096)
 PERIODS, SWELL, SEEN = 60, 30, 10  # in all, in which it swells, and at the end that are compared
 FINER, KINKED = 4, 10  # rate of the kinked load's reference; its periods

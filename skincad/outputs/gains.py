@@ -12,6 +12,8 @@ from skincad.base.result import Writer
 from skincad.circuit.bode import CircuitGain
 from skincad.circuit.film import PICO, capacitance
 from skincad.circuit.netlist import netlist
+from skincad.circuit.rig import told_rig
+from skincad.circuit.slopes import Slopes
 from skincad.outputs.delivery import picture, text
 
 if TYPE_CHECKING:
@@ -29,18 +31,32 @@ def lines(found: CircuitGain) -> list[str]:
     """Return what `circuit` prints."""
     slopes, sweep = found.slopes, found.circuit.sweep
     fitted = f"fitted from {sweep.low:g} to {sweep.fit_high:g} Hz"
-    told = f"{found.name}: the gain rises by {slopes.below}"
-    if slopes.cutoff.value is None:
-        told += f" without a cut-off, {fitted}."
-    else:
-        told += f" up to the cut-off at {slopes.cutoff}, then by {slopes.above}, {fitted}."
+    by = ", as measured with its rig" if found.own else ""
+    told = f"{found.name}: the gain rises by {_rise(slopes)}, {fitted}{by}."
     middle, gain = found.mid_band
     return [
         told,
         f"  mid-band       {gain:.2f} dB re 1 V/N at {middle:.4g} Hz: {10 ** (gain / 20):.3g} V/N",
         f"  fit            two lines are {slopes.rms:.2g} dB rms from the curve",
+        *_rig_lines(found),
         *_measured_lines(found),
         *(f"  note           {warning}" for warning in found.warnings),
+    ]
+
+
+def _rise(slopes: Slopes) -> str:
+    if slopes.cutoff.value is None:
+        return f"{slopes.below} without a cut-off"
+    return f"{slopes.below} up to the cut-off at {slopes.cutoff}, then by {slopes.above}"
+
+
+def _rig_lines(found: CircuitGain) -> list[str]:
+    if not found.own:
+        return []
+    return [
+        f"  own signal     by the load on the film the gain rises by {_rise(found.own.slopes)}: "
+        "that is the film's signal in use, in scenes and in netlist.cir",
+        f"  rig            the measured load is not the film's: {told_rig(found.circuit)} lie between them",
     ]
 
 
@@ -81,10 +97,16 @@ def files(found: CircuitGain) -> dict[str, Writer]:
 
 
 def gain_csv(found: CircuitGain) -> str:
-    """Return the gain as CSV: dB re 1 V/N, and the level of a measured curve by `sweep.offset`."""
-    rows = zip(found.frequency, found.gain, found.gain - found.circuit.sweep.offset, strict=True)
-    lines = [f"{f:.8g},{g:.6f},{m:.6f}" for f, g, m in rows]
-    return "\n".join(["frequency_Hz,gain_dB,gain_less_offset_dB", *lines]) + "\n"
+    """Return the gain as CSV: dB re 1 V/N, and the level of a measured curve by `sweep.offset`; with a rig
+    also the film's own."""
+    columns = {
+        "gain_dB": found.gain,
+        "gain_less_offset_dB": found.gain - found.circuit.sweep.offset,
+        **({"own_gain_dB": found.own.gain} if found.own else {}),
+    }
+    rows = zip(found.frequency, *columns.values(), strict=True)
+    lines = [",".join([f"{f:.8g}", *(f"{value:.6f}" for value in row)]) for f, *row in rows]
+    return "\n".join([",".join(["frequency_Hz", *columns]), *lines]) + "\n"
 
 
 def calibrated_toml(found: CircuitGain) -> str:

@@ -8,6 +8,7 @@ from html import escape
 from skincad.base.errors import InputError
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
+from skincad.circuit.rig import without_rig
 from skincad.effects.piezo import Piezo, fitted
 from skincad.inputs.catalog import template_names
 from skincad.inputs.retyped import retyped
@@ -94,8 +95,8 @@ def _left_out(found: Simulation) -> str:
 
 
 def _amplifier(found: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
-    """The gain of the scene's amplifier with this skin's strip, and its closed forms."""
-    circuit = fitted(piezo.loaded, found.scene.design)
+    """The gain of the scene's amplifier with this skin's strip, and its closed forms; no rig is in use."""
+    circuit = without_rig(fitted(piezo.loaded, found.scene.design))
     head = f"<h3>Amplifier {escape(circuit.name)}, with this skin's strip</h3>\n"
     try:
         swept = gain(circuit)

@@ -7,15 +7,16 @@ import numpy as np
 from skincad.circuit.bode import CircuitGain
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
 from skincad.circuit.model import constants, load_circuit
-from skincad.pictures.canvas import BLACK, BLUE, GREY, VERMILION, Axes, Picture, legend, sheet
+from skincad.pictures.canvas import BLACK, BLUE, GREEN, GREY, VERMILION, Axes, Picture, legend, sheet
 
-PAPERS = "yamada-2002"  # the circuit that the paper speaks of
+PAPERS = ("yamada-2002", "yamada-2002-motional")  # the readings of the paper's circuit
 PAPER_DROP = 9000.0  # Hz; paper, section 3.2
 SIZE, DPI = (9.0, 5.6), 100
 
 
 def gain_figure(found: CircuitGain) -> Picture:
-    """Return a figure of the gain in dB re 1 V/N, its fitted lines, the paper's statements and measured data.
+    """Return a figure of the gain in dB re 1 V/N, its fitted lines, the paper's statements and measured data;
+    of a circuit with a rig also the film's own gain.
 
     The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
     """
@@ -26,9 +27,13 @@ def gain_figure(found: CircuitGain) -> Picture:
             shifted = given.gain - given.calibration.offset
             label = f"measured, {-given.calibration.offset:+.4g} dB"
             axes.semilogx(given.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
-        axes.semilogx(found.frequency, found.gain, color=BLUE, linewidth=1.6, label="network")
+        name = "network and rig, by the measured load" if found.own else "network"
+        axes.semilogx(found.frequency, found.gain, color=BLUE, linewidth=1.6, label=name)
+        if found.own:
+            label = "network alone: the film's signal in use"
+            axes.semilogx(found.frequency, found.own.gain, color=GREEN, linewidth=1.2, label=label)
         _draw_fit(axes, found)
-        if constants(found.circuit) == constants(load_circuit(PAPERS)):
+        if constants(found.circuit) in [constants(load_circuit(name)) for name in PAPERS]:
             _draw_paper(axes, found)
         axes.set_xlabel("frequency, Hz")
         axes.set_ylabel("gain, dB re 1 V/N")

@@ -35,7 +35,8 @@ def misfit(c: Constants) -> float:
 
 @pytest.fixture(scope="module")
 def shipped() -> Constants:
-    return constants(load_circuit("yamada-2002"))
+    """The reading that is all network."""
+    return constants(load_circuit("yamada-2002-motional"))
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +115,7 @@ def test_open_combinations_do_not_change_the_curve(found: Calibration) -> None:
 @pytest.mark.slow
 def test_known_constants_curve_is_found_again() -> None:
     """A curve of the network itself, at another level: nothing is left over."""
-    known = constants(load_circuit("yamada-2002", ["motional.resistance=50000.0"]))
+    known = constants(load_circuit("yamada-2002-motional", ["motional.resistance=50000.0"]))
     frequency = np.geomspace(10.0, 8000.0, 60)
     found = calibrate(frequency, decibels(exact_response(known, frequency)) + 7.0)
     assert found.rms < 0.01  # the optimiser's own end

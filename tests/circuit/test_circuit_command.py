@@ -12,17 +12,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from annotated_types import Gt
+from scipy.optimize import least_squares
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table
 from skincad.circuit import bode
 from skincad.circuit.bode import gain
-from skincad.circuit.calibrate import calibrate
+from skincad.circuit.calibrate import Calibration, calibrate, paper_target
 from skincad.circuit.model import (
     SHORT,
     Amplifier,
     Cable,
     FilmCapacitor,
+    ForceSensor,
     Indenter,
     Motional,
     Noise,
@@ -49,7 +51,7 @@ FILES = {"gain.csv", "gain.png", "netlist.cir", "circuit.json"}
 
 def write_curve(path: Path, level: float = 0.0) -> None:
     """A measured curve of 42 points: the shipped network's own at another damping, 0.1 dB of noise."""
-    found = gain(load_circuit("yamada-2002", ["motional.resistance=40000.0", "indenter=none"]))
+    found = gain(load_circuit("yamada-2002-motional", ["motional.resistance=40000.0", "indenter=none"]))
     noise = np.random.default_rng(1).normal(0.0, 0.1, found.gain.size)
     rows = [f"{f},{g + level}" for f, g in zip(found.frequency, found.gain + noise, strict=True) if f < 8000]
     path.write_text("\n".join(["frequency_Hz,gain_dB", *rows[::8]]) + "\n")
@@ -67,8 +69,74 @@ def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -
     assert found["cutoff_Hz"]["value"] == pytest.approx(1200.0, rel=0.05)
     assert {p.name for p in (tmp_path / "out/yamada-2002").iterdir()} == FILES
     assert all((tmp_path / f["path"]).stat().st_size == f["bytes"] for f in found["files"])
-    assert any("motional capacitance" in w for w in found["warnings"])
     assert any("650 Hz" in w for w in found["warnings"])
+    own = found["own_signal"]
+    assert len(own["gain_dB"]) == 400
+    assert own["cutoff_Hz"]["value"] is None
+    # 1e5 of gain behind 100 pF: 20 dB/dec but for the film's resonance at 57 kHz
+    assert own["slope_below_dB_per_dec"]["value"] == pytest.approx(20.0, abs=0.01)
+    head, *rows = (tmp_path / "out/yamada-2002/gain.csv").read_text().splitlines()
+    assert head == "frequency_Hz,gain_dB,gain_less_offset_dB,own_gain_dB"
+    assert [float(row.split(",")[3]) for row in rows] == pytest.approx(own["gain_dB"], abs=1e-6)
+
+
+def test_the_papers_curve_is_told_with_its_rig_and_the_films_signal_without(tmp_path: Path) -> None:
+    told = run_skincad("circuit", "yamada-2002", cwd=tmp_path).stdout
+    first, *_ = told.splitlines()
+    assert first.startswith("yamada-2002: the gain rises by 19.8")
+    assert first.endswith("as measured with its rig.")
+    assert "  own signal     by the load on the film the gain rises by 19.998" in told
+    assert "the indenter at 9000 Hz and the force sensor at 1200 Hz lie between" in told
+    plain = run_skincad("circuit", "transimpedance", cwd=tmp_path).stdout
+    assert "rig" not in plain
+    assert "own signal" not in plain
+
+
+def test_the_film_feels_the_probes_inertia_that_its_force_sensor_does_not_read() -> None:
+    """A mass and a damped spring in numbers: the film's force is m a + c v + k x, the sensor's k x; a filter
+    between, of the same two poles, is the sensor's amplifier."""
+    circuit = load_circuit("yamada-2002", ["indenter=none", "force_sensor={resonance=1000.0,damping=0.25}"])
+    found = gain(circuit)
+    assert found.own is not None
+    k, m = 4e6, 4e6 / (2 * np.pi * 1000.0) ** 2  # N/m, kg
+    c = 2 * 0.25 * np.sqrt(k * m)
+    jw = 2j * np.pi * found.frequency
+    assert found.gain - found.own.gain == pytest.approx(20 * np.log10(np.abs(m * jw**2 + c * jw + k) / k))
+
+
+def test_a_branch_larger_than_the_film_is_a_warning() -> None:
+    told = [gain(load_circuit(name)).warnings for name in ("yamada-2002-motional", "yamada-2002")]
+    assert [any("motional capacitance" in w for w in warnings) for warnings in told] == [True, False]
+
+
+@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-motional"])
+def test_both_readings_stay_within_what_they_say_of_the_papers_statements(name: str) -> None:
+    """20 dB/dec to 1.2 kHz, then 60, level free: their first lines say it, the network's without indenter."""
+    found = gain(load_circuit(name))
+    frequency, wanted = paper_target()
+    rest = np.interp(np.log(frequency), np.log(found.frequency), found.gain) - wanted
+    told = {"yamada-2002": 0.26, "yamada-2002-motional": 1.73}[name]
+    assert np.std(rest) == pytest.approx(told, abs=0.01)
+
+
+def test_the_papers_rig_is_the_nearest_to_its_statements() -> None:
+    """Both dampings, the resonances being the paper's 1.2 and 9 kHz, over 20 dB/dec: to the template's
+    digits."""
+    frequency, wanted = paper_target()
+
+    def misfit(point: np.ndarray) -> np.ndarray:
+        sensor, indenter = (
+            1 - r**2 + 2j * z * r
+            for r, z in zip((frequency / 1200.0, frequency / 9000.0), point, strict=True)
+        )
+        rest = 20 * np.log10(frequency * np.abs(sensor / indenter)) - wanted
+        return np.asarray(rest - rest.mean())
+
+    circuit = load_circuit("yamada-2002")
+    assert circuit.force_sensor is not None
+    assert circuit.indenter is not None
+    found = least_squares(misfit, [0.3, 0.9]).x
+    assert found == pytest.approx([circuit.force_sensor.damping, circuit.indenter.damping], abs=0.01)
 
 
 @pytest.mark.slow
@@ -96,7 +164,9 @@ def test_measured_data_are_calibrated_to_and_the_result_is_a_circuit(
     """By ten starts: how many end at the best is test_calibrate's."""
     monkeypatch.setattr(bode, "calibrate", partial(calibrate, starts=10))
     write_curve(tmp_path / "m.csv", level=-166.0)
-    arguments = ("circuit", "yamada-2002", "--measured", "m.csv", "-o", "o", "--set", "indenter=none")
+    arguments = (
+        "circuit", "yamada-2002-motional", "--measured", "m.csv", "-o", "o", "--set", "indenter=none",
+    )  # fmt: skip
     done = run_skincad(*arguments, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
@@ -107,6 +177,29 @@ def test_measured_data_are_calibrated_to_and_the_result_is_a_circuit(
     assert "  calibrated     " in run_skincad(*arguments, cwd=tmp_path).stdout
 
 
+def test_a_measured_curve_is_calibrated_to_less_its_rig(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The network's own curve comes out, whatever the rig makes of it; drawn again with the rig it is the
+    measured one."""
+    asked = []
+
+    def calibrated(frequency: np.ndarray, level: np.ndarray, **_: object) -> Calibration:
+        asked.append((frequency, level))
+        return Calibration(constants(circuit), 0.0, 0.0, (), (), 1, 1)
+
+    circuit = load_circuit("yamada-2002")
+    monkeypatch.setattr(bode, "calibrate", calibrated)
+    found = gain(circuit)
+    rows = [f"{f:.17g},{g:.17g}" for f, g in zip(found.frequency, found.gain, strict=True)]
+    (tmp_path / "m.csv").write_text("\n".join(["frequency_Hz,gain_dB", *rows]))
+    again = gain(circuit, tmp_path / "m.csv")
+    ((frequency, level),) = asked
+    assert found.own is not None
+    assert level == pytest.approx(found.own.gain[: frequency.size], abs=1e-9)
+    assert again.gain == pytest.approx(found.gain, abs=1e-9)
+
+
 @pytest.mark.parametrize("name", template_names("circuits"))
 def test_every_template_runs(name: str) -> None:
     found = gain(load_circuit(name))
@@ -115,7 +208,7 @@ def test_every_template_runs(name: str) -> None:
 
 
 def test_the_indenters_resonance_is_an_option() -> None:
-    with_it, without = (gain(load_circuit("yamada-2002", s)) for s in ([], ["indenter=none"]))
+    with_it, without = (gain(load_circuit("yamada-2002-motional", s)) for s in ([], ["indenter=none"]))
     drop = with_it.gain - without.gain
     assert drop[0] == pytest.approx(0.0, abs=1e-4)  # (10 / 9000)^2
     nearest = int(np.argmin(np.abs(with_it.frequency - 9000.0)))
@@ -235,7 +328,7 @@ def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "table",
-    [FilmCapacitor, Cable, Motional, Amplifier, Noise, Sweep, Indenter, Sampling],
+    [FilmCapacitor, Cable, Motional, Amplifier, Noise, Sweep, Indenter, ForceSensor, Sampling],
     ids=lambda t: t.__name__,
 )
 def test_what_must_be_above_zero_may_be_as_small_as_one_likes(table: type[Table]) -> None:

@@ -18,7 +18,7 @@ from skincad.circuit.noise import noise_density, noise_samples, total_density
 from skincad.circuit.topologies import network
 from tests.circuit.spice import needs_ngspice, vectors
 
-NAMES = ("yamada-2002", "transimpedance", "charge-amplifier")
+NAMES = ("yamada-2002", "yamada-2002-motional", "transimpedance", "charge-amplifier")
 SPICE_KELVIN = 293.15
 QUIET = NoiseSources(SPICE_KELVIN, 0.0, 0.0, 0.0, 0.0)
 

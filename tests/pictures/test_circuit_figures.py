@@ -40,18 +40,28 @@ def starting(drawn: dict[str, tuple[np.ndarray, np.ndarray]], words: str) -> tup
 
 
 def test_the_fitted_lines_meet_at_the_cut_off_and_span_the_fitted_range() -> None:
+    found = of("transimpedance")
+    assert np.array(starting(lines(found), "network")) == pytest.approx(
+        np.array([found.frequency, found.gain])
+    )
     found = of("yamada-2002")
+    assert found.own is not None
     drawn, slopes = lines(found), found.slopes
-    assert np.array(starting(drawn, "network")) == pytest.approx(np.array([found.frequency, found.gain]))
+    own = np.array([found.frequency, found.own.gain])
+    assert np.array(starting(drawn, "network alone")) == pytest.approx(own)
+    assert np.array(starting(drawn, "network and rig")) == pytest.approx(
+        np.array([found.frequency, found.gain])
+    )
     x, y = starting(drawn, "fitted")
     assert x == pytest.approx([found.frequency[0], slopes.cutoff.value, found.circuit.sweep.fit_high])
     assert y[1] == pytest.approx(slopes.level)
     assert slope(x, y) == pytest.approx([slopes.below.value, slopes.above.value])
 
 
-def test_the_papers_lines_have_its_slopes_and_the_curves_mean_level() -> None:
+@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-motional"])
+def test_the_papers_lines_have_its_slopes_and_the_curves_mean_level(name: str) -> None:
     """20 dB a decade up to 1.2 kHz and 60 dB above, from 10 Hz to 8 kHz, and a drop at 9 kHz."""
-    found = of("yamada-2002")
+    found = of(name)
     drawn = lines(found)
     x, y = starting(drawn, "paper: 20")
     assert list(x) == [10.0, 1200.0, 8000.0]
