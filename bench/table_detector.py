@@ -39,10 +39,14 @@ from skincad.scenes.slip import (
 )
 
 RIDGES = (2, 3)  # paper: strips in the second and third ridge from a side
-CIRCUITS = ("transimpedance", "yamada-2002")
+CIRCUITS = ("transimpedance", "yamada-2002", "yamada-2002-motional")
 LEVEL = LEVELS[1]
 RUNS = 200
-LOUDER = {"transimpedance": (1.0, 30.0, 100.0, 300.0), "yamada-2002": (0.1, 1.0)}  # times the noise
+LOUDER = {  # times the noise
+    "transimpedance": (1.0, 30.0, 100.0, 300.0),
+    "yamada-2002": (1.0, 10.0),
+    "yamada-2002-motional": (0.1, 1.0),
+}
 PULLS = ("hold", "readout.bandwidth_Hz=5000.0", "history.steps=400")
 OWN = {
     "fast load *": (
@@ -141,7 +145,7 @@ def row(case: Case, what: str, events: list[list[Event]]) -> str:
     means = [float(np.mean([getattr(s, key) for s in found])) for key in ("hits", "missed", "false")]
     leads = [[1e3 * x for s in found if (x := s.lead[told]) is not None] for told in range(len(RIDGES))]
     text = "  ".join(f"{np.median(x):7.3g} ({min(x):.3g})" if x else f"{'-':>7}" for x in leads)
-    return f"{case.name:26} {case.circuit:15} {what:15}" + "".join(f"{m:8.2f}" for m in means) + f"   {text}"
+    return f"{case.name:26} {case.circuit:20} {what:15}" + "".join(f"{m:8.2f}" for m in means) + f"   {text}"
 
 
 def level(case: Case, noise: np.ndarray | float, louder: float) -> tuple[float | None, float]:
@@ -171,7 +175,7 @@ def main(arguments: list[str]) -> None:
     shipped = {n + (" *" if n in CHOSEN_ON else ""): (n,) for n in named or template_names("scenes")}
     told = [case for name, s in {**shipped, **({} if named else OWN)}.items() for case in cases(name, s)]
     print(
-        f"{'scene':26} {'amplifier':15} {'detector':15}{'hits':>8}{'missed':>8}{'false':>8}"
+        f"{'scene':26} {'amplifier':20} {'detector':15}{'hits':>8}{'missed':>8}{'false':>8}"
         "   lead of ridges 2, 3: ms (least)"
     )
     pool: dict[tuple[str, float], tuple[list[float], list[float]]] = {}
@@ -207,10 +211,10 @@ def curves(pool: dict[tuple[str, float], tuple[np.ndarray, np.ndarray]], path: P
         at = float(np.mean(others > THRESHOLD)), float(np.mean(slips > THRESHOLD))
         found = area(slips, others)
         print(
-            f"{circuit:15} noise x {louder:<5g} area {found:.4f}; "
+            f"{circuit:20} noise x {louder:<5g} area {found:.4f}; "
             f"at {THRESHOLD:g} rms: seen {at[1]:.3f}, false {at[0]:.3f}"
         )
-        dashed = "--" if circuit == CIRCUITS[1] else "-"
+        dashed = dict(zip(CIRCUITS, ("-", "--", ":"), strict=True))[circuit]
         (line,) = axes.step(
             wrong, seen, dashed, where="post", label=f"{circuit}, noise x {louder:g}: {found:.3f}"
         )

@@ -223,8 +223,8 @@ def test_rolling_raises_no_event() -> None:
 def test_rolling_fast_raises_no_gross_slip_and_no_false_alarm() -> None:
     """A hundred times as fast, above the noise. A ridge that lifts off does slip, and may be told.
 
-    Behind the paper's amplifier, 5 dB above its noise, ridge 3 is told wrongly at step 21 since the leads'
-    capacitance is no longer in the film's; it was silent there before.
+    Behind `yamada-2002-motional`, 5 dB above its noise, ridge 3 is told wrongly at step 21; behind
+    `yamada-2002`, 33 dB above its own, it is not.
     """
     fast = (
         "history.time_s=[0.0, 0.001, 0.003, 0.007, 0.009]",

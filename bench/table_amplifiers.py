@@ -1,0 +1,133 @@
+"""What an amplifier buys of warning: lead time and false alarms behind each, over the low-pass's bandwidth.
+
+`python -m bench.table_amplifiers [SCENE ...]` (default steady-pull and yamada-2002-slip) marches each scene
+once and reads ridges 2 and 3, the paper's, through each amplifier with SEEDS seeded noises. A charge
+amplifier and a follower give the stress; the detector asks for its rate: their samples are differenced.
+Lead: from the first true alarm to gross slip, the longer of the two ridges', without noise, then with it the
+median and the least; `silent`: records without one; `false`: false alarms, without noise and in a record's
+mean. S/N is of a pair as the detector gets it, rms. With `--slower` all that happens takes so many times as
+long: no effect of these scenes knows how fast it goes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from skincad.circuit.model import Circuit, circuit_network, load_circuit
+from skincad.effects.piezo import Chain, fitted, strip_charges
+from skincad.inputs.design import Design
+from skincad.scenes import simulation
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.scene import load_scene
+from skincad.scenes.slip import at_rest, detector, fed, score
+
+RIDGES = (2, 3)  # paper: strips in the second and third ridge from a side
+SEEDS = range(40)
+BANDWIDTHS = (1000.0, 2500.0, 5000.0, 10_000.0, 20_000.0)
+FAST = "amplifier.gain_bandwidth={:g}".format
+BACK = "amplifier.feedback_resistance={:g}".format
+HELD = "amplifier.feedback_capacitance={:g}".format
+# label: template, settings, whether its samples are differenced
+AMPLIFIERS: dict[str, tuple[str, tuple[str, ...], bool]] = {
+    "yamada-2002-motional": ("yamada-2002-motional", (), False),
+    "yamada-2002, 1 Mohm": ("yamada-2002", (), False),
+    "the same, 1 MHz": ("yamada-2002", (FAST(1e6),), False),
+    "transimpedance, 100 Mohm": ("transimpedance", (), False),
+    "the same, 10 Mohm": ("transimpedance", (BACK(1e7),), False),
+    "the same, 1 Gohm": ("transimpedance", (BACK(1e9),), False),
+    "100 Mohm, 1 MHz": ("transimpedance", (FAST(1e6),), False),
+    "100 Mohm, 1 MHz, 0.3 pF": ("transimpedance", (FAST(1e6), HELD(3e-13)), False),
+    "100 Mohm, 10 MHz, 0.1 pF": ("transimpedance", (FAST(1e7), HELD(1e-13)), False),
+    "100 Mohm, 100 nV": ("transimpedance", ("noise.voltage_density=100e-9",), False),
+    "charge, differenced": ("charge-amplifier", (), True),
+    "charge, 10 MHz": ("charge-amplifier", (FAST(1e7),), True),
+    "follower, differenced": ("voltage-follower", (), True),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """What one march leaves to read: stresses, truth, time."""
+
+    name: str
+    design: Design
+    time: np.ndarray
+    stress: np.ndarray
+    runs: list[list[list[int]]]
+    gross: int | None
+
+
+def marched(name: str) -> Marched:
+    """March a scene once."""
+    scene = load_scene(name, [f"readout.ridges={list(RIDGES)}"])
+    found = simulation.at_level(scene, LEVELS[1])
+    runs = [found.runs[r - 1] for r in RIDGES]
+    march = found.march
+    return Marched(name, scene.design, march.time, march.column("films"), runs, found.gross_slip_step)
+
+
+def differenced(outputs: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """The rate of outputs `(n, ...)` by the sample before: nothing looks ahead."""
+    return np.diff(outputs, axis=0, prepend=outputs[:1]) / float(time[1])
+
+
+def line(found: Marched, circuit: Circuit, rate: bool, bandwidth: float) -> str:
+    """Read one amplifier at one bandwidth."""
+    own = fitted(circuit, found.design)
+    chain = Chain.of(circuit_network(own), found.time, bandwidth)
+    charges = strip_charges(own, found.design, found.stress)
+    strips = [[chain.output(charges[:, 2 * (r - 1) + side]) for side in (0, 1)] for r in RIDGES]
+    clean = np.moveaxis(np.array(strips), 2, 0)
+    shape = (len(RIDGES), 2)
+    noises = []
+    for seed in SEEDS:
+        drawn = np.array([chain.noise((seed, ridge, side)) for ridge, side in np.ndindex(shape)])
+        noises.append(np.moveaxis(drawn.reshape(*shape, -1), 2, 0))
+    if rate:
+        clean = differenced(clean, found.time)
+        noises = [differenced(each, found.time) for each in noises]
+    pair = math.sqrt(2) * float(np.std([each[1:] for each in noises]))
+    d = detector(1 / float(found.time[1]), bandwidth, pair)
+    leads, false = list[float](), list[int]()
+    for noise in [np.zeros_like(clean), *noises]:
+        events, _ = fed(d, at_rest(d, len(RIDGES)), clean + noise)
+        scored = score(d, events, found.time, found.runs, found.gross)
+        leads.append(1e3 * max((lead for lead in scored.lead if lead is not None), default=math.nan))
+        false.append(scored.false)
+    signal = float(np.std(clean[..., 0] - clean[..., 1]))
+    silent = sum(math.isnan(lead) for lead in leads[1:])
+    told = [lead for lead in leads[1:] if not math.isnan(lead)]
+    noisy = f"{np.median(told):9.4g} ({min(told):.4g})" if told else f"{'-':>9} (-)"
+    return (
+        f"{bandwidth:7.5g} {20 * math.log10(signal / pair):7.1f} {leads[0]:10.4g} {false[0]:5d}"
+        f" {noisy:18} {silent:6d} {np.mean(false[1:]):6.2f}"
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scenes", nargs="*", default=["steady-pull", "yamada-2002-slip"], metavar="SCENE")
+    parser.add_argument("--bandwidth", type=float, nargs="*", default=BANDWIDTHS, metavar="HZ")
+    parser.add_argument("--slower", type=float, default=1.0, help="times; bandwidths are lower by as much")
+    asked = parser.parse_args()
+    for name in asked.scenes:
+        found = marched(name)
+        found = replace(found, time=asked.slower * found.time)
+        print(f"{name}: gross slip at step {found.gross}, steps of {1e6 * found.time[1]:.3g} us")
+        print(f"{'amplifier':26} {'-3 dB':>7} {'S/N, dB':>7} {'lead, ms':>10} {'false':>5}"
+              f" {'noisy':>9} (least)  {'silent':>6} {'false':>6}")  # fmt: skip
+        for label, (template, settings, rate) in AMPLIFIERS.items():
+            circuit = load_circuit(template, list(settings))
+            for bandwidth in asked.bandwidth:
+                print(f"{label:26} {line(found, circuit, rate, bandwidth / asked.slower)}", flush=True)
+
+
+if __name__ == "__main__":
+    with threadpool_limits(limits=1, user_api="blas"):
+        main()
