@@ -56,7 +56,7 @@ def _rig_lines(found: CircuitGain) -> list[str]:
     return [
         f"  own signal     by the load on the film the gain rises by {_rise(found.own.slopes)}: "
         "that is the film's signal in use, in scenes and in netlist.cir",
-        f"  rig            the measured load is not the film's: {told_rig(found.circuit)} lie between them",
+        f"  rig            the measured load is not the film's, by {told_rig(found.circuit)}",
     ]
 
 

@@ -16,11 +16,12 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.effects.piezo import Piezo
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.making import Job
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
-from skincad.outputs import makes
+from skincad.outputs import makes, report_scenes
 from skincad.outputs.report import report, suggested_scene
 from skincad.scenes.simulation import Simulation
 from skincad.solids.mold import mold
@@ -226,6 +227,13 @@ def test_a_scene_is_shown_with_its_amplifier_and_its_files(whole: str, felt: Sim
         assert entry.indicator in unescape(whole)
     assert 'download="scene-steady-pull.toml"' in whole
     assert "--scene scene-steady-pull.toml" in whole
+
+
+def test_a_scenes_amplifier_is_shown_without_the_rig_that_it_was_measured_with(felt: Simulation) -> None:
+    drawn, _ = report_scenes._amplifier(felt, Piezo(circuit="yamada-2002"))
+    assert "--set indenter=none --set force_sensor=none" in drawn
+    assert "without a cut-off" in drawn
+    assert "as measured with its rig" not in drawn
 
 
 def test_without_a_scene_it_says_what_adds_one(checked: Job) -> None:
