@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from skincad.base.arrays import Index
+from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Law, Reading, Share, Step, Term
@@ -68,7 +68,7 @@ class FiniteStrain(Law):
         curved = elements.curved(mesh, order)
         with one_blas_thread():
             body = neo_hooke.body(curved, order, pad.materials, pad.laws)
-            whole = dragged(body, pad.top, unit, pad.young_modulus * unit * pad.length)
+            whole = dragged(body, pad.top, unit, pad.young_modulus * unit * pad.length, pad.length)
         strips = (
             strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
             if films
@@ -103,6 +103,11 @@ class LargePad:
     def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
         return self.pad.ridge
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2, undeformed."""
+        return self.pad.area
 
     @property
     def unknowns(self) -> int:

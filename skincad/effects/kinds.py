@@ -76,12 +76,27 @@ class Reading:
     work: float | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class RidgePath:
+    """What the ridges bore in a march, all `(steps + 1, ridges)`: forces `normal` and `tangential` N, `area`
+    mm2 of what touched, and whether all of that `slips`."""
+
+    normal: Array
+    tangential: Array
+    area: Array
+    slips: Mask
+
+
 class MarchedPad(Protocol):
     """A meshed pad that is advanced through a scene; its states are its own and never changed."""
 
     @property
     def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2."""
 
     @property
     def unknowns(self) -> int:
@@ -179,6 +194,10 @@ class Term(Effect):
 
     def remarks(self, asked: frozenset[str]) -> Iterator[str]:  # noqa: ARG002
         """Yield what to warn of, given all that the scene's terms ask."""
+        yield from ()
+
+    def afterwards(self, path: RidgePath) -> Iterator[str]:  # noqa: ARG002
+        """Yield what to warn of once a march is known."""
         yield from ()
 
     def share(self, step: Step) -> Share:

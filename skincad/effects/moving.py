@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skincad.base.arrays import Index
+from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.mechanics.contact.grip import Cone, Grip
@@ -48,6 +48,11 @@ class MovingPad:
     def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
         return self.dynamics.pad.ridge
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2."""
+        return self.dynamics.pad.area
 
     @property
     def unknowns(self) -> int:

@@ -55,7 +55,8 @@ class SmallStrain(Law):
 
 def condensed(pad: Sliding) -> CondensedPad:
     """Return a condensed pad to be marched."""
-    return CondensedPad(pad, Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size)))
+    free = np.zeros(2 * pad.gap.size)
+    return CondensedPad(pad, Compliant(pad.compliance, pad.gap, free, area=pad.area))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +70,11 @@ class CondensedPad:
     def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
         return self.pad.ridge
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2."""
+        return self.pad.area
 
     @property
     def unknowns(self) -> int:

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.effects.kinds import MarchedPad, Reading, Step, Term
-from skincad.mechanics.contact.grip import Drive, GrossSlip
+from skincad.mechanics.contact.grip import Drive, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
 
@@ -30,9 +30,10 @@ class March:
     """The accepted readings, entry 0 the unloaded start, at `time` `(steps + 1,)` s.
 
     `stopped` says why the march ended early, None at its end; `failed` whether that was a step that did not
-    converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` of the march. `states`
-    are the pad's own of the steps that were to be kept, and the last; `pad` is what it advanced. Neither
-    states nor pad are in a pickle or a copy: they hold the FE library's own objects.
+    converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` of the march. `loads`
+    `(steps + 1, 3, ridges)` are the normal and tangential force on each ridge, N, and what of it touches,
+    mm2. `states` are the pad's own of the steps that were to be kept, and the last; `pad` is what it
+    advanced. Neither states nor pad are in a pickle or a copy: they hold the FE library's own objects.
     """
 
     time: Array
@@ -42,6 +43,7 @@ class March:
     stopped: str | None
     failed: bool
     seconds: float
+    loads: Array
     states: Mapping[int, Any] = field(default_factory=dict)
     pad: MarchedPad | None = None
 
@@ -109,8 +111,8 @@ def march(
         if path.collision():
             path.back()
     done, states = np.asarray(times[: len(path.readings)]), path.states
-    spent = perf_counter() - began
-    return March(done, tuple(path.readings), pad.ridge, pad.unknowns, stopped, failed, spent, states, pad)
+    spent, loads, ridge = perf_counter() - began, np.array(path.loads), pad.ridge
+    return March(done, tuple(path.readings), ridge, pad.unknowns, stopped, failed, spent, loads, states, pad)
 
 
 class _Path:
@@ -124,6 +126,7 @@ class _Path:
         self.pad, self.limits, self.keep = pad, limits, keep
         self.state = pad.start()
         self.readings = [pad.reading(self.state, self.state)]
+        self.loads = [self._of_ridges(pad.grip(self.state))]
         self.kept = {0: self.state} if 0 in keep else {}
         self.careful = False
         self.hardest, self.unseen = [0.0] * 3, dict[int, Any]()
@@ -136,13 +139,15 @@ class _Path:
 
     def refused(self, state: Any) -> str:
         """Accept a state, or return why it is beyond the limits."""
-        grip, ridge = self.pad.grip(state), self.pad.ridge
-        across = np.bincount(ridge, grip.tangential)
-        loads = tuple(map(float, (np.bincount(ridge, grip.normal).max(), across.max(), -across.min())))
+        grip = self.pad.grip(state)
+        of_ridges = self._of_ridges(grip)
+        down, across, _ = of_ridges
+        loads = tuple(map(float, (down.max(), across.max(), -across.min())))
         wrong = self.limits.crushed(grip.approach) or self.limits.overloaded(loads[0], max(loads[1:]))
         if wrong:
             return wrong
         self.readings.append(self.pad.reading(self.state, state))
+        self.loads.append(of_ridges)
         self.state = state
         if len(self.readings) - 1 in self.keep:
             self.kept[len(self.readings) - 1] = state
@@ -150,6 +155,11 @@ class _Path:
             if load > self.hardest[i]:
                 self.hardest[i], self.unseen[i] = load, state
         return ""
+
+    def _of_ridges(self, grip: Grip) -> Array:
+        """Normal and tangential force, and what touches, `(3, ridges)`."""
+        ridge, touching = self.pad.ridge, self.pad.area * grip.touches
+        return np.array([np.bincount(ridge, of)[1:] for of in (grip.normal, grip.tangential, touching)])
 
     def due(self, ends: bool) -> bool:
         """Whether to look for collisions now."""
@@ -168,5 +178,5 @@ class _Path:
         """Return to where all was sound, and be careful from there on."""
         step, self.state, hardest = self.sound
         self.careful, self.unseen, self.hardest = True, {}, hardest.copy()
-        del self.readings[step + 1 :]
+        del self.readings[step + 1 :], self.loads[step + 1 :]
         self.kept = {at: state for at, state in self.kept.items() if at <= step}

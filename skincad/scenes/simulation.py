@@ -14,7 +14,7 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
-from skincad.effects.kinds import Reader
+from skincad.effects.kinds import Reader, RidgePath
 from skincad.effects.omitted import Omitted
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.climb import Climbed, climb, differential
@@ -204,6 +204,9 @@ def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulati
     notes = [*notes, *unresolved(found.time, width)] if raw else notes
     notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
+    normal, tangential, area = np.moveaxis(found.loads, 1, 0)
+    path = RidgePath(normal, tangential, area, slips.slipping)
+    notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     told, remarks = read(scene, found, slips, seconds)
     return Simulation(
         scene,

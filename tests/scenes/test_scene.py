@@ -39,7 +39,7 @@ def test_the_slip_scene_is_the_papers() -> None:
 
 BAD = {
     "effects.fricton={coefficient=1.0}": "effects.fricton: unknown effect; did you mean 'friction'?",
-    "effects.friction.muu=0.3": "effects.friction.muu: unknown key; known: coefficient, kinetic",
+    "effects.friction.muu=0.3": "effects.friction.muu: unknown key; known: coefficient, kinetic, law",
     "effects.friction.coeficient=1.0": "friction.coeficient: unknown key; did you mean 'coefficient'?",
     "effects.friction.coefficient=-0.3": "effects.friction.coefficient: must be greater than or equal to 0",
     "effects.friction.kinetic=1.5": "effects.friction.kinetic: must be at most coefficient, got 1.5",

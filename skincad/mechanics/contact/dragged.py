@@ -66,6 +66,12 @@ class Dragged:
     unit: float
     scale: float
     kept: list[Tangential] = field(default_factory=list)
+    length: float = 1.0  # mm, of the pad along y
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2, undeformed."""
+        return self.weight * self.length
 
     @property
     def rest(self) -> Assembled:
@@ -88,8 +94,8 @@ class DraggedState:
     moves: tuple[float, ...] = ()
 
 
-def dragged(body: NeoHookeBody, top: float, unit: float, scale: float) -> Dragged:
-    """Return the pad of a body under its plate; `top` mm is its highest point."""
+def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: float = 1.0) -> Dragged:
+    """Return the pad of a body, `length` mm along y, under its plate; `top` mm is its highest point."""
     along_x, along_z = (body.space.components[0].Range(i).start for i in (0, 1))
     rest = body.rest
     contact = np.concatenate([rest.contact - along_z + along_x, rest.contact])
@@ -110,6 +116,7 @@ def dragged(body: NeoHookeBody, top: float, unit: float, scale: float) -> Dragge
         float(z.max()),
         unit,
         scale,
+        length=length,
     )
 
 
@@ -149,7 +156,7 @@ def newton(
     body, values = pad.body, before.values if guess is None else guess
     if drive.normal == 0.0 and drive.tangential in (None, 0.0):
         clear = np.zeros(2 * pad.gap.size)  # of any movement: nothing touches
-        lifted = grip(Compliant(np.diag(clear), pad.gap, clear), before.grip, drive, cone)
+        lifted = grip(Compliant(np.diag(clear), pad.gap, clear, area=pad.area), before.grip, drive, cone)
         return DraggedState(np.zeros_like(values), lifted, -before.values)
     unbalanced, last = body.residual(values), np.inf
     if not np.isfinite(unbalanced).all():
@@ -196,7 +203,7 @@ def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[G
 def _seen(pad: Dragged, linear: Tangential, ahead: Array) -> Compliant:
     """The linearised body as the plate sees it; `ahead` `(n,)` is where it goes without contact forces."""
     free = pad.rows @ ahead[pad.contact] * pad.unit
-    return Compliant(linear.compliance, pad.gap, free, linear.solved)
+    return Compliant(linear.compliance, pad.gap, free, linear.solved, pad.area)
 
 
 def pushed(pad: Dragged, contact: Grip) -> Array:

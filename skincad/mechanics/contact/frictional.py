@@ -1,11 +1,12 @@
-"""Contact with Coulomb friction on a rigid plate, one step of a march, solved exactly.
+"""Contact with friction on a rigid plate, one step of a march, solved exactly.
 
 Unknown are the points' normal forces p >= 0 and tangential forces t, the plate's approach d and travel s.
-With the compliance C, gaps g, and anchors a (where a point sits on the plate):
-w = g - d - u_z >= 0, w p = 0, and |t| <= mu p; a point sticks, u_x - s = a, or slips with t = mu p against
-its motion. The plate has a given normal force, and a given tangential force or travel. Sticking points keep
-their anchor from step to step, so a held load does not creep. Implicit in time: Klarbring, Ing.-Arch. 56
-(1986) 529; the sets are found by a semi-smooth Newton, Alart and Curnier, CMAME 92 (1991) 353.
+With the compliance C, gaps g, and anchors a (where a point sits on the plate): w = g - d - u_z >= 0, w p = 0,
+and |t| <= mu p; a point sticks, u_x - s = a, or slips with t = mu p against its motion. Where friction
+follows another law, mu p stands for what that bears (friction_law.py). The plate has a given normal force,
+and a given tangential force or travel. Sticking points keep their anchor from step to step, so a held load
+does not creep. Implicit in time: Klarbring, Ing.-Arch. 56 (1986) 529; the sets are found by a semi-smooth
+Newton, Alart and Curnier, CMAME 92 (1991) 353.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.mechanics.contact.friction_law import law_of
 from skincad.mechanics.contact.grip import (
     LEFT,
     OPEN,
@@ -55,7 +57,7 @@ def grip(skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert |
         return _lifted(skin, before, drive)
     step = _Step(skin, before, drive, cone)
     pull = abs(drive.tangential or 0.0)
-    if drive.travel is None and pull > cone.static * drive.normal * (1 - ROUNDING):
+    if drive.travel is None and not cone.knees and pull > cone.static * drive.normal * (1 - ROUNDING):
         held = step.settled(all_slip=float(np.sign(drive.tangential or 0.0)))
         raise GrossSlip(held, f"{pull:g} N is all that friction holds at {drive.normal:g} N")
     return step.settled()
@@ -106,8 +108,10 @@ class _Step:
             self.load = max(abs(drive.normal), float(before.normal.sum()), 1e-300)
         self.force = self.load / max(1, int(np.count_nonzero(before.touches)))
         self.length = float(np.ptp(self.gap)) or float(self.load * self.zz.diagonal().mean())
+        self.law = law_of(cone, skin.area)
         # a point that slid keeps sliding by the kinetic coefficient; one that stuck breaks off at the static
-        self.limit = np.where(before.status >= RIGHT, cone.kinetic, cone.static)
+        self.limit = np.where(before.status >= RIGHT, self.law.kinetic, self.law.static)
+        self.line = self.law.line(before.normal)
 
     def settled(self, all_slip: float = 0.0) -> Grip:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
@@ -138,8 +142,7 @@ class _Step:
         for way in (*ways, STICK):
             yield np.where(first != OPEN, way, OPEN).astype(np.int8)
         if self.cone.static > SLIGHT:
-            less = Cone(LESS * self.cone.static, LESS * self.cone.kinetic)
-            weak = _Step(self.skin, self.before, self.drive, less, self.inert)
+            weak = _Step(self.skin, self.before, self.drive, self.cone.capped(LESS), self.inert)
             try:
                 yield weak.settled().status
             except ContactError:
@@ -149,13 +152,15 @@ class _Step:
         """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
         and does not hold the pull; and the sweeps that it took."""
         seen: set[bytes] = set()
-        single = False
+        single, self.line = False, self.law.line(self.before.normal)
         for sweep in range(SWEEPS + SINGLE):
             trial = self._solve(status, all_slip)
             wrong, wanted = self._violations(trial, status, all_slip)
             missing = 0.0 if all_slip else self._missing(trial, status)
             if missing:  # nothing sticks, so the travel is not solved for, and no halt is judged by it
-                wrong[(status >= RIGHT) & (wanted == STICK)] = 0.0
+                halts = (status >= RIGHT) & (wanted == STICK)
+                wrong[halts] = self._off_line(trial, status)[halts]
+                wanted[halts] = status[halts]
                 if not wrong.any():
                     status = self._carried_on(trial, status)
                     if not (status == STICK).any():
@@ -163,11 +168,13 @@ class _Step:
                     continue
             if not wrong.any():
                 return self._accepted(trial, status, all_slip), sweep + 1
-            single = single or sweep >= SWEEPS or status.tobytes() in seen
-            seen.add(status.tobytes())
+            key = status.tobytes() + self.line.tobytes()
+            single = single or sweep >= SWEEPS or key in seen
+            seen.add(key)
             status = status.copy()
             change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
             status[change] = wanted[change]
+            self._moved_to(trial, change)
             if self.inert is None and not (status != OPEN).any():
                 status[int(np.argmin(trial.w))] = STICK if not all_slip else self._way(all_slip)
         return 0.0, SWEEPS + SINGLE
@@ -184,8 +191,9 @@ class _Step:
         dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
         closed = np.flatnonzero(status != OPEN)
         closed = closed[np.argsort(trial.moved[closed], kind="stable")]
-        dragged = self.cone.kinetic * (2 * np.cumsum(trial.p[closed]) - trial.p.sum())
-        pull, whole = self.drive.tangential or 0.0, self.cone.kinetic * float(trial.p.sum())
+        borne = self.law.borne(trial.p)
+        dragged = self.law.kinetic * (2 * np.cumsum(borne[closed]) - borne.sum())
+        pull, whole = self.drive.tangential or 0.0, self.law.kinetic * float(borne.sum())
         at = int(np.searchsorted(dragged, pull)) if pull >= -whole else closed.size
         status = status.copy()
         status[closed[:at]], status[closed[at:]] = RIGHT, LEFT
@@ -216,7 +224,7 @@ class _Step:
         """
         inert = self.inert
         closed, stuck = np.flatnonzero(status != OPEN), np.flatnonzero(status == STICK)
-        drag = self.cone.kinetic * ((status == RIGHT).astype(float) - (status == LEFT))
+        drag, offset = self.law.sliding(self.line, (status == RIGHT).astype(float) - (status == LEFT))
         k, n = closed.size, stuck.size
         given = self.drive.travel is not None or (n == 0 and inert is None)
         # counted from here, so that a tiny force loses no digits
@@ -228,11 +236,16 @@ class _Step:
             side[k : k + n] += travel
         if not given:
             side = np.append(side, self.drive.tangential or 0.0)
+        if offset is not None:
+            side[:k] += (self.zx @ offset)[closed]
+            side[k : k + n] -= (self.xx @ offset)[stuck]
+            side[-1] -= 0.0 if given else offset.sum()
         found = linalg.lu_solve(self._factor(status, closed, stuck, drag, given), side, check_finite=False)
         p, t = np.zeros(self.m), np.zeros(self.m)
         p[closed] = found[:k]
         t[closed] = drag[closed] * p[closed]
         t[stuck] += found[k : k + n]
+        t += 0.0 if offset is None else offset
         d = first + float(found[k + n])
         w = self.gap - d + self.zz @ p - self.zx @ t
         w[closed] = 0.0 if closed.size else w[closed]
@@ -256,7 +269,8 @@ class _Step:
         self, status: Status, closed: Index, stuck: Index, drag: Array, given: bool
     ) -> tuple[Array, Array]:
         """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
-        key = status.tobytes() + bytes([given]) + np.float64(self.cone.kinetic).tobytes()
+        slopes = drag if self.law.bends else np.float64(self.cone.kinetic)
+        key = status.tobytes() + bytes([given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
         k, n, ix = closed.size, stuck.size, np.ix_
@@ -303,8 +317,11 @@ class _Step:
         closed = status != OPEN
         against = np.where(moved > 0, LEFT, RIGHT).astype(np.int8)  # friction opposes the slip
         forced = np.full(self.m, self._way(all_slip), dtype=np.int8)
+        if self.law.bends:
+            off = self._off_line(trial, status)
+            mark(off > 0, off, status)
         if not all_slip:
-            beyond = np.abs(t) - self.limit * p
+            beyond = np.abs(t) - self.limit * self.law.borne(p)
             breaks = (status == STICK) & (beyond > small)
             mark(breaks, beyond / self.force, np.where(t > 0, RIGHT, LEFT).astype(np.int8))
             way = np.where(status == RIGHT, 1.0, -1.0)
@@ -316,6 +333,20 @@ class _Step:
         closing = np.where(np.abs(moved) > mu * np.abs(w), against, STICK).astype(np.int8)
         mark(~closed & (w < -short), -w / self.length, forced if all_slip else closing)
         return wrong, wanted
+
+    def _off_line(self, trial: _Trial, status: Status) -> Array:
+        """How wrong sliding points' lines are `(m,)`, relative to the forces: by Coulomb's law never."""
+        if not self.law.bends:
+            return np.zeros(self.m)
+        off = np.abs(np.abs(trial.t) - self.law.kinetic * self.law.borne(trial.p))
+        off[(status < RIGHT) | (off <= ROUNDING * np.abs(trial.p).max())] = 0.0
+        return np.asarray(off / self.force)
+
+    def _moved_to(self, trial: _Trial, change: Index | list[int]) -> None:
+        """Put points on the lines on which their pressures lie."""
+        if self.law.bends:
+            self.line = self.line.copy()
+            self.line[change] = self.law.line(trial.p)[change]
 
     def _accepted(self, trial: _Trial, status: Status, all_slip: float) -> Grip:
         """Measure every condition against its scale; refuse what is not met."""
@@ -335,14 +366,15 @@ class _Step:
     def _residual(self, trial: _Trial, status: Status, all_slip: float) -> float:
         p, t = trial.p, trial.t
         w = self.gap - trial.d + self.zz @ p - self.zx @ t
-        closed, stuck = status != OPEN, status == STICK
+        closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
+        beyond = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
         largest, length = float(np.abs(p).max()), self.length + abs(trial.d)
         largest = largest or self.force  # nothing touches a plate with mass
         terms: list[float] = [
             float(-w.min()) / length,
             float(np.abs(w[closed]).max(initial=0.0)) / length,
             float(-p.min()) / largest,
-            float((np.abs(t) - np.where(stuck, self.limit, self.cone.kinetic) * p).max()) / largest,
+            float(np.where(slides, np.abs(beyond), beyond).max()) / largest,
             float(np.abs(trial.moved[stuck]).max(initial=0.0)) / length,
             trial.unborne,
         ]
@@ -350,7 +382,7 @@ class _Step:
             terms.append(abs(float(p.sum()) / self.drive.normal - 1))
         if self.inert is None and self.drive.tangential is not None and not all_slip:
             terms.append(abs(float(t.sum()) - self.drive.tangential) / self.drive.normal)
-        way = np.where(status == RIGHT, 1.0, -1.0)[status >= RIGHT]
+        way = np.where(status == RIGHT, 1.0, -1.0)[slides]
         if not all_slip:
-            terms.append(float((way * trial.moved[status >= RIGHT]).max(initial=0.0)) / length)
+            terms.append(float((way * trial.moved[slides]).max(initial=0.0)) / length)
         return max(0.0, *terms)

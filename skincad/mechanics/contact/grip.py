@@ -19,10 +19,31 @@ MOVES = 1e-9  # of the approach; less is no slip but rounding
 
 @dataclass(frozen=True)
 class Cone:
-    """Coefficients of friction: `static` holds a point that sticks, `kinetic` drags one that slips."""
+    """Coefficients of friction: `static` holds a point that sticks, `kinetic` drags one that slips.
+
+    `knees` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
+    rising: straight from 0 on, by `static`, from knee to knee, and constant beyond the last. Without any the
+    law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
+    """
 
     static: float
     kinetic: float
+    knees: tuple[tuple[float, float], ...] = ()
+
+    def capped(self, share: float) -> Cone:
+        """Return the law that bears no more than this share of `static` times the pressure, else as much."""
+        slope, last, knees = share * self.static, (0.0, 0.0), list[tuple[float, float]]()
+        for pressure, stress in self.knees:
+            if stress < slope * pressure:
+                if not knees:
+                    rise = (stress - last[1]) / (pressure - last[0])
+                    meets = (last[1] - rise * last[0]) / (slope - rise)
+                    knees.append((meets, slope * meets))
+                knees.append((pressure, stress))
+            last = pressure, stress
+        if self.knees and not knees:
+            knees.append((last[1] / slope, last[1]))
+        return Cone(slope, share * self.kinetic, tuple(knees))
 
 
 @dataclass(frozen=True)
@@ -90,13 +111,15 @@ class GrossSlip(ContactError):  # noqa: N818
 class Compliant:
     """The elastic side of a step: u = compliance @ (t, -p) + free, `(2 m,)` mm, and the gaps `(m,)`, mm.
 
-    `solved` remembers the last sets' factorisations, for the steps in which the sets stay.
+    `solved` remembers the last sets' factorisations, for the steps in which the sets stay. `area` `(m,)` mm2
+    of the points is what friction by shear stress asks for.
     """
 
     compliance: Array
     gap: Array
     free: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
+    area: Array | None = None
 
 
 def at_rest(points: int) -> Grip:

@@ -55,6 +55,7 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
         tuple(halves),
         lay.share,
         gap - gap.min(),
+        lay.weight(nodes.weight) * unit * piece.pad.length,
         ridges_of(piece, nodes.ridge[lay.of], lay.left),
         sum(half.inner.size + half.contact.size for half in halves),
         body,

@@ -37,7 +37,7 @@ class PadEquations:
     """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
 
     `stiff`, `soft` and `mass` `(n, n)`; `share` is what of a force the part bears, 1 or, of a mirrored pad,
-    0.5; `gap` and `ridge` `(m,)` of the contact points; `body` is what was meshed.
+    0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
     """
 
     stiff: sparse.csr_matrix
@@ -46,6 +46,7 @@ class PadEquations:
     halves: tuple[Half, ...]
     share: float
     gap: Array
+    area: Array
     ridge: Index
     unknowns: int
     body: StripBody | None = None

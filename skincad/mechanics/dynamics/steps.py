@@ -99,7 +99,7 @@ class Dynamics:
             points = half.points[:, each.order[-half.contact.size :]]
             own = points @ np.asarray(points @ each.flexibility).T
             compliance += pad.share * (own + own.T) / 2
-        skin = Compliant(compliance, pad.gap, np.zeros(size))
+        skin = Compliant(compliance, pad.gap, np.zeros(size), area=pad.area)
         found = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
         return found
 

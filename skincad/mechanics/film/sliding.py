@@ -44,6 +44,12 @@ class Sliding:
     strips: Array
     unknowns: int
     whole: WholeState | None = None
+    length: float = 1.0  # mm, of the pad along y
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2."""
+        return self.weight * self.length
 
 
 def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
@@ -89,10 +95,11 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
         gap - gap.min(),
         np.where(lay.left, -x[lay.of], x[lay.of]),
         ridges,
-        nodes.weight[lay.of] * unit * np.where(lay.axis & piece.mirrored, 2.0, 1.0),
+        lay.weight(nodes.weight) * unit,
         strips / (unit * pad.length),
         body.system.unknowns,
         WholeState(piece, body, tuple(solved)),
+        pad.length,
     )
 
 
@@ -130,6 +137,11 @@ class WholePoints:
     left: Mask
     axis: Mask
     share: float
+
+    def weight(self, meshed: Array) -> Array:
+        """What the whole pad's points stand for `(m,)`, by what the meshed ones do: on the cut for both
+        sides."""
+        return np.asarray(meshed[self.of] * np.where(self.axis & (self.share < 1.0), 2.0, 1.0))
 
     def spread(self, parity: int) -> sparse.csr_matrix:
         """Matrix `(2 meshed, 2 m)` that gives a piece's forces from the whole pad's.

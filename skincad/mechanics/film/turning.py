@@ -37,7 +37,7 @@ def turned(pad: Sliding, angle: float) -> Compliant:
         ]
     )
     free = np.concatenate([_along(pad, angle) - pad.x, np.zeros(m)])
-    return Compliant((compliance + compliance.T) / 2, gap - gap.min(), free)
+    return Compliant((compliance + compliance.T) / 2, gap - gap.min(), free, area=pad.area)
 
 
 def in_skin_axes(force: Array, angle: float) -> Array:

@@ -49,7 +49,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
     one = np.ones(1, dtype=np.int64)
     soft = np.diag([stiff, 0.0, 0.0])
     matrices = (sparse.csr_matrix(each) for each in (k, soft, m))
-    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), one, 3))
+    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3))
 
 
 def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> Moved:
@@ -208,7 +208,7 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
     half = Half(points, inner, np.array([n - 1, pieces]), (none, none))
     one = np.ones(1, dtype=np.int64)
     matrices = (sparse.csr_matrix(each) for each in (k, 0 * k, m))
-    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), one, n))
+    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n))
 
 
 def flying(pad: Dynamics, place: float, speed: float) -> Moved:

@@ -1,0 +1,51 @@
+"""Which ridge slips first by another law of friction: told from the loads of a march by this one.
+
+Just before the first ridge slips most of the contact sticks, so that what each ridge bears hangs little on
+the law: by Coulomb the ridge with the largest tangential by normal force is next, by a constant shear stress
+the one with the largest by contact area. An estimate: parts of ridges slip already by then. Held against
+marches by both laws: `python -m bench.table_friction_laws`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from skincad.base.arrays import Array, Mask
+from skincad.effects.kinds import RidgePath
+
+LOADED = 0.1  # of the mean normal force of the ridges that touch; one with less has only just touched
+PULLED = 0.05  # tangential by normal force; with less the ridges slip as they are pressed
+CLEAR = 1.05  # by what factor the first must lead; assumption: the parts that slip already blur less than 5 %
+
+
+def flipped(path: RidgePath, by_area: bool) -> tuple[int, int] | None:
+    """Return which ridge slips first in a march, from 1, and which would by the other law, or None where it
+    is the same, too close to call, or none slips. `by_area`: friction follows the area, the other Coulomb."""
+    step = _first_slip(path)
+    if step is None:
+        return None
+    here = step - 1
+    pull, loaded = np.abs(path.tangential[here]), _loaded(path)[here]
+    by_force, by_contact = (_share(pull, each[here], loaded) for each in (path.normal, path.area))
+    own, other = (by_contact, by_force) if by_area else (by_force, by_contact)
+    slips = path.slips[step] & ~path.slips[here]
+    first, instead = int(np.where(slips, own, -1.0).argmax()), int(other.argmax())
+    return (first + 1, instead + 1) if other[instead] > CLEAR * other[first] else None
+
+
+def _share(pull: Array, by: Array, loaded: Array) -> Array:
+    return np.where(loaded, pull / np.where(loaded, by, 1.0), 0.0)
+
+
+def _first_slip(path: RidgePath) -> int | None:
+    """The step at which a loaded ridge begins to slip as the plate pulls, None without one."""
+    press, pull = path.normal.sum(axis=1), np.abs(path.tangential.sum(axis=1))
+    begins = path.slips[1:] & ~path.slips[:-1] & _loaded(path)[:-1] & (pull > PULLED * press)[1:, None]
+    found = np.flatnonzero(begins.any(axis=1))
+    return int(found[0]) + 1 if found.size else None
+
+
+def _loaded(path: RidgePath) -> Mask:
+    """Which ridges count at each step: not those that have just met the plate, nor those that leave it."""
+    mean = path.normal.sum(axis=1) / np.maximum((path.area > 0).sum(axis=1), 1)
+    return np.asarray((path.normal > LOADED * mean[:, None]) & (path.normal[-1] > 0))

@@ -1,0 +1,182 @@
+"""Laws of friction as a scene names them: their keys, their energy, and who slips first by another law."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from skincad.base.errors import InputError
+from skincad.effects.friction import Friction
+from skincad.effects.kinds import MarchedPad, RidgePath, Term
+from skincad.effects.slip_order import flipped
+from skincad.effects.small_strain import SmallStrain
+from skincad.mechanics.contact.grip import Cone, Drive
+from skincad.scenes.march import march
+from skincad.scenes.scene import load_scene
+from tests.effects.test_all_effects import COMPANIONS, DT, PLATE, built, piece
+
+SHEAR = {"law": "shear", "shear_stress": 0.1, "coefficient": 1.5}
+TABLE = {"law": "table", "table": [[0.02, 1.5], [0.1, 0.8], [0.5, 0.3]]}
+KINETIC = {**SHEAR, "kinetic": 1.2}
+
+
+@pytest.mark.parametrize(
+    ("table", "told"),
+    [
+        ({}, "coefficient: is missing; give coefficient a value"),
+        ({"law": "amontons"}, "law: must be 'coulomb', 'shear' or 'table', got 'amontons'"),
+        ({"law": "shear", "shear_stress": 0.1}, "coefficient: is missing, which law = shear asks for"),
+        ({"law": "shear", "coefficient": 1.0}, "shear_stress: is missing, which law = shear asks for"),
+        ({"law": "table"}, "table: is missing, which law = table asks for; give table a value"),
+        ({**SHEAR, "shear_stress": 0.0}, "shear_stress: must be greater than 0 (MPa), got 0"),
+        ({**SHEAR, "coefficient": 0.0}, "coefficient: must be at least 1e-06 with law = shear, got 0"),
+        ({**SHEAR, "kinetic": 1.6}, "kinetic: must be at most coefficient, got 1.6"),
+        (
+            {"coefficient": 1.0, "shear_stress": 0.1},
+            "shear_stress: has no effect with law = coulomb, got 0.1; take law = shear",
+        ),
+        ({"coefficient": 1.0, "table": [[0.1, 1.0]]}, "table: has no effect with law = coulomb"),
+        ({**TABLE, "coefficient": 1.0}, "coefficient: has no effect with law = table, got 1; leave it out"),
+        ({**TABLE, "kinetic": 1.6}, "kinetic: must be at most the table's first coefficient, 1.5, got 1.6"),
+        ({"law": "table", "table": []}, "table: "),
+        ({"law": "table", "table": [[0.1, 1.0, 2.0]]}, "table.0: "),
+        ({"law": "table", "table": [[0.0, 1.0]]}, "table: needs pressures above 0 up to 1000 MPa"),
+        ({"law": "table", "table": [[0.1, 0.0]]}, "table: needs pressures above 0 up to 1000 MPa"),
+        ({"law": "table", "table": [[0.1, 21.0]]}, "coefficients above 0 up to 20, got [0.1, 21.0]"),
+        (
+            {"law": "table", "table": [[0.2, 1.0], [0.1, 1.2]]},
+            "table: needs pressures that rise, got [0.1, 1.2]; put it before [0.2, 1.0]",
+        ),
+        (
+            {"law": "table", "table": [[0.1, 1.0], [0.4, 0.2]]},
+            "got [0.4, 0.2]; take a coefficient of at least 0.25 there",
+        ),
+    ],
+)
+def test_bad_tables_are_told_in_one_line(table: dict[str, Any], told: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        Friction(**table)
+    assert told in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_scene_tells_the_key_with_its_table() -> None:
+    told = "effects.friction.shear_stress: is missing, which law = shear asks for"
+    with pytest.raises(InputError, match=told):
+        load_scene("yamada-2002-slip", ["effects.friction.law=shear"])
+
+
+def test_a_constant_shear_stress_is_a_table_of_one_pair() -> None:
+    pair = [SHEAR["shear_stress"] / SHEAR["coefficient"], SHEAR["coefficient"]]  # type: ignore[operator]
+    by_table = Friction(law="table", table=[pair]).cone
+    assert Friction(**SHEAR).cone.knees[0] == pytest.approx(by_table.knees[0], rel=1e-15)
+    assert Friction(coefficient=0.6, kinetic=0.5).cone == Cone(0.6, 0.5)
+    assert Friction(**KINETIC).cone.kinetic == 1.2
+
+
+def pads() -> dict[str, tuple[MarchedPad, list[Term]]]:
+    """Small strain at rest, with a past, with masses: friction's own term left out."""
+    found: dict[str, tuple[MarchedPad, list[Term]]] = {
+        "small_strain": (SmallStrain().marched(*piece(), 2, True, []), [])
+    }
+    for name in ("viscosity", *COMPANIONS):
+        model, terms = built(name, {})
+        found[name] = model, [term for term in terms if not isinstance(term, Friction)]
+    return found
+
+
+@pytest.mark.parametrize("table", [SHEAR, KINETIC, TABLE], ids=["shear", "kinetic", "table"])
+@pytest.mark.parametrize("name", ["small_strain", "viscosity", "inertia"])
+def test_energy(name: str, table: dict[str, Any]) -> None:
+    """Work is stored, moves or is lost, to 1e-3 as by Coulomb's law; where points break off from static
+    friction, what they lose within the step is straight in it: 1e-2. Pressed, dragged through gross slip."""
+    pad, others = pads()[name]
+    count = 80
+    drives = [
+        Drive(1.2 * min(1.0, 2 * i / count), travel=1.0 * max(0.0, 2 * i / count - 1))
+        for i in range(count + 1)
+    ]
+    found = march(pad, DT * np.arange(count + 1), drives, [Friction(**table), *others], mass=PLATE)
+    assert found.stopped is None
+    normal, tangential = found.column("normal"), found.column("tangential")
+    down, along = np.diff(found.column("approach")), np.diff(found.column("travel"))
+    work = (normal[1:] + normal[:-1]) / 2 @ down + (tangential[1:] + tangential[:-1]) / 2 @ along
+    told = [reading.work for reading in found.readings[1:]]
+    work = work if None in told else sum(told)
+    last = found.readings[-1]
+    lost = found.column("dissipated").sum() + found.column("viscous").sum()
+    within = 1e-2 if "kinetic" in table else 1e-3
+    assert last.elastic + last.kinetic + lost == pytest.approx(work, rel=within)
+    assert found.column("dissipated").sum() > 0.05 * work
+    assert found.column("residual").max() <= 1e-10
+    assert abs(tangential[-1]) < 0.95 * 1.5 * normal[-1]  # the law's cap is at work
+
+
+def test_finite_strain_slips_by_area() -> None:
+    """Dragged through gross slip, each point bears what the law says of it: 1e-9 of the largest, for the
+    contact is solved on the last tangent but one."""
+    found = load_scene(
+        "yamada-2002-press",
+        [
+            "effects.finite_strain={}",
+            "effects.friction.law=shear",
+            "effects.friction.shear_stress=0.05",
+            "history.steps=8",
+            "history.time_s=[0, 1, 2]",
+            "history.normal_force_N=[0, 1, 1]",
+            "history.tangential_force_N=none",
+            "history.displacement_mm=[0, 0, 0.4]",
+        ],
+    )
+    pad = found.law.marched(replace(piece()[0]), piece()[1], 2, False, found.terms)
+    state = march(pad, found.history.times, found.history.drives(), found.terms, keep=[8])
+    assert state.stopped is None
+    grip = pad.grip(state.states[8])
+    assert grip.slips[grip.touches].all()
+    borne = np.minimum(grip.normal, 0.05 * pad.area)
+    assert grip.tangential == pytest.approx(borne, abs=1e-9 * grip.normal.max())
+    assert (grip.normal > 0.05 * pad.area).sum() >= 3
+
+
+def path(normal: list[float], pull: list[float], area: list[float], slips: list[bool]) -> RidgePath:
+    """Unloaded, pressed, pulled so far that ridges slip next, and with the slips."""
+    rows = [np.zeros(len(normal)), np.array(normal), np.array(normal), np.array(normal)]
+    along = [0 * rows[1], 0 * rows[1], np.array(pull), 1.05 * np.array(pull)]
+    none = np.zeros(len(normal), dtype=bool)
+    touched = np.array([none, none, none, none], dtype=float)
+    touched[1:] = area
+    return RidgePath(np.array(rows), np.array(along), touched, np.array([none, none, none, slips]))
+
+
+def test_the_order_of_slip_flips_where_load_and_area_do_not_go_together() -> None:
+    """Ridge 1 bears 0.5 of its load and 0.05 MPa; ridge 2 0.4 of its, but 0.1 MPa."""
+    loads = [0.4, 1.0, 1.0], [0.2, 0.4, 0.3], [4.0, 4.0, 4.0]
+    seen = path(*loads, [True, False, False])
+    assert flipped(seen, by_area=False) == (1, 2)
+    said = list(Friction(coefficient=0.5).afterwards(seen))
+    assert said == [
+        "the order of slip rests on effects.friction.law: ridge 1 slips first, "
+        "but by a constant shear stress ridge 2 would"
+    ]
+    other_way = path(*loads, [False, True, False])
+    assert flipped(other_way, by_area=True) == (2, 1)
+    assert "by Coulomb's law ridge 1 would" in next(Friction(**SHEAR).afterwards(other_way))
+
+
+def test_the_order_of_slip_is_not_told_where_it_is_the_same_or_nothing_slips() -> None:
+    loads = [0.4, 1.0, 1.0], [0.2, 0.4, 0.3]
+    assert flipped(path(*loads, [1.0, 4.0, 4.0], [True, False, False]), by_area=False) is None
+    assert flipped(path(*loads, [2.1, 4.1, 4.0], [True, False, False]), by_area=False) is None  # too close
+    assert flipped(path(*loads, [4.0, 4.0, 4.0], [False, False, False]), by_area=False) is None
+
+
+def test_a_ridge_that_has_just_met_the_plate_or_leaves_it_counts_for_nothing() -> None:
+    """Its few points slip at once, whatever the law."""
+    seen = path([0.01, 1.0, 1.0], [0.01, 0.4, 0.3], [0.1, 4.0, 4.0], [True, False, False])
+    assert flipped(seen, by_area=False) is None
+    leaves = path([0.4, 1.0, 1.0], [0.2, 0.4, 0.3], [4.0, 4.0, 4.0], [True, False, False])
+    leaves.normal[-1, 0] = 0.0
+    assert flipped(leaves, by_area=False) is None
