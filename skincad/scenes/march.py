@@ -124,6 +124,7 @@ class _Path:
 
     def __init__(self, pad: MarchedPad, limits: Limits, keep: Collection[int]) -> None:
         self.pad, self.limits, self.keep = pad, limits, keep
+        self.ridge, self.area = pad.ridge, pad.area
         self.state = pad.start()
         self.readings = [pad.reading(self.state, self.state)]
         self.loads = [self._of_ridges(pad.grip(self.state))]
@@ -158,8 +159,10 @@ class _Path:
 
     def _of_ridges(self, grip: Grip) -> Array:
         """Normal and tangential force, and what touches, `(3, ridges)`."""
-        ridge, touching = self.pad.ridge, self.pad.area * grip.touches
-        return np.array([np.bincount(ridge, of)[1:] for of in (grip.normal, grip.tangential, touching)])
+        found = [
+            np.bincount(self.ridge, of) for of in (grip.normal, grip.tangential, self.area * grip.touches)
+        ]
+        return np.array(found)[:, 1:]
 
     def due(self, ends: bool) -> bool:
         """Whether to look for collisions now."""

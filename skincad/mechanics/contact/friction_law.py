@@ -9,7 +9,7 @@ found.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,9 +18,8 @@ from skincad.mechanics.contact.grip import Cone
 from skincad.mechanics.problem import ContactError
 
 
-def nothing() -> Array:
-    """Return no numbers."""
-    return np.zeros(0)
+NONE = np.zeros(0)
+NO_LINES = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +30,10 @@ class FrictionLaw:
 
     static: float
     kinetic: float
-    area: Array = field(default_factory=nothing)
-    pressure: Array = field(default_factory=nothing)
-    stress: Array = field(default_factory=nothing)
-
-    @property
-    def bends(self) -> bool:
-        """Whether the law has knees."""
-        return self.area.size > 0
+    bends: bool
+    area: Array
+    pressure: Array
+    stress: Array
 
     def borne(self, normal: Array) -> Array:
         """Return the force `(m,)` N, static friction's of a law with knees, at normal forces `(m,)` N."""
@@ -47,9 +42,9 @@ class FrictionLaw:
         return self.area * np.interp(normal / self.area, self.pressure, self.stress)
 
     def line(self, normal: Array) -> Index:
-        """Return on which line each point lies `(m,)`: 0 up to the first knee."""
+        """Return on which line each point lies `(m,)`, 0 up to the first knee; nothing without knees."""
         if not self.bends:
-            return np.zeros(normal.size, dtype=np.int64)
+            return NO_LINES
         return np.searchsorted(self.pressure[1:], normal / self.area)
 
     def sliding(self, line: Index, way: Array) -> tuple[Array, Array | None]:
@@ -66,8 +61,8 @@ class FrictionLaw:
 def law_of(cone: Cone, area: Array | None) -> FrictionLaw:
     """Return the law of points of `area` `(m,)` mm2, which Coulomb's does not ask for."""
     if not cone.knees:
-        return FrictionLaw(cone.static, cone.kinetic)
+        return FrictionLaw(cone.static, cone.kinetic, False, NONE, NONE, NONE)
     if area is None:
         raise ContactError("friction by shear stress asks for the area of each contact point")
     pressure, stress = np.array([(0.0, 0.0), *cone.knees]).T
-    return FrictionLaw(1.0, cone.kinetic / cone.static, area, pressure, stress)
+    return FrictionLaw(1.0, cone.kinetic / cone.static, True, area, pressure, stress)
