@@ -21,7 +21,7 @@ from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
 
-CAP = 4.0  # times the coefficient: below a quarter of the shear stress by it Coulomb holds
+CAP = 2.0  # times the coefficient: up to half of the mean pressure Coulomb holds; from 4 on sets cycle
 POWER = -1 / 3
 LESS, SAME = 2e-3, 1e-3  # of the force at gross slip
 TRIES = 6

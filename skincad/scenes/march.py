@@ -162,7 +162,7 @@ class _Path:
         found = [
             np.bincount(self.ridge, of) for of in (grip.normal, grip.tangential, self.area * grip.touches)
         ]
-        return np.array(found)[:, 1:]
+        return np.array(found, dtype=float)[:, 1:]
 
     def due(self, ends: bool) -> bool:
         """Whether to look for collisions now."""

@@ -17,7 +17,6 @@ from skincad.base.arrays import Array, Index
 from skincad.mechanics.contact.grip import Cone
 from skincad.mechanics.problem import ContactError
 
-
 NONE = np.zeros(0)
 NO_LINES = np.zeros(0, dtype=np.int64)
 
