@@ -368,13 +368,15 @@ class _Step:
         w = self.gap - trial.d + self.zz @ p - self.zx @ t
         closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
         beyond = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
+        if self.law.bends:
+            beyond[slides] = np.abs(beyond[slides])  # what slides bears neither more nor less
         largest, length = float(np.abs(p).max()), self.length + abs(trial.d)
         largest = largest or self.force  # nothing touches a plate with mass
         terms: list[float] = [
             float(-w.min()) / length,
             float(np.abs(w[closed]).max(initial=0.0)) / length,
             float(-p.min()) / largest,
-            float(np.where(slides, np.abs(beyond), beyond).max()) / largest,
+            float(beyond.max()) / largest,
             float(np.abs(trial.moved[stuck]).max(initial=0.0)) / length,
             trial.unborne,
         ]
