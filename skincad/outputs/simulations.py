@@ -16,6 +16,7 @@ from skincad.outputs.delivery import picture
 from skincad.scenes.moments import frames
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
+from skincad.scenes.slip_errors import SlipError
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
@@ -78,19 +79,23 @@ def _felt_lines(found: Simulation) -> list[str]:
 
 def _lead_lines(found: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
-    leads = {ridge: lead for ridge, lead in found.lead.items() if lead is not None}
+    leads = {ridge: told for ridge, told in found.lead.items() if told.value is not None}
     errors = found.error or {}
     if max(len(leads), len(errors)) <= MOST_LINES:
         told = [
-            f"  lead           ridge {r} slips {lead:.3g} ms before all ridges do"
-            for r, lead in leads.items()
+            line
+            for r, ahead in leads.items()
+            for line in (
+                f"  lead           ridge {r} slips {ahead} before all ridges do",
+                *_lead_error(found.slip_errors[r - 1]),
+            )
         ]
         return told + [
             f"  error          {error:.1g} MPa in ridge {ridge}'s differential stress, from the mesh"
             for ridge, error in errors.items()
         ]
-    each = ", ".join(f"{ridge} {lead:.3g}" for ridge, lead in leads.items())
-    told = [f"  lead           ms from a ridge's slip to that of all: ridge {each}"] * bool(leads)
+    each = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
+    told = [f"  lead           from a ridge's slip to that of all: ridge {each}"] * bool(leads)
     if errors:
         worst = max(errors, key=errors.__getitem__)
         told.append(
@@ -98,6 +103,16 @@ def _lead_lines(found: Simulation) -> list[str]:
             "from the mesh"
         )
     return told
+
+
+def _lead_error(error: SlipError) -> list[str]:
+    """What a lead's error is made of; nothing where it is unknown."""
+    if error.mesh is None or error.time_step is None:
+        return []
+    parts = [f"{error.mesh:.1g} ms from the mesh", f"{error.time_step:.1g} from the time step"]
+    if error.left_out:
+        parts.append(f"{error.left_out:.2g} from what is left out (notes)")
+    return [f"  its error      {', '.join(parts)}"]
 
 
 def ridge_name(ridge: int | str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,8 +13,9 @@ from skincad.base.climbing import Ascent, overrun, unmet
 from skincad.base.errors import InputError, RefusedError
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.march import INTERRUPTED, March
-from skincad.scenes.on_mesh import Marching, march_on
+from skincad.scenes.on_mesh import Marching, march_on, march_thin
 from skincad.scenes.scene import Scene
+from skincad.scenes.slip_errors import Refined
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
@@ -25,11 +26,13 @@ DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out
 
 @dataclass(frozen=True, eq=False)
 class Climbed:
-    """The last march that counts, its error MPa by told ridge (None with one mesh), and what was not met."""
+    """The last march that counts, its error MPa by told ridge (None with one mesh), what was not met, and the
+    marches that its slips are held against."""
 
     march: March
     error: dict[int, float] | None
     short: list[str]
+    refined: Refined = field(default_factory=Refined)
 
 
 def climb(
@@ -38,11 +41,16 @@ def climb(
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
     wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
     last: dict[str, float] = {}
+    refined = [Refined()]
 
     def marched(level: Level, before: Ascent[Level, March, _Error] | None) -> March:
         two = before is None and budget is None  # two meshes are the least
         last.clear()
         found = march_on(level, on, last, LEVELS[1] if two and len(LEVELS) > 1 else None)
+        if before is not None:
+            refined[0] = replace(refined[0], before=before.found)
+        elif films and not (found.failed or found.interrupted):
+            refined[0] = Refined(every=found, thin=march_thin(on, found, last))
         for stage, more in last.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
         if before is not None and found.interrupted:
@@ -75,7 +83,8 @@ def climb(
     if films:
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
-    return Climbed(march, error, [*short, *overrun("", reached.spent, budget)])
+    counts = refined[0] if len(reached.rungs) > 1 else replace(refined[0], before=None)
+    return Climbed(march, error, [*short, *overrun("", reached.spent, budget)], counts)
 
 
 class _StoppedError(RefusedError):

@@ -18,6 +18,7 @@ from skincad.scenes.levels import Level, expected
 from skincad.scenes.march import March, march
 from skincad.scenes.moments import kept_steps
 from skincad.scenes.scene import Scene
+from skincad.scenes.slip_errors import thinned
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
@@ -89,6 +90,21 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
         found = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
     seconds |= {**stages, "march": found.seconds}
     return found
+
+
+def march_thin(on: Marching, found: March, seconds: dict[str, float]) -> March | None:
+    """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails."""
+    scene, history = on.scene, on.scene.history
+    kept = thinned(history.steps, np.array(history.time_s) / history.time_s[-1] * history.steps)
+    if found.pad is None or kept.size > history.steps:
+        return None
+    drives = history.drives()
+    with one_blas_thread():
+        ends = scene.law.limits(scene.design)
+        times, mass = history.times[kept], scene.plate.mass or 0.0
+        thin = march(found.pad, times, [drives[i] for i in kept], scene.terms, mass=mass, limits=ends)
+    seconds["march"] += thin.seconds
+    return None if thin.failed else thin
 
 
 def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -11,11 +12,13 @@ import numpy as np
 
 from skincad.base.arguments import require_goals
 from skincad.base.arrays import Array, Mask
+from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
-from skincad.effects.kinds import Reader, RidgePath
+from skincad.effects.kinds import Reader, RidgePath, Step
 from skincad.effects.omitted import Omitted
+from skincad.mechanics.contact.grip import Cone, Drive
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.climb import Climbed, climb, differential
 from skincad.scenes.levels import Level
@@ -25,13 +28,14 @@ from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.readers import joined, read
 from skincad.scenes.scene import Scene
 from skincad.scenes.signals import slips_of, unresolved
+from skincad.scenes.slip_errors import SlipError, lead, slip_errors
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Result):
     """A scene's result. `raw` and `signals` are by told ridge: the differential stress S1 - S2, MPa, as it is
     and band-limited; `error` MPa its change from the mesh before, None with one mesh; `slipping`
-    `(steps + 1, ridges)`.
+    `(steps + 1, ridges)`; `slip_errors` of each ridge's lead.
     """
 
     shown_by = "skincad.outputs.simulations"
@@ -44,6 +48,7 @@ class Simulation(Result):
     runs: list[list[list[int]]]
     slip_steps: list[int | None]
     gross_slip_step: int | None
+    slip_errors: list[SlipError]
     left_out: list[Omitted]
     read: dict[str, Any]
     seconds: dict[str, float]
@@ -77,14 +82,12 @@ class Simulation(Result):
         }
 
     @property
-    def lead(self) -> dict[int, float | None]:
-        """By how many ms a told ridge's lasting slip comes before gross slip; None without one of them."""
-        at, gross = 1e3 * self.march.time, self.gross_slip_step
-        steps = {ridge: self.slip_steps[ridge - 1] for ridge in self.scene.readout.ridges}
-        return {
-            ridge: None if gross is None or step is None else float(at[gross] - at[step])
-            for ridge, step in steps.items()
-        }
+    def lead(self) -> dict[int, Estimate]:
+        """By how many ms a told ridge's lasting slip comes before gross slip; no value without one of them,
+        no error where nobody asked what the mesh or the step changes."""
+        told = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
+        gross, errors = self.gross_slip_step, self.slip_errors
+        return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in told}
 
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""
@@ -105,7 +108,9 @@ class Simulation(Result):
             "ridge_slip_intervals": self.runs,
             "ridge_slip_step": self.slip_steps,
             "gross_slip_step": self.gross_slip_step,
-            "slip_lead_ms": {str(ridge): lead for ridge, lead in self.lead.items()},
+            "lead_ms": {str(r): each.as_json() for r, each in self.lead.items()},
+            "lead_error_ms": {str(r): self.slip_errors[r - 1].as_json() for r in self.lead},
+            "slip_lead_ms": {str(r): each.value for r, each in self.lead.items()},
             "differential_stress_MPa": told(lambda s: s.value),
             "stress_rate_MPa_per_s": told(lambda s: s.rate),
             "stress_jerk_MPa_per_s2": told(lambda s: s.jerk),
@@ -192,13 +197,25 @@ def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation
     return _told(on, found, {"total": perf_counter() - began, **seconds})
 
 
+def _cone(scene: Scene) -> Cone:
+    """What friction bears; without any no ridge bears a pull, so that any cone does."""
+    still = Drive(0.0)
+    shares = (term.share(Step(0.0, 1.0, still, still, scene.plate.mass or 0.0)) for term in scene.terms)
+    return next((share.cone for share in shares if share.cone), Cone(1.0, 1.0))
+
+
+def _change(left_out: list[Omitted]) -> float:
+    """The relative change of a ridge's load by all that is left out: taken to be the signals'."""
+    return math.fsum(entry.change for entry in left_out)
+
+
 def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulation:
     """What is told of the last march that counts."""
     began = perf_counter()
     scene, found, notes = on.scene, climbed.march, climbed.short
     raw, width = differential(on.piece, scene, found), scene.readout.bandwidth_Hz
     slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
-    left_out = omitted(scene, found)
+    left_out, driven = omitted(scene, found), scene.history.tangential_force_N is None
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
     notes = [*notes, *unresolved(found.time, width)] if raw else notes
@@ -218,6 +235,7 @@ def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulati
         slips.runs,
         slips.steps,
         slips.gross,
+        slip_errors(found, slips, climbed.refined, _change(left_out), driven, _cone(scene)),
         left_out,
         told,
         {**seconds, "total": seconds["total"] + perf_counter() - began},
