@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,7 @@ def test_a_lead_needs_both_slips() -> None:
     assert SlipError(0.1, 0.2, 0.3).total == pytest.approx(0.6)
 
 
+@cache
 def slip(*more: str) -> Simulation:
     return simulate(load_scene("yamada-2002-slip", ["readout.ridges=[1,2,3,4,6,7,8]", *more]))
 
