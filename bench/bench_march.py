@@ -25,11 +25,13 @@ from skincad.scenes.scene import Scene, load_scene
 
 STEPS = 100
 ORDER = 2
+FINITE = "finite strain"
 CASES: dict[str, list[str]] = {
     "friction, quasi-static": [],
     "viscosity": ["effects.viscosity={}"],
     "Prony series": ["effects.viscosity.prony=[[0.5, 1e-4], [0.3, 1e-3]]"],
     "inertia and viscosity": ["effects.inertia={}", "effects.viscosity={}", "plate.mass=0.1"],
+    FINITE: ["effects.finite_strain={}"],
 }
 
 

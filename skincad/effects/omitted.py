@@ -38,8 +38,8 @@ class Omitted:
 @dataclass(frozen=True)
 class SceneOutline:
     """What an indicator looks at: the skin; the history's points, `time_s` and `loads` at them (normal force
-    N, and tangential force N or displacement mm); how far a march got, `end` s, and its largest `travel` and
-    `approach`, mm."""
+    N, and tangential force N or displacement mm); how far a march got, `end` s, its largest `travel` and
+    `approach`, mm, and the largest normal force on a ridge, N."""
 
     design: Design
     time_s: tuple[float, ...]
@@ -47,3 +47,4 @@ class SceneOutline:
     end: float
     travel: float
     approach: float
+    ridge_normal: float = 0.0

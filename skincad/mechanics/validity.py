@@ -70,7 +70,7 @@ class Limits:
 def limits(design: Design) -> Limits:
     """Return where small strain ends."""
     modulus = silicone(design).young_modulus.value, silicone(design).poisson_ratio
-    area = _mean_width(design) * design.skin.length
+    area = mean_width(design) * design.skin.length
     shear = modulus[0] / (1 + modulus[1]) * area
     return Limits(height(design), plane_modulus(design) * area, shear, buckling_force(design))
 
@@ -89,7 +89,8 @@ def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> 
         raise InputError("force", words, force, "take a smaller force")
 
 
-def _mean_width(design: Design) -> float:
+def mean_width(design: Design) -> float:
+    """Return a ridge's width halfway up, mm."""
     return (design.ridge.root_width + design.ridge.tip_width) / 2
 
 
@@ -127,7 +128,7 @@ def buckling_force(design: Design) -> float:
     high and tapered by up to half, to tip over at 0.84 to 1.20 times this (14 random ones; 0.72 to 1.22 for
     the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
     """
-    stuff, width = silicone(design), _mean_width(design)
+    stuff, width = silicone(design), mean_width(design)
     inertia = design.skin.length * width**3 / 12
     bending = math.pi**2 * plane_modulus(design) * inertia / max(design.heights) ** 2
     shear_modulus = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))

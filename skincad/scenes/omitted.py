@@ -23,6 +23,7 @@ def omitted(scene: Scene, found: March) -> list[Omitted]:
         float(found.time[-1]),
         float(np.abs(found.column("travel")).max()),
         float(np.abs(found.column("approach")).max()),
+        float(found.loads[:, 0].max()),
     )
     unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in scene.effects]
     entries = [entry for name in unnamed if (entry := effect(name).left_out(outline))]

@@ -206,9 +206,9 @@ def test_an_effect_that_says_what_leaving_it_out_changes_says_so_in_its_row() ->
 
 @pytest.mark.parametrize("name", [name for name, row in EFFECTS.items() if row.indicates])
 def test_what_an_effect_says_of_leaving_it_out_bears_its_name(name: str) -> None:
-    """Of yamada-2002, whose loads rise in 1 ms, at a squeeze of 0.1 mm."""
+    """Of yamada-2002, whose loads rise in 1 ms, at a squeeze of 0.1 mm and 0.6 N on a ridge."""
     said = effect(name).left_out(
-        SceneOutline(yamada(), (0.0, 1e-3), ((0.0, 4.0), (0.0, 0.0)), 1e-3, 0.0, 0.1)
+        SceneOutline(yamada(), (0.0, 1e-3), ((0.0, 4.0), (0.0, 0.0)), 1e-3, 0.0, 0.1, 0.6)
     )
     assert said is not None
     assert said.effect == name
@@ -223,6 +223,7 @@ def test_what_an_effect_says_of_leaving_it_out_bears_its_name(name: str) -> None
             SceneOutline(yamada().with_(film=None), (0.0, 1.0), ((0.0, 4.0), (0.0, 0.0)), 1.0, 0.0, 0.1),
         ),
         ("inertia", SceneOutline(yamada(), (0.0, 1.0), ((0.0, 0.0), (0.0, 0.0)), 1.0, 0.0, 0.0)),
+        ("finite_strain", SceneOutline(yamada(), (0.0, 1.0), ((0.0, 0.0), (0.0, 0.0)), 1.0, 0.0, 0.0)),
         # the march stopped before the ramp
         ("inertia", SceneOutline(yamada(), (0.0, 1.0, 2.0), ((0.0, 0.0, 4.0), (0.0,) * 3), 1.0, 0.0, 0.0)),
     ],

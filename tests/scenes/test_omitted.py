@@ -92,10 +92,11 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     seen: list[SceneOutline] = []
     monkeypatch.setattr(omitted, "effect", lambda _: SimpleNamespace(left_out=seen.append))
     scene = load_scene(name)
-    march = SimpleNamespace(time=np.array([0.0, 1.0]), column=lambda _: np.zeros(2))
+    march = SimpleNamespace(time=np.array([0.0, 1.0]), column=lambda _: np.zeros(2), hardest=0.3)
     assert omitted.omitted(scene, march) == []  # type: ignore[arg-type]
     assert seen
     for outline in seen:
+        assert outline.ridge_normal == 0.3
         assert outline.loads == (
             tuple(scene.history.normal_force_N),
             tuple(getattr(scene.history, across)),

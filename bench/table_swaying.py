@@ -1,0 +1,171 @@
+"""What leaving out finite strain is said to change, against what it changes.
+
+`python -m bench.table_swaying 2 20`: random scenes of seed 2, 20 of them. Three to seven ridges are pressed
+to a nominal strain of 0.02 to 0.13 and pulled to 0.95 of friction at 0.15 to 0.6, films bonded or silicone in
+their place, in small and in finite strain on one mesh: ten seconds to a minute a scene. Besides, Pcr of its
+ridges, from how much steeper the difference rises with the pull, against mechanics/swaying.py.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.effects.finite_strain import FiniteStrain
+from skincad.effects.small_strain import SmallStrain
+from skincad.inputs.catalog import load
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.film.stick import piece_of
+from skincad.mechanics.swaying import sway_force
+from skincad.scenes.march import March, march
+from skincad.scenes.omitted import omitted
+from skincad.scenes.on_mesh import piece_for
+from skincad.scenes.scene import Scene, load_scene
+
+FINENESS, ORDER = 0.3, 2
+PRESSED, STEPS = 4, 10  # of which the first press
+STEADY = 0.04  # spread of a ridge's normal force and of its slope: beyond it no Pcr is read off
+RAISED = 1.05  # least gain of a slope from which Pcr is read off
+
+
+@dataclass(frozen=True)
+class Forces:
+    """By step and ridge: normal and tangential forces, N, and S1 - S2, MPa; and the march."""
+
+    normal: Array
+    tangential: Array
+    difference: Array
+    march: March
+
+
+def drawn(rng: np.random.Generator) -> Scene:
+    """Return a random scene; InputError where its skin cannot be."""
+    pitch, count = math.exp(rng.uniform(math.log(0.8), math.log(2.5))), int(rng.choice([3, 3, 5, 7]))
+    root = pitch * rng.uniform(0.5, 0.8)
+    tip, height = root * rng.uniform(0.6, 0.9), root * rng.uniform(0.45, 0.95)
+    width, modulus = pitch * (count + rng.uniform(1, 3)), math.exp(rng.uniform(math.log(0.1), math.log(1.5)))
+    length, friction = rng.uniform(6, 20), math.exp(rng.uniform(math.log(0.15), math.log(0.6)))
+    normal = rng.uniform(0.02, 0.13) * modulus * (root + tip) / 2 * length * count
+    design = _rounded(
+        skin={
+            "curvature_radius": width * math.exp(rng.uniform(math.log(3), math.log(60))),
+            "thickness": pitch * rng.uniform(1.5, 5),
+            "width": width,
+            "length": length,
+        },
+        ridge={
+            "pitch": pitch,
+            "height": height,
+            "root_width": root,
+            "tip_width": tip,
+            "crown": 0.04 * tip,
+            "tip_fillet": 0.1 * tip,
+            "root_fillet": 0.15 * height,
+        },
+        slot={"depth": 0.5 * height, "offset": 0.2 * root, "elevation": 0.1 * height},
+        contact={"force": normal},
+    ).with_(
+        ridge={"count": count},
+        material={"young_modulus": {"value": modulus, "low": 0.8 * modulus, "high": 1.2 * modulus}},
+    )
+    changes = [
+        f"history.steps={STEPS}",
+        f"history.time_s=[0.0, {PRESSED / 1000}, {STEPS / 1000}]",
+        f"history.normal_force_N=[0.0, {normal}, {normal}]",
+        f"history.tangential_force_N=[0.0, 0.0, {0.95 * friction * normal}]",
+        f"effects.friction.coefficient={friction}",
+        "readout.ridges=[3]",
+        *([] if rng.random() < 0.5 else ["effects.film=none"]),
+    ]
+    return load_scene("yamada-2002-slip", changes, skin=design)
+
+
+def _rounded(**tables: dict[str, float]) -> Design:
+    rounded: dict[str, Any] = {
+        table: {key: round(float(value), 4) for key, value in values.items()}
+        for table, values in tables.items()
+    }
+    return load("yamada-2002").with_(**rounded)
+
+
+def both(scene: Scene) -> tuple[Forces, Forces]:
+    """Return the scene marched in small and in finite strain, on the same mesh of the whole pad."""
+    piece = piece_for(scene, {})
+    piece = piece_of(piece.whole, piece.thickness, halved=False)
+    mesh = triangles(piece.pad, default_sizes(piece.pad, FINENESS))
+    times, drives = scene.history.times, scene.history.drives()
+    small, large = (
+        _marched(law.marched(piece, mesh, ORDER, True, scene.terms), times, drives, scene)
+        for law in (SmallStrain(), FiniteStrain())
+    )
+    return small, large
+
+
+def _marched(pad: Any, times: Array, drives: list[Drive], scene: Scene) -> Forces:
+    found = march(pad, times, drives, scene.terms, keep=range(len(drives)))
+    grips = [pad.grip(found.states[i]) for i in range(len(found.readings))]
+    first, count = int(found.ridge.min()), int(np.ptp(found.ridge)) + 1
+    normal, across = (
+        np.array([np.bincount(found.ridge - first, each, count) for each in forces])
+        for forces in ([g.normal for g in grips], [g.tangential for g in grips])
+    )
+    films = found.column("films")[:, :, 0]
+    return Forces(normal, across, films[:, ::2] - films[:, 1::2], found)
+
+
+def critical(small: Forces, large: Forces, ridge: int) -> float | None:
+    """Return Pcr of a ridge, N, by how much steeper the difference rises with its pull; None where its
+    normal force or the slope changes on the way."""
+    end, slopes = min(len(small.difference), len(large.difference)), list[float]()
+    for each in (small, large):
+        normal, pull = each.normal[PRESSED:end, ridge], each.tangential[PRESSED:end, ridge]
+        difference = each.difference[PRESSED:end, ridge]
+        if np.ptp(pull) < 1e-3 * normal.max() or normal.std() > STEADY * normal.mean():
+            return None
+        line = np.polynomial.Polynomial.fit(pull, difference, 1)
+        if np.abs(line(pull) - difference).max() > STEADY * np.ptp(difference):
+            return None
+        slopes.append(float(line.convert().coef[1]))
+    gain = slopes[1] / slopes[0]
+    return None if gain < RAISED else float(large.normal[PRESSED:end, ridge].mean()) / (1 - 1 / gain)
+
+
+def main() -> None:
+    """Print a line a scene, and how often what is said lies within a factor of two."""
+    rng, parts, forces = np.random.default_rng(int(sys.argv[1])), list[float](), list[float]()
+    while len(parts) < int(sys.argv[2]):
+        try:
+            scene = drawn(rng)
+            small, large = both(scene)
+        except InputError as refusal:
+            print(f"refused: {refusal}")
+            continue
+        end = min(len(small.difference), len(large.difference))
+        there, here = large.difference[:end], small.difference[:end]
+        change = float(np.abs(there - here).max() / np.abs(here).max())
+        said = next(each for each in omitted(scene, small.march) if each.effect == "finite_strain").change
+        ratios = [
+            found / sway_force(scene.design, float(large.normal[-1, ridge]))
+            for ridge in range(scene.design.ridge.count)
+            if (found := critical(small, large, ridge))
+        ]
+        parts.append(said / change)
+        forces += [float(np.median(ratios))] if ratios else []
+        last = f", Pcr found over stated {forces[-1]:.2f}" if ratios else ""
+        print(f"changes by {change:.2f}, said {said:.2f}{last}; {large.march.stopped or ''}", flush=True)
+    held = sum(0.5 <= part <= 2 for part in parts)
+    spread = f"{min(parts):.2f} to {max(parts):.2f}"
+    print(f"said over found {spread}, within a factor of two in {held} of {len(parts)}")
+    print(f"Pcr found over stated {min(forces):.2f} to {max(forces):.2f}, median {np.median(forces):.2f}")
+
+
+if __name__ == "__main__":
+    main()
