@@ -48,20 +48,24 @@ class Forces:
 
 def drawn(rng: np.random.Generator) -> Scene:
     """Return a random scene; InputError where its skin cannot be."""
-    pitch, count = math.exp(rng.uniform(math.log(0.8), math.log(2.5))), int(rng.choice([3, 3, 5, 7]))
+    pitch = _between(rng, 0.8, 2.5)
     root = pitch * rng.uniform(0.5, 0.8)
-    tip, height = root * rng.uniform(0.6, 0.9), root * rng.uniform(0.45, 0.95)
-    width, modulus = pitch * (count + rng.uniform(1, 3)), math.exp(rng.uniform(math.log(0.1), math.log(1.5)))
-    length, friction = rng.uniform(6, 20), math.exp(rng.uniform(math.log(0.15), math.log(0.6)))
-    normal = rng.uniform(0.02, 0.13) * modulus * (root + tip) / 2 * length * count
+    tip = root * rng.uniform(0.6, 0.9)
+    height = root * rng.uniform(0.45, 0.95)
+    count = int(rng.choice([3, 3, 5, 7]))
+    thickness, width = pitch * rng.uniform(1.5, 5), pitch * (count + rng.uniform(1, 3))
+    radius, length, modulus = width * _between(rng, 3, 60), rng.uniform(6, 20), _between(rng, 0.1, 1.5)
+    normal = round(rng.uniform(0.02, 0.13) * modulus * (root + tip) / 2 * length * count, 4)
+    friction = round(_between(rng, 0.15, 0.6), 4)
     design = _rounded(
         skin={
-            "curvature_radius": width * math.exp(rng.uniform(math.log(3), math.log(60))),
-            "thickness": pitch * rng.uniform(1.5, 5),
+            "curvature_radius": radius,
+            "thickness": thickness,
             "width": width,
             "length": length,
         },
         ridge={
+            "count": count,
             "pitch": pitch,
             "height": height,
             "root_width": root,
@@ -72,9 +76,7 @@ def drawn(rng: np.random.Generator) -> Scene:
         },
         slot={"depth": 0.5 * height, "offset": 0.2 * root, "elevation": 0.1 * height},
         contact={"force": normal},
-    ).with_(
-        ridge={"count": count},
-        material={"young_modulus": {"value": modulus, "low": 0.8 * modulus, "high": 1.2 * modulus}},
+        modulus={"value": modulus, "low": 0.8 * modulus, "high": 1.2 * modulus},
     )
     changes = [
         f"history.steps={STEPS}",
@@ -88,12 +90,21 @@ def drawn(rng: np.random.Generator) -> Scene:
     return load_scene("yamada-2002-slip", changes, skin=design)
 
 
-def _rounded(**tables: dict[str, float]) -> Design:
+def _between(rng: np.random.Generator, low: float, high: float) -> float:
+    """Return a number between two, its logarithm evenly spread."""
+    return math.exp(rng.uniform(math.log(low), math.log(high)))
+
+
+def _rounded(modulus: dict[str, float], **tables: dict[str, float]) -> Design:
+    """Return the paper's skin with other values, as one would write them."""
+    tables["modulus"] = modulus
     rounded: dict[str, Any] = {
-        table: {key: round(float(value), 4) for key, value in values.items()}
+        table: {
+            key: value if isinstance(value, int) else round(float(value), 4) for key, value in values.items()
+        }
         for table, values in tables.items()
     }
-    return load("yamada-2002").with_(**rounded)
+    return load("yamada-2002").with_(material={"young_modulus": rounded.pop("modulus")}, **rounded)
 
 
 def both(scene: Scene) -> tuple[Forces, Forces]:

@@ -86,7 +86,8 @@ def strip_stress(
         *((each * (stress * each)) / (each * each) for each in (across, along)),
         (1 + swell) * mean,
     )
-    return StripStress(moved, parts, elements, strip, 2 * order + EXTRA)
+    compiled = tuple(part.Compile() for part in parts)  # a fifth of the time
+    return StripStress(moved, compiled, elements, strip, 2 * order + EXTRA)
 
 
 def _directions(mesh: Any, elements: Index, direction: Array) -> Any:
