@@ -50,6 +50,16 @@ def test_a_driven_plate_goes_on_through_gross_slip_and_its_work_is_accounted_for
     assert found.column("dissipated").sum() == pytest.approx(0.15 * 0.9 + 0.4, rel=1e-12)
 
 
+def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
+    """Two ridges of unlike springs in z: the stiffer bears 2/3 of 3 N, by hand; then the plate eases off."""
+    none, two = np.zeros(2), np.ones(2)
+    springs = np.diag([0.25, 0.25, 0.1, 0.2])
+    pad = Sliding(springs, none, none, np.array([1, 2]), two, np.zeros((0, 3, 4)), 2)
+    drives = [Drive(force, 0.0) for force in (0.0, 1.0, 3.0, 2.0, 1.0)]
+    found = march(condensed(pad), TIMES, drives, [Friction(coefficient=0.5)])
+    assert found.hardest == pytest.approx(2.0, rel=1e-9)
+
+
 class _Failing(CondensedPad):
     def advanced(self, state: Grip, step: Step, shares: Any) -> Grip:
         if step.end > 0.6:
