@@ -92,7 +92,8 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     seen: list[SceneOutline] = []
     monkeypatch.setattr(omitted, "effect", lambda _: SimpleNamespace(left_out=seen.append))
     scene = load_scene(name)
-    march = SimpleNamespace(time=np.array([0.0, 1.0]), column=lambda _: np.zeros(2), hardest=0.3)
+    loads = np.array([[[0.1, 0.3], [0.5, 0.2], [9.0, 9.0]], [[0.2, 0.1], [0.6, 0.7], [9.0, 9.0]]])
+    march = SimpleNamespace(time=np.array([0.0, 1.0]), column=lambda _: np.zeros(2), loads=loads)
     assert omitted.omitted(scene, march) == []  # type: ignore[arg-type]
     assert seen
     for outline in seen:
