@@ -1,0 +1,101 @@
+"""The exam's scenes behind an amplifier: outputs of every strip without noise, and noise of any seed.
+
+Both are Chain's, for all strips at once: what the chain makes of one step's change of charge is asked of it
+once, and the rest follows by superposition; noise has its density, drawn as one period of all strips.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy.signal import fftconvolve
+
+from bench.exam.scenes import Marched
+from skincad.circuit.low_pass import corner
+from skincad.circuit.model import circuit_network, load_circuit
+from skincad.circuit.noise import total_density
+from skincad.effects.piezo import Chain, fitted, strip_charges
+from skincad.scenes.signals import intervals
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """Outputs `(n, ridges, 2)` V of the told ridges; `slipping` `(n, ridges)` of them; `gross` the step at
+    which all slip, which ends it; `noise` V rms of a strip; `density` V of a strip's noise by rfft's bins."""
+
+    scene: Marched
+    circuit: str
+    rate: float
+    outputs: np.ndarray
+    slipping: np.ndarray
+    noise: float
+    density: np.ndarray
+    fine: int
+
+    @property
+    def gross(self) -> int | None:
+        """The step of gross slip."""
+        return self.scene.gross
+
+    @cached_property
+    def runs(self) -> list[list[list[int]]]:
+        """When each told ridge slips, [from, to]."""
+        return [intervals(column) for column in self.slipping.T]
+
+    def noises(self, seed: int) -> np.ndarray:
+        """Return noise as `outputs`, V, of a seed."""
+        n, ridges, _ = self.outputs.shape
+        draw = np.random.default_rng((seed, self.scene.seed))
+        shape = (2, self.density.size, 2 * ridges)
+        parts = draw.standard_normal(shape) * self.density[:, None]
+        size = 2 * (self.density.size - 1)
+        found = np.fft.irfft(parts[0] + 1j * parts[1], size, axis=0)[:: self.fine][:n]
+        return found.reshape(n, ridges, 2)
+
+    def told(self, ridges: tuple[int, ...]) -> Case:
+        """Return the case of some of its ridges, from 1."""
+        at = np.array(ridges) - 1
+        return replace(self, outputs=self.outputs[:, at], slipping=self.slipping[:, at])
+
+
+def case(scene: Marched, circuit: str, folder: Path) -> Case:
+    """Return a scene behind a circuit, all ridges told, up to its gross slip; outputs are kept on disk."""
+    end = scene.time.size if scene.gross is None else scene.gross + 1
+    time = scene.time[:end]
+    own = fitted(load_circuit(circuit), scene.skin.design)
+    network = circuit_network(own)
+    chain = Chain.of(network, time, scene.bandwidth)
+    path = folder / f"{scene.seed}-{circuit}.npz"
+    if not path.exists():
+        charges = strip_charges(own, scene.skin.design, scene.stress[:end])
+        np.savez(path, outputs=_outputs(chain, charges), density=_density(chain))
+    with np.load(path) as data:
+        outputs, density = data["outputs"], data["density"]
+    rms = float(np.sqrt(2 * np.sum(density[1:] ** 2))) * np.sqrt(2) / (2 * (density.size - 1))
+    return Case(
+        scene, circuit, 1 / float(time[1]), outputs.reshape(end, -1, 2), scene.slipping[:end], rms, density,
+        chain.fine,
+    )  # fmt: skip
+
+
+def _outputs(chain: Chain, charges: np.ndarray) -> np.ndarray:
+    """Return `chain.output` of each column of `charges` `(n, strips)` C."""
+    hat = np.zeros(charges.shape[0])
+    hat[1] = 1.0
+    answer = chain.output(hat)[1:]
+    moved = charges - charges[0]
+    return np.asarray(fftconvolve(moved, answer[:, None], axes=0)[: charges.shape[0]])
+
+
+def _density(chain: Chain) -> np.ndarray:
+    """Return the size of each rfft bin's real and imaginary part, behind the low-pass, of a period."""
+    size = max(1024, 2 * ((chain.count * chain.fine + 1) // 2))
+    frequency = np.fft.rfftfreq(size, 1 / chain.step.rate)
+    power = total_density(chain.network, frequency[1:])
+    passed = 1 / (1 + (2 * np.pi * frequency[1:] / corner(chain.bandwidth)) ** 2)
+    found = np.zeros(frequency.size)
+    found[1:] = np.sqrt(power * chain.step.rate * size / 4) * passed
+    return found

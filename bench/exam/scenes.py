@@ -1,0 +1,177 @@
+"""The exam's scenes by seed: a skin, a friction, a history, some told ridges; marched once and kept on disk.
+
+Sets are split by seed, once: even ones to choose constants on (`design`), odd ones to be scored (`exam`).
+Every 30th has masses (a plate of 0.05 to 1 g, viscosity), the others are quasi-static, on the coarsest mesh.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bench.exam.histories import STEPS, History, history
+from bench.exam.skins import SETS, Skin, skins
+from skincad.base.errors import InputError
+from skincad.inputs.material import silicone
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import march
+from skincad.scenes.on_mesh import Marching, march_on, piece_for
+from skincad.scenes.scene import Scene
+from skincad.scenes.signals import slips_of
+
+COUNT = 240  # scenes of a set
+MASSES = 30  # every so manyth scene has them
+FRICTION = 0.2, 1.2
+SLOW = 300  # steps with masses, a tenth of a second each
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A scene before its march."""
+
+    seed: int
+    skin: Skin
+    friction: float
+    mass: float | None
+    way: History
+    scene: Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """A scene after it: films' `stress` `(n, strips, 3)` MPa, `slipping` `(n, ridges)`, forces N; `gross` is
+    the step of gross slip, where it ends, None without one; `told` ridges from 1."""
+
+    seed: int
+    skin: Skin
+    friction: float
+    mass: float | None
+    time: np.ndarray
+    bandwidth: float
+    stress: np.ndarray
+    slipping: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+    gross: int | None
+    phases: tuple[tuple[str, int], ...]
+    told: tuple[int, ...]
+
+
+@cache
+def set_skins(kind: str) -> list[Skin]:
+    """Return a set's skins, made once."""
+    return skins(kind)
+
+
+def seeds(kind: str) -> range:
+    """Return a set's seeds."""
+    return range(SETS.index(kind), 2 * COUNT, 2)
+
+
+def drawn(seed: int) -> Drawn:
+    """Return the scene of a seed, drawn again where skin and history do not fit."""
+    draw = np.random.default_rng((2020, seed))
+    pads = set_skins(SETS[seed % 2])
+    heavy = (seed // 2) % MASSES == MASSES - 1
+    while True:
+        skin = pads[int(draw.integers(len(pads)))]
+        friction = float(draw.uniform(*FRICTION))
+        mass = float(np.exp(draw.uniform(np.log(0.05), np.log(1.0)))) if heavy else None
+        design = skin.design
+        turn = min(3.0, float(np.degrees(2 * design.ridge.pitch / design.skin.curvature_radius)))
+        way = history(draw, skin.force, friction, 0.0 if heavy else turn, _reach(skin, friction))
+        try:
+            return Drawn(seed, skin, friction, mass, way, _scene(skin, friction, mass, way))
+        except InputError:
+            continue
+
+
+def _reach(skin: Skin, friction: float) -> float:
+    """Return mm of travel that about slips twice over: a sheared block's, which is stiffer than ridges."""
+    d = skin.design
+    area = d.ridge.count * d.ridge.root_width * d.skin.length
+    return 2 * friction * skin.force * d.skin.thickness / (silicone(d).young_modulus.value / 3 * area)
+
+
+def _scene(skin: Skin, friction: float, mass: float | None, way: History) -> Scene:
+    effects = {"friction": {"coefficient": friction}, "film": {}}
+    effects |= {} if mass is None else {"inertia": {}, "viscosity": {}}
+    across = {"tangential_force_N": way.tangential} if way.travel is None else {"displacement_mm": way.travel}
+    times = {"time_s": way.time, "normal_force_N": way.normal, **across, "steps": STEPS}
+    if np.any(way.angle):
+        times["rotation_deg"] = way.angle
+    if mass is not None:
+        times["steps"] = SLOW
+    return Scene(
+        name="exam", skin=skin.design, history=times, plate={} if mass is None else {"mass": mass},
+        effects=effects, readout={"ridges": [1], "bandwidth_Hz": way.bandwidth},
+    )  # fmt: skip
+
+
+_PADS: dict[str, object] = {}
+
+
+def marched(one: Drawn) -> Marched:
+    """March a scene; a quasi-static skin is condensed once."""
+    scene, name = one.scene, one.skin.name
+    if one.mass is None and name in _PADS:
+        ends = scene.law.limits(scene.design)
+        times, drives = scene.history.times, scene.history.drives()
+        found = march(_PADS[name], times, drives, scene.terms, None, (), 0.0, ends)
+    else:
+        found = march_on(LEVELS[0], Marching(scene, piece_for(scene, {})), {})
+        if one.mass is None:
+            _PADS[name] = found.pad
+    slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
+    draw = np.random.default_rng((77, one.seed))
+    ridges = scene.design.ridge.count
+    told = np.sort(draw.permutation(ridges)[: draw.integers(1, min(9, ridges) + 1)]) + 1
+    return Marched(
+        one.seed, one.skin, one.friction, one.mass, found.time, one.way.bandwidth, found.column("films"),
+        slips.slipping, found.column("normal"), found.column("tangential"), slips.gross, one.way.phases,
+        tuple(told.tolist()),
+    )  # fmt: skip
+
+
+def kept(seed: int, folder: Path) -> Marched:
+    """Return a seed's march from disk, marched if it is not there."""
+    path = folder / f"{seed}.npz"
+    one = drawn(seed)
+    if not path.exists():
+        found = marched(one)
+        arrays = {k: getattr(found, k) for k in ("time", "stress", "slipping", "normal", "tangential")}
+        gross = -1 if found.gross is None else found.gross
+        folder.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(path, gross=gross, told=found.told, **arrays)
+    with np.load(path) as data:
+        gross = int(data["gross"])
+        return Marched(
+            seed, one.skin, one.friction, one.mass, data["time"], one.way.bandwidth, data["stress"],
+            data["slipping"], data["normal"], data["tangential"], None if gross < 0 else gross,
+            one.way.phases, tuple(data["told"].tolist()),
+        )  # fmt: skip
+
+
+def scenes(kind: str, folder: Path) -> Iterator[Marched]:
+    """Yield a set's scenes, those of one skin after each other."""
+    order = sorted(seeds(kind), key=lambda s: ((s // 2) % MASSES == MASSES - 1, drawn(s).skin.name))
+    for seed in order:
+        yield kept(seed, folder)
+
+
+if __name__ == "__main__":
+    with threadpool_limits(limits=1, user_api="blas"), warnings.catch_warnings():
+        for kind in sys.argv[2:] or SETS:
+            for found in scenes(kind, Path(sys.argv[1])):
+                slip = found.slipping.any(axis=1).argmax()
+                print(
+                    found.seed, found.skin.name, f"{found.friction:.2f}", found.mass, len(found.time) - 1,
+                    "gross", found.gross, "first slip", slip, [p for p, _ in found.phases], flush=True,
+                )  # fmt: skip

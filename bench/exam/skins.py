@@ -1,0 +1,94 @@
+"""The exam's skins: the templates that have films, and 20 random ones, ten for either set.
+
+Random skins keep the proportions of templates/designs/yamada-2002 within a factor (assumption) and are drawn
+again until design and Winkler verdict take them; they are pressed by what makes all their ridges touch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.inputs.catalog import load_design, template_names
+from skincad.inputs.design import Design
+
+DESIGN, EXAM = "design", "exam"
+SETS = (DESIGN, EXAM)
+RANDOM = 10  # skins of a set
+LARGEST = 12  # ridges; gripper-pad's 21 take as long as five others
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """A design, and N at which a scene of it presses."""
+
+    name: str
+    design: Design
+    force: float
+
+
+def templates() -> list[Skin]:
+    """Return the flat-extruded templates with films and not more ridges than LARGEST; both sets have them."""
+    found = [load_design(name) for name in template_names("designs")]
+    return [
+        Skin(d.name, d, d.contact.force)
+        for d in found
+        if d.film is not None and d.slot is not None and d.contact and d.ridge.count <= LARGEST
+    ]
+
+
+def skins(kind: str) -> list[Skin]:
+    """Return a set's skins: templates first."""
+    first = RANDOM * SETS.index(kind)
+    return [*templates(), *(random_skin(i) for i in range(first, first + RANDOM))]
+
+
+def random_skin(number: int) -> Skin:
+    """Return the random skin of a number; the same every time."""
+    draw = np.random.default_rng((20, number))
+    while True:
+        try:
+            design = _drawn(draw, f"random-{number}")
+            needed = skincad.check(design, tier="winkler").all_touch_force.value
+            force = float(np.clip(needed * draw.uniform(0.9, 1.6), 0.2, 60.0))
+            return Skin(design.name, design, force)
+        except InputError:
+            continue
+
+
+def _drawn(draw: np.random.Generator, name: str) -> Design:
+    """Return a random design, or raise InputError."""
+    pitch = float(np.exp(draw.uniform(np.log(0.9), np.log(4.0))))
+    count = int(draw.integers(3, LARGEST + 1))
+    part = {
+        "height": draw.uniform(0.35, 0.6),
+        "root_width": draw.uniform(0.7, 0.82),
+        "tip_width": draw.uniform(0.45, 0.6),
+        "crown": draw.uniform(0.015, 0.04),
+    }
+    ridge = {key: pitch * share for key, share in part.items()}
+    gap = max(0.05, 0.05 * pitch)
+    return load_design(
+        "yamada-2002",
+        [
+            f"name={name!r}".replace("'", '"'),
+            f"skin.curvature_radius={np.exp(draw.uniform(np.log(12), np.log(300))):.4g}",
+            f"skin.thickness={pitch * draw.uniform(2.5, 6):.4g}",
+            f"skin.width={pitch * (count + 2):.4g}",
+            f"skin.length={pitch * draw.uniform(8, 20):.4g}",
+            f"ridge.count={count}",
+            f"ridge.pitch={pitch:.4g}",
+            *(f"ridge.{key}={value:.4g}" for key, value in ridge.items()),
+            f"ridge.tip_fillet={0.05 * pitch:.4g}",
+            f"ridge.root_fillet={0.08 * pitch:.4g}",
+            f"ridge.levelling={draw.choice([0.0, 0.0, 0.3, 0.6])}",
+            f"slot.thickness={gap:.4g}",
+            f"slot.depth={0.25 * pitch:.4g}",
+            f"slot.offset={0.16 * pitch:.4g}",
+            f"slot.elevation={0.05 * pitch:.4g}",
+            f"material.young_modulus={np.exp(draw.uniform(np.log(0.15), np.log(1.5))):.4g}",
+        ],
+    )
