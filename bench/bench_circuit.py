@@ -40,7 +40,7 @@ def main() -> None:
             spent = best(work)
             print(f"{name:42} {points:8d} {spent:7.3f} {unit:10.4f} {spent / unit:7.1f}")
     felt, feels = charge[:, None, None] * np.ones((1, 2, 2)), detector(1e5, 5e3, 1e-12)
-    spent = best(lambda: fed(feels, at_rest(feels, 2), felt))
+    spent = best(lambda: fed(feels, at_rest(2), felt))
     print(f"{'detector of two ridges':42} {felt.shape[0]:8d} {spent:7.3f} {unit:10.4f} {spent / unit:7.1f}")
     spent = best(lambda: stepper(network, 1e5))
     print(f"{'its step, once a circuit and rate':42} {'':8} {spent:7.3f}")

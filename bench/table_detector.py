@@ -1,233 +1,128 @@
-"""Slip felt from two ridges' outputs, by scene and amplifier, beside detectors that never and always alarm.
+"""The slip detector's exam: scenes that it was not fitted to, by amplifier, noise and number of ridges.
 
-`python -m bench.table_detector [-o DIR] [SCENE ...]` (default out/detector) marches every scene
-that ships, and four of its own of a few ms, once each; adds 200 seeded noises; prints the table and the area
-under the receiver operating curve, and draws it in roc.png. Constants of scenes/slip.py were chosen on the
-scenes marked *; rolling, and what is named on the command line, they have not seen.
+`python -m bench.table_detector [FOLDER] [CIRCUIT ...]` (default out/exam, transimpedance and yamada-2002)
+marches the exam set of bench/exam (half an hour on a core; what is in FOLDER is not marched again) and
+prints, for each amplifier, gross slips warned of, lead, alarms that are right, of another ridge and false,
+each with its 95 % interval; beside detectors that are silent, never cease, watch the rate alone, or know the
+forces; false alarms of minutes of holding; and the bound of what any detector can warn of.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
+from bench.exam import rivals
+from bench.exam.bound import bound
+from bench.exam.cases import Case, case
+from bench.exam.scenes import Marched, kept, seeds
+from bench.exam.scoring import HEAD, Alarm, line, mark, rate
+from bench.exam.skins import EXAM
+from skincad.circuit.low_pass import corner
 from skincad.circuit.model import circuit_network, load_circuit
-from skincad.effects.piezo import Chain, fitted, strip_charges
-from skincad.inputs.catalog import template_names
-from skincad.scenes import simulation
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.slip import (
-    GROSS,
-    INCIPIENT,
-    THRESHOLD,
-    Detector,
-    Event,
-    at_rest,
-    detector,
-    fed,
-    score,
-    statistic,
-)
+from skincad.circuit.noise import total_density
+from skincad.effects.piezo import fitted
+from skincad.inputs.catalog import load_design
+from skincad.scenes.slip import INCIPIENT, SEEN, Detector, at_rest, detector, fed
 
-RIDGES = (2, 3)  # paper: strips in the second and third ridge from a side
-CIRCUITS = ("transimpedance", "yamada-2002", "yamada-2002-motional")
-LEVEL = LEVELS[1]
-RUNS = 200
-LOUDER = {  # times the noise
-    "transimpedance": (1.0, 30.0, 100.0, 300.0),
-    "yamada-2002": (1.0, 10.0),
-    "yamada-2002-motional": (0.1, 1.0),
-}
-PULLS = ("hold", "readout.bandwidth_Hz=5000.0", "history.steps=400")
-OWN = {
-    "fast load *": (
-        *PULLS, "history.time_s=[0.0, 0.001, 0.0015, 0.004]",
-        "history.normal_force_N=[0.0, 4.0, 4.0, 4.0]", "history.tangential_force_N=[0.0, 0.0, 1.0, 1.0]",
-    ),
-    "to and fro *": (
-        *PULLS, "history.steps=600", "history.time_s=[0.0, 0.001, 0.002, 0.003, 0.004, 0.005, 0.006]",
-        "history.normal_force_N=[0.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0]",
-        "history.tangential_force_N=[0.0, 0.0, 1.5, -1.5, 1.5, 0.0, 0.0]",
-    ),
-    "press too far *": (
-        *PULLS, "history.time_s=[0.0, 0.0005, 0.001, 0.002, 0.003, 0.004]",
-        "history.normal_force_N=[0.0, 8.0, 3.0, 4.0, 4.0, 4.0]",
-        "history.tangential_force_N=[0.0, 0.0, 0.0, 0.5, 0.5, 0.5]",
-    ),
-    "slip to -x": (
-        "yamada-2002-slip", "history.tangential_force_N=[0.0, 0.0, -3.4, -3.4, -2.6, -3.2, -4.0]",
-    ),
-}  # fmt: skip
-CHOSEN_ON = ("yamada-2002-slip", "yamada-2002-stage", "hold")
+CIRCUITS = ("transimpedance", "yamada-2002")
+LOUDER = (0.0, 1.0, 10.0)  # times the noise
+RIDGES = (1, 2, 3, 5, 9)
+FEWEST = 100  # steps of a scene that was marched far enough
+BOUNDED = 4  # every so manyth gross slip has its twin marched
+MINUTES = 40  # of holding: with none in 37, less than 0.1 a minute at 95 %
+RATE, BAND = 1e5, 5e3  # Hz, of holding; the fastest of the exam has the most decisions a minute
+BLOCK = 1 << 20  # samples
+
+Find = Callable[[Case, int], list[Alarm]]
 
 
-@dataclass(frozen=True, eq=False)
-class Case:
-    """A marched scene: outputs `(n, ridges, 2)` V of a circuit without noise, and what truly slipped."""
-
-    name: str
-    time: np.ndarray
-    outputs: np.ndarray
-    chain: Chain
-    circuit: str
-    noise: float
-    runs: list[list[list[int]]]
-    gross: int | None
-
-    @property
-    def detector(self) -> Detector:
-        """The detector of this scene's rate and band."""
-        return detector(1 / float(self.time[1]), self.chain.bandwidth, math.sqrt(2) * self.noise)
-
-    @property
-    def late(self) -> list[tuple[int, int]]:
-        """The runs that last to gross slip, by told ridge."""
-        return [
-            (a, b) for mine in self.runs for a, b in mine if self.gross is not None and a <= self.gross <= b
-        ]
+def ear(one: Case, louder: float = 1.0) -> Detector:
+    """Return the detector of a case's rate, band and noise."""
+    return detector(one.rate, one.scene.bandwidth, math.sqrt(2) * one.noise * max(louder, 1.0))
 
 
-def cases(name: str, settings: Sequence[str]) -> list[Case]:
-    """March a scene once and return it by each circuit."""
-    scene = load_scene(settings[0], [f"readout.ridges={list(RIDGES)}", *settings[1:]])
-    with_film = [] if "film" in scene.effects else ["effects.film={}"]
-    scene = load_scene(settings[0], [f"readout.ridges={list(RIDGES)}", *settings[1:], *with_film])
-    found = simulation.at_level(scene, LEVEL)
-    time = found.march.time
-    stress = found.march.column("films")
-    made = []
-    for circuit in CIRCUITS:
-        own = fitted(load_circuit(circuit), scene.design)
-        chain = Chain.of(circuit_network(own), time, scene.readout.bandwidth_Hz)
-        charges = strip_charges(own, scene.design, stress)
-        outputs = [[chain.output(charges[:, 2 * (r - 1) + side]) for side in (0, 1)] for r in RIDGES]
-        made.append(
-            Case(
-                name, time, np.moveaxis(np.array(outputs), 2, 0), chain, circuit,
-                chain.noise_rms(), [found.runs[r - 1] for r in RIDGES], found.gross_slip_step,
-            )
-        )  # fmt: skip
-    return made
+def found(one: Case, louder: float = 1.0) -> list[Alarm]:
+    """Return the detector's alarms behind `louder` times the noise."""
+    outputs = one.outputs + (louder * one.noises(1) if louder else 0.0)
+    events = fed(ear(one, louder), at_rest(outputs.shape[1]), outputs)[0]
+    return [(e.ridge, e.index) for e in events if e.kind == INCIPIENT and e.ridge is not None]
 
 
-def noises(case: Case) -> np.ndarray:
-    """Return `(RUNS, n, ridges, 2)` V of noise."""
-    shape = (RUNS, len(RIDGES), 2)
-    drawn = [case.chain.noise((seed, ridge, side)) for seed, ridge, side in np.ndindex(shape)]
-    return np.moveaxis(np.array(drawn).reshape(*shape, -1), 3, 1)
+def row(name: str, told: list[Case], find: Find) -> None:
+    """Print a detector's line, and where its false alarms are."""
+    marks = [mark(one, find(one, ear(one).window), ear(one).window) for one in told]
+    within = Counter(phase for m in marks for phase in m.within).most_common(4)
+    print(line(name, marks), " ".join(f"{phase} {n}" for phase, n in within), flush=True)
 
 
-def alarms(case: Case, noise: np.ndarray | float = 0.0) -> list[Event]:
-    """Return the detector's events."""
-    return fed(case.detector, at_rest(case.detector, len(RIDGES)), case.outputs + noise)[0]
+def some(scene: Marched, count: int) -> tuple[int, ...]:
+    """Return `count` ridges of a scene, or all that it has, drawn by its seed."""
+    order = np.random.default_rng((9, scene.seed)).permutation(scene.slipping.shape[1])
+    return tuple(sorted((order[:count] + 1).tolist()))
 
 
-def always(case: Case) -> list[Event]:
-    """An alarm of every ridge and of all in every window."""
-    at = range(0, case.time.size, case.detector.window)
-    return [
-        e for i in at for e in (*(Event(INCIPIENT, r, i) for r in range(len(RIDGES))), Event(GROSS, None, i))
+def held(circuit: str) -> tuple[int, float]:
+    """Return how often the noise of two pairs under a constant load is loud enough for an alarm, and how many
+    times the noise its loudest window was."""
+    network = circuit_network(fitted(load_circuit(circuit), load_design("yamada-2002")))
+    at, grid = np.fft.rfftfreq(BLOCK, 1 / RATE), np.geomspace(RATE / BLOCK, RATE / 2, 4000)
+    passed = 1 / (1 + (2 * np.pi * grid / corner(BAND)) ** 2)
+    size = np.interp(at, grid, np.sqrt(total_density(network, grid)) * passed)
+    size[0] = 0.0
+    rms = math.sqrt(float(np.sum(size**2)))
+    window, draw = detector(RATE, BAND, rms).window, np.random.default_rng(8)
+    share, times, most = 1 / (1 + window), 0, 0.0
+    for _ in range(math.ceil(2 * MINUTES * 60 * RATE / BLOCK)):
+        parts = draw.standard_normal((2, size.size)) * size * (BLOCK / 2)
+        pair = np.fft.irfft(parts[0] + 1j * parts[1], BLOCK)
+        loud = np.sqrt(lfilter([share], [1, share - 1], pair**2)) / rms
+        times += int(np.sum((loud[1:] > SEEN) & (loud[:-1] <= SEEN)))
+        most = max(most, float(loud.max()))
+    return times, most
+
+
+def table(circuit: str, scenes: list[Marched], folder: Path) -> None:
+    """Print an amplifier's part."""
+    every = [case(scene, circuit, folder / "outputs") for scene in scenes]
+    told = [one.told(one.scene.told) for one in every]
+    print(f"\n{circuit}\n{HEAD}")
+    for louder in LOUDER:
+        row(f"detector, noise x {louder:g}", told, lambda one, _, by=louder: found(one, by))
+    for count in RIDGES:
+        few = [one.told(some(one.scene, count)) for one in every]
+        row(f"detector, {count} ridges told", few, lambda one, _: found(one))
+    row("rate's threshold", told, lambda one, w: rivals.threshold(one, w, one.outputs + one.noises(1)))
+    row("forces and friction known", told, rivals.cone)
+    row("never", told, rivals.never)
+    row("always", told, rivals.always)
+    times, most = held(circuit)
+    minute, low, high = rate(times, MINUTES)
+    print(f"holding: {minute:.3g} ({low:.2g}-{high:.2g}) a minute, loudest {most:.2f} of {SEEN:g} noise rms")
+    slips = [one for one in [one for one in told if one.gross is not None][::BOUNDED] if not one.scene.mass]
+    can = [
+        bound(one.scene.seed, circuit, folder / "scenes", folder / "outputs", ear(one).window / one.rate)
+        for one in slips
     ]
-
-
-def row(case: Case, what: str, events: list[list[Event]]) -> str:
-    """Return a table's line: mean hits, misses and false alarms, median lead and its worst."""
-    found = [score(case.detector, e, case.time, case.runs, case.gross) for e in events]
-    means = [float(np.mean([getattr(s, key) for s in found])) for key in ("hits", "missed", "false")]
-    leads = [[1e3 * x for s in found if (x := s.lead[told]) is not None] for told in range(len(RIDGES))]
-    text = "  ".join(f"{np.median(x):7.3g} ({min(x):.3g})" if x else f"{'-':>7}" for x in leads)
-    return f"{case.name:26} {case.circuit:20} {what:15}" + "".join(f"{m:8.2f}" for m in means) + f"   {text}"
-
-
-def level(case: Case, noise: np.ndarray | float, louder: float) -> tuple[float | None, float]:
-    """Return the largest statistic within the slips that last to gross slip, None without, and elsewhere."""
-    d = Detector(case.detector.window, louder * case.detector.noise)
-    values = statistic(d, at_rest(d, len(RIDGES)), case.outputs + noise)
-    free, late = np.ones(values.shape, bool), []
-    for told, mine in enumerate(case.runs):
-        for a, b in mine:
-            inside = slice(max(0, a - d.window), b + d.window + 1)
-            free[inside, told] = False
-            if (a, b) in case.late:
-                late.append(float(values[inside, told].max()))
-    return (max(late) if late else None), float(values[free].max())
-
-
-def area(slips: np.ndarray, others: np.ndarray) -> float:
-    """Return the share of pairs in which the slip has the larger statistic, ties half: the curve's area."""
-    difference = slips[:, None] - others[None, :]
-    return float(np.mean((difference > 0) + 0.5 * (difference == 0)))
+    known = [share for share in can if share is not None]
+    print(f"bound: {100 * np.mean(known):.1f} % of {len(known)} gross slips that have a twin without")
 
 
 def main(arguments: list[str]) -> None:
-    """Print the table and draw the curve."""
-    folder = Path(arguments[arguments.index("-o") + 1]) if "-o" in arguments else Path("out/detector")
-    named = [a for a in arguments if a != "-o" and a != str(folder)]
-    shipped = {n + (" *" if n in CHOSEN_ON else ""): (n,) for n in named or template_names("scenes")}
-    told = [case for name, s in {**shipped, **({} if named else OWN)}.items() for case in cases(name, s)]
-    print(
-        f"{'scene':26} {'amplifier':20} {'detector':15}{'hits':>8}{'missed':>8}{'false':>8}"
-        "   lead of ridges 2, 3: ms (least)"
-    )
-    pool: dict[tuple[str, float], tuple[list[float], list[float]]] = {}
-    for case in told:
-        drawn = noises(case)
-        print(row(case, "noiseless", [alarms(case)]))
-        print(row(case, f"{RUNS} noises", [alarms(case, noise) for noise in drawn]))
-        if case.circuit == CIRCUITS[0]:
-            print(row(case, "always silent", [[]]))
-            print(row(case, "always alarming", [always(case)]))
-        for louder in LOUDER[case.circuit]:
-            slips, rest = pool.setdefault((case.circuit, louder), ([], []))
-            for noise in drawn:
-                late, other = level(case, louder * noise, louder)
-                rest.append(other)
-                if late is not None:
-                    slips.append(late)
-    folder.mkdir(parents=True, exist_ok=True)
-    curves({key: (np.array(a), np.array(b)) for key, (a, b) in pool.items()}, folder / "roc.png")
-
-
-def curves(pool: dict[tuple[str, float], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
-    """Print each curve's area and draw them."""
-    figure = Figure(figsize=(6.4, 5.6), dpi=100, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    for (circuit, louder), (slips, others) in pool.items():
-        if not slips.size:
-            continue
-        levels = np.sort(np.concatenate([slips, others, [np.inf]]))[::-1]
-        seen = [np.mean(slips >= x) for x in levels]
-        wrong = [np.mean(others >= x) for x in levels]
-        at = float(np.mean(others > THRESHOLD)), float(np.mean(slips > THRESHOLD))
-        found = area(slips, others)
-        print(
-            f"{circuit:20} noise x {louder:<5g} area {found:.4f}; "
-            f"at {THRESHOLD:g} rms: seen {at[1]:.3f}, false {at[0]:.3f}"
-        )
-        dashed = dict(zip(CIRCUITS, ("-", "--", ":"), strict=True))[circuit]
-        (line,) = axes.step(
-            wrong, seen, dashed, where="post", label=f"{circuit}, noise x {louder:g}: {found:.3f}"
-        )
-        axes.plot(*at, "o", color=line.get_color(), markersize=4)
-    axes.plot(
-        [0, 1], [0, 1], color="#999", linewidth=0.8, label="silent at (0, 0), always at (1, 1), or chance"
-    )
-    axes.set_xlabel("share of runs with a false alarm in them")
-    axes.set_ylabel("share of slips seen before gross slip")
-    axes.set_title(f"{RUNS} noises a scene; points: threshold of {THRESHOLD:g} noise rms", fontsize=10)
-    axes.legend(fontsize=8, loc="lower right")
-    axes.grid(color="#ddd", linewidth=0.6)
-    figure.savefig(path)
+    """Print the exam."""
+    folder = Path(arguments[0]) if arguments else Path("out/exam")
+    marched = [kept(seed, folder / "scenes") for seed in seeds(EXAM)]
+    marched = [scene for scene in marched if scene.time.size > FEWEST]
+    print(f"exam: seeds {seeds(EXAM)[0]} to {seeds(EXAM)[-1]}, odd; {len(marched)} scenes")
+    for circuit in arguments[1:] or CIRCUITS:
+        table(circuit, marched, folder)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ class Case:
     def noises(self, seed: int) -> np.ndarray:
         """Return noise as `outputs`, V, of a seed."""
         n, ridges, _ = self.outputs.shape
-        draw = np.random.default_rng((seed, self.scene.seed))
+        draw = np.random.default_rng((seed, abs(self.scene.seed)))
         shape = (2, self.density.size, 2 * ridges)
         parts = draw.standard_normal(shape) * self.density[:, None]
         size = 2 * (self.density.size - 1)
@@ -71,12 +71,12 @@ def case(scene: Marched, circuit: str, folder: Path) -> Case:
     path = folder / f"{scene.seed}-{circuit}.npz"
     if not path.exists():
         charges = strip_charges(own, scene.skin.design, scene.stress[:end])
-        np.savez(path, outputs=_outputs(chain, charges), density=_density(chain))
+        np.savez(path, outputs=_outputs(chain, charges), density=density(chain))
     with np.load(path) as data:
-        outputs, density = data["outputs"], data["density"]
-    rms = float(np.sqrt(2 * np.sum(density[1:] ** 2))) * np.sqrt(2) / (2 * (density.size - 1))
+        outputs, sizes = data["outputs"], data["density"]
+    rms = float(np.sqrt(2 * np.sum(sizes[1:] ** 2))) * np.sqrt(2) / (2 * (sizes.size - 1))
     return Case(
-        scene, circuit, 1 / float(time[1]), outputs.reshape(end, -1, 2), scene.slipping[:end], rms, density,
+        scene, circuit, 1 / float(time[1]), outputs.reshape(end, -1, 2), scene.slipping[:end], rms, sizes,
         chain.fine,
     )  # fmt: skip
 
@@ -90,7 +90,7 @@ def _outputs(chain: Chain, charges: np.ndarray) -> np.ndarray:
     return np.asarray(fftconvolve(moved, answer[:, None], axes=0)[: charges.shape[0]])
 
 
-def _density(chain: Chain) -> np.ndarray:
+def density(chain: Chain) -> np.ndarray:
     """Return the size of each rfft bin's real and imaginary part, behind the low-pass, of a period."""
     size = max(1024, 2 * ((chain.count * chain.fine + 1) // 2))
     frequency = np.fft.rfftfreq(size, 1 / chain.step.rate)

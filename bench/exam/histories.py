@@ -14,7 +14,7 @@ import numpy as np
 STEPS = 600
 FEWEST = 24  # steps of a phase
 PULL = 1.5e-3, 1.5  # s
-BAND = 0.03, 0.2  # of the rate of steps; the paper's scene has 0.05
+BAND = 0.05, 0.4  # of the rate of steps; what the templates of scenes have
 WIDEST = 5000.0  # Hz
 GENTLE = ("hold", "pull", "ease", "reverse", "roll", "tap", "drop", "vibrate", "press")
 ENDS = ("pull", "pull again", "both rise", "grip loosens", "cycles", "drag", "", "", "", "")
@@ -67,7 +67,7 @@ class Hand:
         return here
 
 
-def gentle(hand: Hand, kind: str, count: int) -> np.ndarray:
+def gentle(hand: Hand, kind: str, count: int) -> np.ndarray:  # noqa: PLR0911 (one a kind)
     """Return a phase that friction holds as a whole."""
     draw, n, a = hand.draw, hand.normal, hand.pull
     level = hand.side * draw.uniform(0.2, 0.7)

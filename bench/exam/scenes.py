@@ -1,7 +1,7 @@
 """The exam's scenes by seed: a skin, a friction, a history, some told ridges; marched once and kept on disk.
 
 Sets are split by seed, once: even ones to choose constants on (`design`), odd ones to be scored (`exam`).
-Every 30th has masses (a plate of 0.05 to 1 g, viscosity), the others are quasi-static, on the coarsest mesh.
+Every 60th has masses (a plate of 0.05 to 1 g, viscosity), the others are quasi-static, on the coarsest mesh.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.exam.histories import STEPS, History, history
-from bench.exam.skins import SETS, Skin, skins
+from bench.exam.skins import DESIGN, EXAM, SETS, Skin, skins
 from skincad.base.errors import InputError
 from skincad.inputs.material import silicone
 from skincad.scenes.levels import LEVELS
@@ -26,8 +26,10 @@ from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.scene import Scene
 from skincad.scenes.signals import slips_of
 
-COUNT = 240  # scenes of a set
-MASSES = 30  # every so manyth scene has them
+COUNT = {DESIGN: 240, EXAM: 160}  # scenes
+LATER = 240  # more to fit on, of other skins
+FITTED = tuple(f"random-{i}" for i in range(20, 37))  # of those skins, in the time there was
+MASSES = 60  # every so manyth scene has them
 FRICTION = 0.2, 1.2
 SLOW = 300  # steps with masses, a tenth of a second each
 
@@ -65,21 +67,29 @@ class Marched:
 
 
 @cache
-def set_skins(kind: str) -> list[Skin]:
+def set_skins(kind: str, later: bool) -> list[Skin]:
     """Return a set's skins, made once."""
-    return skins(kind)
+    return skins(kind, later)
 
 
-def seeds(kind: str) -> range:
+def seeds(kind: str) -> list[int]:
     """Return a set's seeds."""
-    return range(SETS.index(kind), 2 * COUNT, 2)
+    found = list(range(SETS.index(kind), 2 * COUNT[kind], 2))
+    if kind == DESIGN:
+        later = range(found[-1] + 2, found[-1] + 2 + 2 * LATER, 2)
+        found += [s for s in later if drawn(s).skin.name in FITTED]
+    return found
+
+
+def with_masses(seed: int) -> bool:
+    """Return whether a seed's scene has masses."""
+    return (seed // 2) % MASSES == MASSES - 1
 
 
 def drawn(seed: int) -> Drawn:
     """Return the scene of a seed, drawn again where skin and history do not fit."""
     draw = np.random.default_rng((2020, seed))
-    pads = set_skins(SETS[seed % 2])
-    heavy = (seed // 2) % MASSES == MASSES - 1
+    pads, heavy = set_skins(SETS[seed % 2], seed >= 2 * COUNT[DESIGN]), with_masses(seed)
     while True:
         skin = pads[int(draw.integers(len(pads)))]
         friction = float(draw.uniform(*FRICTION))
@@ -161,7 +171,7 @@ def kept(seed: int, folder: Path) -> Marched:
 
 def scenes(kind: str, folder: Path) -> Iterator[Marched]:
     """Yield a set's scenes, those of one skin after each other."""
-    order = sorted(seeds(kind), key=lambda s: ((s // 2) % MASSES == MASSES - 1, drawn(s).skin.name))
+    order = sorted(seeds(kind), key=lambda s: (with_masses(s), drawn(s).skin.name))
     for seed in order:
         yield kept(seed, folder)
 

@@ -1,4 +1,4 @@
-"""The exam's skins: the templates that have films, and 20 random ones, ten for either set.
+"""The exam's skins: the templates that have films, and 20 random ones, ten for either set; 30 more to fit on.
 
 Random skins keep the proportions of templates/designs/yamada-2002 within a factor (assumption) and are drawn
 again until design and Winkler verdict take them; they are pressed by what makes all their ridges touch.
@@ -17,7 +17,8 @@ from skincad.inputs.design import Design
 
 DESIGN, EXAM = "design", "exam"
 SETS = (DESIGN, EXAM)
-RANDOM = 10  # skins of a set
+RANDOM = {DESIGN: range(10), EXAM: range(10, 20)}  # numbers
+MORE = range(20, 50)  # those of later scenes of the design set: templates say little of other skins
 LARGEST = 12  # ridges; gripper-pad's 21 take as long as five others
 
 
@@ -40,10 +41,11 @@ def templates() -> list[Skin]:
     ]
 
 
-def skins(kind: str) -> list[Skin]:
-    """Return a set's skins: templates first."""
-    first = RANDOM * SETS.index(kind)
-    return [*templates(), *(random_skin(i) for i in range(first, first + RANDOM))]
+def skins(kind: str, later: bool = False) -> list[Skin]:
+    """Return a set's skins, templates first, or those of its later scenes."""
+    if later:
+        return [random_skin(i) for i in MORE]
+    return [*templates(), *(random_skin(i) for i in RANDOM[kind])]
 
 
 def random_skin(number: int) -> Skin:

@@ -1,47 +1,44 @@
 """Slip felt from the films' outputs alone: which ridge slips, and when all that is told do. No look-ahead.
 
-While a ridge sticks, its pair's output (S1 - S2, about the stress-rate) follows the load; as its neighbours
-slip, it takes their load on; when it slips itself, the output turns round within the low-pass's own time. So
-an alarm asks for a reversal: opposite signs a window apart, both large against the noise, against the ridge's
-recent outputs, against S1 + S2 (a change of normal force moves the sum, a slip the difference) and against
-what the other ridges do at the time (a load that turns round takes all of them with it).
+A small network (one hidden layer, its weights in slip_weights.toml) tells of each ridge how likely it slips,
+by what the ridge and those beside it felt over short and long times (slip_features.py). It was fitted to the
+design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores it
+(docs/scenes.md). An alarm asks for more than THRESHOLD, and for outputs that stand out of the noise.
 
-Range: outputs that follow the stress-rate in their band; two ridges at least, since one alone cannot tell a
-slip from a load that turns round. Two ridges that slip within one window and the same way hide each other.
-Gross slip is told when every told ridge is taken to slip: early, where not all ridges are told.
+Range: outputs that follow the stress-rate in their band. Gross slip is told when every told ridge is taken to
+slip: early, where not all ridges are told.
 """
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
 from skincad.circuit.low_pass import delay
+from skincad.scenes import slip_features
+from skincad.scenes.slip_features import features
 
-# all four chosen on yamada-2002-slip, -stage, hold and pulls and presses of 1 to 6 ms (bench/
-# table_detector): measured there, assumptions elsewhere
-WINDOW = 3.5  # of the low-pass's delay
-OF_RECENT = 0.1  # of the largest output of the last MEMORY windows
-OF_SUM = 1 / 6  # of |S1 + S2|
-OF_OTHERS = 3.0  # of the other ridges' median change in the same direction
-MEMORY = 10  # windows
+WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
-THRESHOLD = 4.0  # noise rms of a pair
+THRESHOLD = 2.0  # logarithm of the odds; chosen on bench/exam's design set
+BACK = 2.0  # less than the threshold, a ridge is taken to stick again; assumption
+SEEN = 5.0  # noise rms of a pair, a window's mean, below which nothing is told: noise alone reaches 2
 
 INCIPIENT, GROSS = "incipient slip", "gross slip"
 
 
 @dataclass(frozen=True)
 class Detector:
-    """`window` samples, `noise` V rms of a pair, alarm at `threshold` times that."""
+    """`window` samples, `noise` V rms of a pair, alarm at the logarithm of odds `threshold`."""
 
     window: int
     noise: float
@@ -50,8 +47,8 @@ class Detector:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.noise) and self.noise > 0):
             raise InputError("noise", "must be above 0 V and finite", self.noise)
-        if not (math.isfinite(self.threshold) and self.threshold > 0):
-            raise InputError("threshold", "must be above 0 times the noise and finite", self.threshold)
+        if not math.isfinite(self.threshold):
+            raise InputError("threshold", "must be finite", self.threshold)
 
 
 @dataclass(frozen=True)
@@ -65,13 +62,30 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """All that the detector keeps: the pairs' last outputs `(memory, ridges)`, newest last; who was above the
-    threshold; the sign of the output since a ridge slips, 0 while it sticks; how many samples were fed."""
+    """All that the detector keeps: the running means' state; which ridges are taken to slip; how many samples
+    were fed."""
 
-    recent: Array
-    above: Mask
-    slipping: Array
+    means: Array
+    slipping: Mask
     count: int
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """The network: of `(features,)` to `(hidden,)`, and of these to one."""
+
+    into: Array
+    bias: Array
+    out: Array
+    base: float
+
+
+@cache
+def weights() -> Weights:
+    """Return the network's weights as fitted by bench/exam/fitting.py."""
+    table = tomllib.loads((Path(__file__).parent / "slip_weights.toml").read_text())
+    into = np.ascontiguousarray(np.array(table["into"]).T)
+    return Weights(into, np.array(table["bias"]), np.array(table["out"]), float(table["base"]))
 
 
 def detector(rate: float, bandwidth: float, noise: float, threshold: float = THRESHOLD) -> Detector:
@@ -79,65 +93,42 @@ def detector(rate: float, bandwidth: float, noise: float, threshold: float = THR
     return Detector(max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate)), noise, threshold)
 
 
-def at_rest(d: Detector, ridges: int) -> Memory:
+def at_rest(ridges: int) -> Memory:
     """Return the state before the first sample."""
-    return Memory(np.zeros((MEMORY * d.window, ridges)), np.zeros(ridges, bool), np.zeros(ridges), 0)
+    return Memory(slip_features.at_rest(ridges), np.zeros(ridges, bool), 0)
 
 
 def fed(d: Detector, state: Memory, outputs: Array) -> tuple[list[Event], Memory]:
     """Return the events of `outputs` `(n, ridges, 2)` V (S1, S2), and the state behind them; n may be 1."""
-    pair = outputs[:, :, 0] - outputs[:, :, 1]
-    above = np.concatenate([state.above[None], statistic(d, state, outputs) > d.threshold])
-    rises = above[1:] & ~above[:-1]
-    told = [_slipping(d, pair[:, r], rises[:, r], float(sign)) for r, sign in enumerate(state.slipping)]
-    every: Mask = np.asarray(np.stack([mask for mask, _ in told], axis=1).all(axis=1))
-    first = every & ~np.concatenate([[(state.slipping != 0).all()], every[:-1]])
+    odds, means = statistic(d, state, outputs)
+    slipping = taken(d, state.slipping, odds)
+    before: Mask = np.concatenate([state.slipping[None], slipping])
+    rises = slipping & ~before[:-1]
+    every: Mask = np.asarray(before.all(axis=1))
     events = [Event(INCIPIENT, int(r), state.count + int(i)) for i, r in np.argwhere(rises)]
-    events += [Event(GROSS, None, state.count + int(i)) for i in np.flatnonzero(first)]
-    recent = np.concatenate([state.recent, pair])[-state.recent.shape[0] :]
-    after = Memory(recent, above[-1], np.array([sign for _, sign in told]), state.count + pair.shape[0])
+    events += [Event(GROSS, None, state.count + int(i)) for i in np.flatnonzero(every[1:] & ~every[:-1])]
+    after = Memory(means, before[-1], state.count + outputs.shape[0])
     return sorted(events, key=lambda event: event.index), after
 
 
-def _slipping(d: Detector, pair: Array, rises: Mask, sign: float) -> tuple[Mask, float]:
-    """Return when a ridge is taken to slip `(n,)`, and its output's sign at the end, 0 while it sticks.
+def taken(d: Detector, before: Mask, odds: Array) -> Mask:
+    """Return when each ridge is taken to slip `(n, ridges)`: from the threshold on until BACK below it."""
+    turns = np.where(odds > d.threshold, 1, np.where(odds < d.threshold - BACK, -1, 0))
+    turns = np.concatenate([np.where(before, 1, -1)[None], turns])
+    last = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.shape[0])[:, None], 0), axis=0)
+    return np.asarray(np.take_along_axis(turns, last, axis=0)[1:] > 0)
 
-    From each alarm on, until its output is no longer of that sign: at rest, or turned back, it sticks again.
+
+def statistic(d: Detector, state: Memory, outputs: Array) -> tuple[Array, Array]:
+    """Return the logarithm of the odds that each ridge slips `(n, ridges)`, and the means' state.
+
+    One sample is multiplied at a time, so that it is the same however the samples are cut in pieces.
     """
-    found = np.zeros(pair.size, bool)
-    for start, end in pairwise([-1, *np.flatnonzero(rises).tolist(), pair.size]):
-        if start >= 0:
-            sign, found[start] = float(np.sign(pair[start])), True
-        gone = sign * pair[start + 1 : end] < d.threshold * d.noise
-        last = start + 1 + int(gone.argmax()) if gone.any() else end
-        found[start + 1 : last] = sign != 0
-        sign = 0.0 if last < end else sign
-    return found, sign
-
-
-def statistic(d: Detector, state: Memory, outputs: Array) -> Array:
-    """Return by how many noise rms each sample is a reversal of its ridge alone, `(n, ridges)`.
-
-    It hangs on the last MEMORY windows alone, so that it is the same however the samples are cut in pieces.
-    """
-    pair, total = outputs[:, :, 0] - outputs[:, :, 1], outputs.sum(axis=2)
-    joined = np.concatenate([state.recent, pair])
-    memory = state.recent.shape[0]
-    before = joined[memory - d.window : -d.window]
-    # the largest of each sample and its memory: a centred filter, read where its window ends at the sample
-    first = (memory + 1) // 2
-    largest = maximum_filter1d(np.abs(joined), memory + 1, axis=0)[first : first + pair.shape[0]]
-    turned = np.where(pair * before < 0, np.minimum(np.abs(pair), np.abs(before)), 0.0)
-    alike = np.maximum(others(pair - before) * np.sign(pair), 0.0)
-    return np.asarray((turned - OF_RECENT * largest - OF_SUM * np.abs(total) - OF_OTHERS * alike) / d.noise)
-
-
-def others(change: Array) -> Array:
-    """Return for each ridge the median of the other ridges' values `(n, ridges)`; 0 for a ridge alone."""
-    count = change.shape[1]
-    if count == 1:
-        return np.zeros_like(change)
-    return np.stack([np.median(np.delete(change, k, axis=1), axis=1) for k in range(count)], axis=1)
+    felt, loud, after = features(d.window, d.noise, outputs, state.means)
+    w = weights()
+    hidden = np.tanh(np.matmul(felt[:, :, None, :], w.into) + w.bias)
+    odds = np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base
+    return np.where(loud > SEEN, odds, np.minimum(odds, d.threshold - BACK - 1.0)), after
 
 
 @dataclass(frozen=True)
@@ -206,7 +197,7 @@ def report(
         return {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
     d = detector(1 / float(time[1] - time[0]), bandwidth, math.sqrt(2) * noise)
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
-    events, _ = fed(d, at_rest(d, len(names)), values)
+    events, _ = fed(d, at_rest(len(names)), values)
     found = score(d, events, time, [runs[int(r) - 1] for r in names], gross)
     return {
         "events": [
