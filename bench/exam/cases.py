@@ -71,6 +71,7 @@ def case(scene: Marched, circuit: str, folder: Path) -> Case:
     path = folder / f"{scene.seed}-{circuit}.npz"
     if not path.exists():
         charges = strip_charges(own, scene.skin.design, scene.stress[:end])
+        folder.mkdir(parents=True, exist_ok=True)
         np.savez(path, outputs=_outputs(chain, charges), density=density(chain))
     with np.load(path) as data:
         outputs, sizes = data["outputs"], data["density"]
