@@ -1,6 +1,6 @@
 """The slip detector's exam: scenes that it was not fitted to, by amplifier, noise and number of ridges.
 
-`python -m bench.table_detector [FOLDER] [CIRCUIT ...]` (default out/exam, transimpedance and yamada-2002)
+`python -m bench.table_detector [FOLDER] [CIRCUIT ...]` (default out/exam, all CIRCUITS)
 marches the exam set of bench/exam (half an hour on a core; what is in FOLDER is not marched again) and
 prints, for each amplifier, gross slips warned of, lead, alarms that are right, of another ridge and false,
 each with its 95 % interval; beside detectors that are silent, never cease, watch the rate alone, or know the
@@ -32,7 +32,7 @@ from skincad.effects.piezo import fitted
 from skincad.inputs.catalog import load_design
 from skincad.scenes.slip import INCIPIENT, SEEN, Detector, at_rest, detector, fed
 
-CIRCUITS = ("transimpedance", "yamada-2002")
+CIRCUITS = ("transimpedance", "yamada-2002", "yamada-2002-motional")
 LOUDER = (0.0, 1.0, 10.0)  # times the noise
 RIDGES = (1, 2, 3, 5, 9)
 FEWEST = 100  # steps of a scene that was marched far enough

@@ -13,9 +13,9 @@ from scipy.ndimage import maximum_filter1d
 from bench.exam.cases import Case
 from bench.exam.scoring import Alarm
 
-DROP = 0.5  # assumption; 0.3 and 0.8 on the design set warn of no more at as many false alarms
-LATE = 10  # windows
-LOUD = 6.0  # noise rms of a pair
+DROP = 0.5  # assumption
+LATE = 10  # windows; assumption
+LOUD = 6.0  # noise rms of a pair; assumption
 NEAR = 0.9  # assumption
 
 

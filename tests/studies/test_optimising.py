@@ -247,11 +247,11 @@ def test_a_misspelt_key_is_told_at_once() -> None:
 
 @pytest.mark.slow
 def test_process_a_finds_an_amplifier_that_warns_without_a_false_alarm() -> None:
-    """The template on the paper's skin, whose own settings begin with a false alarm."""
+    """The template on the paper's skin, whose own settings warn already."""
     found = optimise(skincad.load_study("amplifier-for-slip"))
     (best,) = found.front
     assert found.start is not None
-    assert not found.start.allowed
+    assert found.start.allowed
     lead = best.objectives["longest_lead_time_s"].value or 0.0
     assert 1.0e-3 < lead < 1.3e-3  # ridge 2 slips 1.29 ms before all do
     assert best.constraints["event_score.false"][0].value == 0
