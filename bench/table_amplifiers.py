@@ -95,7 +95,7 @@ def line(found: Marched, circuit: Circuit, rate: bool, bandwidth: float) -> str:
     d = detector(1 / float(found.time[1]), bandwidth, pair)
     leads, false = list[float](), list[int]()
     for noise in [np.zeros_like(clean), *noises]:
-        events, _ = fed(d, at_rest(d, len(RIDGES)), clean + noise)
+        events, _ = fed(d, at_rest(len(RIDGES)), clean + noise)
         scored = score(d, events, found.time, found.runs, found.gross)
         leads.append(1e3 * max((lead for lead in scored.lead if lead is not None), default=math.nan))
         false.append(scored.false)
