@@ -214,9 +214,11 @@ def test_rolling_is_no_slip() -> None:
     assert found.march.column("residual").max() <= 1e-10
 
 
-def test_rolling_raises_no_event() -> None:
+def test_rolling_raises_no_false_alarm() -> None:
+    """Ridges 2 and 3 slip as they lift off, for a hundredth of the time, and may be told."""
     found = on(LEVELS[0], "rolling", "effects.piezo.circuit=yamada-2002", "history.steps=150")
-    assert found.read["events"] == []
+    assert {event["kind"] for event in found.read["events"]} <= {"incipient slip"}
+    assert found.read["event_score"]["false"] == 0
 
 
 @pytest.mark.slow
