@@ -253,6 +253,6 @@ def test_process_a_finds_an_amplifier_that_warns_without_a_false_alarm() -> None
     assert found.start is not None
     assert found.start.allowed
     lead = best.objectives["longest_lead_time_s"].value or 0.0
-    assert 1.0e-3 < lead < 1.3e-3  # ridge 2 slips 1.29 ms before all do
+    assert 1.0e-3 < lead < 2.6e-3  # ridge 1 slips 2.60 ms before all do, ridge 2 1.29 ms
     assert best.constraints["event_score.false"][0].value == 0
     assert found.evaluations > 60
