@@ -74,6 +74,9 @@ def _felt_lines(found: Simulation) -> list[str]:
             told.append(f"  warned         {1e3 * ahead:.3g} ms before gross slip by {ridge_name(ridge)}")
     if score := found.read.get("event_score"):
         told += [f"  false alarms   {score['false']}"] * bool(score["false"])
+        told += [f"  wrong ridge    {score['misnamed']} alarms, while another slipped"] * bool(
+            score["misnamed"]
+        )
     return told
 
 

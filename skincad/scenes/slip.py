@@ -134,12 +134,14 @@ def statistic(d: Detector, state: Memory, outputs: Array) -> tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Score:
-    """Alarms against the true slips: `hits` and `missed` of these, `false` alarms; `lead` s by told ridge and
-    `gross_lead` s from the alarm to gross slip, None without one of them."""
+    """Alarms against the true slips: `hits` and `missed` of these, `false` alarms, and `misnamed` ones, which
+    name a ridge that sticks while another slips; `lead` s by told ridge and `gross_lead` s from the alarm to
+    gross slip, None without one of them."""
 
     hits: int
     missed: int
     false: int
+    misnamed: int
     lead: tuple[float | None, ...]
     gross_lead: float | None
 
@@ -155,12 +157,13 @@ def score(
 
     A ridge slips while all its touching points do. A run shorter than the window is not asked for. An alarm
     is true within a run or a window beside it (before: its first points slip already); each run counts once.
-    An alarm is false where no told ridge slips; where only another one does, it is neither true nor false.
+    An alarm is false where no told ridge slips, misnamed where only another one does.
     An alarm of gross slip is false where none follows. Lead time runs from the first true alarm of the run
     that lasts to gross slip.
     """
     w = d.window
-    hits = missed = false = 0
+    hits = missed = false = misnamed = 0
+    every = [(a, b) for each in runs for a, b in each]
     leads: list[float | None] = []
     for told, mine in enumerate(runs):
         alarms = [event.index for event in events if event.ridge == told]
@@ -168,13 +171,16 @@ def score(
         found = [next((i for i in alarms if a - w <= i <= b + w), None) for a, b in asked]
         hits += sum(at is not None for at in found)
         missed += sum(at is None for at in found)
-        false += sum(not any(a - w <= i <= b + w for each in runs for a, b in each) for i in alarms)
+        untrue = [i for i in alarms if not any(a - w <= i <= b + w for a, b in mine)]
+        elsewhere = sum(any(a - w <= i <= b + w for a, b in every) for i in untrue)
+        misnamed, false = misnamed + elsewhere, false + len(untrue) - elsewhere
         last = [at for (a, b), at in zip(asked, found, strict=True) if gross is not None and a <= gross <= b]
         leads.append(_lead(time, gross, last[-1] if last else None))
     whole = [event.index for event in events if event.kind == GROSS]
     early = [i for i in whole if gross is not None and i <= gross + w]
     false += len(whole) - len(early)
-    return Score(hits, missed, false, tuple(leads), _lead(time, gross, early[-1] if early else None))
+    ahead = _lead(time, gross, early[-1] if early else None)
+    return Score(hits, missed, false, misnamed, tuple(leads), ahead)
 
 
 def _lead(time: Array, gross: int | None, alarm: int | None) -> float | None:
@@ -213,5 +219,5 @@ def report(
         ],
         "lead_time_s": {**dict(zip(names, found.lead, strict=True)), "all": found.gross_lead},
         "longest_lead_time_s": max((lead for lead in found.lead if lead is not None), default=None),
-        "event_score": {"hits": found.hits, "missed": found.missed, "false": found.false},
+        "event_score": {key: getattr(found, key) for key in ("hits", "missed", "false", "misnamed")},
     }

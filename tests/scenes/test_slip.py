@@ -174,6 +174,8 @@ def test_a_score_by_hand() -> None:
     assert found.gross_lead == pytest.approx(60e-5)
     without = score(d, alarms, TIME, runs, None)
     assert (without.false, without.lead, without.gross_lead) == (3, (None, None), None)
+    other = score(d, [Event(INCIPIENT, 1, 110), Event(INCIPIENT, 1, 140)], TIME, runs, None)
+    assert (other.false, other.misnamed) == (1, 1)  # ridge 0 slips at the first of them, none at the second
 
 
 def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
@@ -202,7 +204,7 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
         (GROSS, None),
     ]
     assert all(e["time_s"] == pytest.approx(e["step"] / RATE) for e in found["events"])
-    assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0}
+    assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
     assert found["lead_time_s"]["2"] == pytest.approx((550 - found["events"][2]["step"]) / RATE)
     assert set(found["lead_time_s"]) == {"2", "3", "all"}
     assert found["longest_lead_time_s"] == found["lead_time_s"]["3"]
@@ -223,7 +225,7 @@ def test_bad_constants_are_told(noise: float, threshold: float) -> None:
 def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> None:
     """With and without noise; ridge 2 slips from step 186 to 200 and sticks again, which is told too."""
     found = felt(1, "yamada-2002-slip", *([] if seed is None else [f"effects.piezo.noise_seed={seed}"]))
-    assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0}
+    assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
     # ridges 2 and 3 slip 0.73 and 0.62 ms before all do; an alarm may take a window of 0.15 ms
     assert found["lead_time_s"]["2"] > 0.55e-3
     assert found["lead_time_s"]["3"] > 0.45e-3
@@ -233,4 +235,4 @@ def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> No
 def test_a_hold_is_no_slip() -> None:
     found = felt(0, "hold", "history.steps=100", "readout.bandwidth_Hz=80.0", "effects.piezo.noise_seed=1")
     assert found["events"] == []
-    assert found["event_score"] == {"hits": 0, "missed": 0, "false": 0}
+    assert found["event_score"] == {"hits": 0, "missed": 0, "false": 0, "misnamed": 0}
