@@ -38,6 +38,7 @@ UNBALANCED = 1e-3  # of the force, what the contact forces may miss of it
 PLATE = 0.5  # mm, height of the plate's only element
 LINE, QUAD = 8, 16  # gmsh's numbers of a line of 3 nodes and a quad of 8
 BACK, CUT = 10_000, 10_001  # numbers of curves, beyond any ridge's
+SECTION = 20_000  # number of the surface, beyond any curve's: GetFEM keeps both in one list
 
 
 @dataclass(frozen=True)
@@ -75,13 +76,14 @@ def quads(pad: Pad, sizes: Sizes, folder: Path) -> Quads:
     """Return gmsh's second-order quads of the pad's section, their edges on its lines and arcs."""
     if pad.strips or pad.voids:
         raise ValueError("only sections without slots and strips are compared")
-    (folder / "pad.geo").write_text("\n".join(_geometry(pad, sizes)))
-    _run(["gmsh", "-2", "-order", "2", "-format", "msh22", "-nt", "1", "pad.geo"], folder)
+    (folder / "pad.geo").write_text("\n".join(geometry(pad, sizes)))
+    run_program(["gmsh", "-2", "-order", "2", "-format", "msh22", "-nt", "1", "pad.geo"], folder)
     return _read_mesh((folder / "pad.msh").read_text())
 
 
-def _geometry(pad: Pad, sizes: Sizes) -> Iterator[str]:
-    """Lines of gmsh's input: points, arcs by their centres, named curves, and the size of edges."""
+def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
+    """Lines of gmsh's input: points, arcs by their centres, named curves, and the size of edges; of quads, or
+    where not `recombined` of triangles."""
     outline = pad.section.outline
     for i, s in enumerate(outline, 1):
         yield f"Point({i}) = {{{s.start.x!r}, {s.start.z!r}, 0}};"
@@ -94,7 +96,8 @@ def _geometry(pad: Pad, sizes: Sizes) -> Iterator[str]:
         x = (s.start.x + s.end.x) / 2 - aside * (s.end.z - s.start.z)
         z = (s.start.z + s.end.z) / 2 + aside * (s.end.x - s.start.x)
         yield f"Point({1000 + i}) = {{{x!r}, {z!r}, 0}}; Circle({i}) = {{{i}, {1000 + i}, {end}}};"
-    yield f"Curve Loop(1) = {{1:{len(outline)}}}; Plane Surface(1) = {{1}}; Physical Surface(1) = {{1}};"
+    yield f"Curve Loop(1) = {{1:{len(outline)}}}; Plane Surface(1) = {{1}};"
+    yield f"Physical Surface({SECTION}) = {{1}};"
     back = [i for i, s in enumerate(outline, 1) if s.kind == "back"]
     yield f"Physical Curve({BACK}) = {{{_list(back)}}};"
     cut = [i for i, s in enumerate(outline, 1) if s.kind == "cut"]
@@ -116,8 +119,10 @@ def _geometry(pad: Pad, sizes: Sizes) -> Iterator[str]:
     yield "Field[6] = Min; Field[6].FieldsList = {3, 4, 5}; Background Field = 6;"
     for option in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
         yield f"Mesh.{option} = 0;"
-    yield "Mesh.RecombineAll = 1; Mesh.RecombinationAlgorithm = 3; Mesh.Algorithm = 6;"
-    yield "Mesh.SecondOrderIncomplete = 1;"
+    yield "Mesh.Algorithm = 6;"
+    if recombined:
+        yield "Mesh.RecombineAll = 1; Mesh.RecombinationAlgorithm = 3;"
+        yield "Mesh.SecondOrderIncomplete = 1;"
 
 
 def _list(numbers: object) -> str:
@@ -241,7 +246,7 @@ def press(
         mesh = quads(piece, default_sizes(pad, fineness), folder)
         (folder / "pad.inp").write_text("\n".join(_deck(piece, mesh, borne, start)))
         before = _children()
-        _run(["ccx", "-i", "pad"], folder)
+        run_program(["ccx", "-i", "pad"], folder)
         seconds = _children() - before
         shares, approach = read((folder / "pad.dat").read_text(), len(mesh.faces))
     if abs(shares.sum() * pad.length / borne - 1) > UNBALANCED:
@@ -267,7 +272,8 @@ def _children() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _run(command: list[str], folder: Path) -> str:
+def run_program(command: list[str], folder: Path) -> str:
+    """Return what a program prints, run in the folder on one processor; raise RuntimeError where it fails."""
     settings = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=folder, env=settings, capture_output=True, text=True, check=False)
     if done.returncode:

@@ -1,0 +1,136 @@
+"""skincad against GetFEM on the reference section with fillets: pressed to 4 N, then dragged into gross slip.
+
+`python -m bench.bench_getfem [friction]` prints the tables. Both programs get the section and the plate's
+history, its force and travel, and nothing of each other. skincad condenses the skin to its contact points and
+finds who sticks by a semi-smooth Newton on their forces; GetFEM solves the whole body with an augmented
+Lagrangian. Who sticks inside a ridge is not compared: GetFEM's traction is linear along an edge, too coarse.
+"""
+
+from __future__ import annotations
+
+import sys
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench import getfem
+from bench.getfem import Dragged
+from skincad import load
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
+from skincad.mechanics.contact.halving import halved
+from skincad.mechanics.film.sliding import Sliding, sliding
+from skincad.mechanics.film.stick import piece_of
+from skincad.mechanics.problem import Pad, pad_of
+
+FORCE, FRICTION = 4.0, 0.5  # N, coefficient
+PRESSES, STRIDES = 4, 25  # steps of the force, of the travel
+TRAVEL = 1.0  # mm times the friction, enough for gross slip
+FINENESS, ORDER = (0.25, 0.5, 1.0), 3
+CLEAR = 1e-6  # of the force: a ridge that bears less is clear, and what it bears is rounding
+WHOLE = 0.999  # of what friction holds: a ridge that bears this slips as a whole
+BARE = {"slot": None, "film": None, "contact": {"film": "ignored", "friction": 0.0}}
+
+
+def section() -> Pad:
+    """The pad that is dragged: the paper's, without slots and films."""
+    return pad_of(load("yamada-2002").with_(**BARE))
+
+
+def history(friction: float = FRICTION) -> list[Drive]:
+    """What the plate does: presses in a few steps, then travels."""
+    presses = [Drive(FORCE * i / PRESSES, travel=0.0) for i in range(1, PRESSES + 1)]
+    return presses + [Drive(FORCE, travel=TRAVEL * friction * i / STRIDES) for i in range(1, STRIDES + 1)]
+
+
+def own(pad: Pad, fineness: float, order: int, drives: list[Drive], friction: float) -> Dragged:
+    """Return skincad's states at these drives' ends, solved on the whole section."""
+    piece = piece_of(pad, 0.0, halved=False)
+    found = sliding(piece, triangles(piece.pad, default_sizes(pad, fineness)), order, False)
+    m, cone = found.gap.size, Cone(friction, friction)
+    skin = Compliant(found.compliance, found.gap, np.zeros(2 * m))
+    states = [at_rest(m)]
+    for before, after in pairwise([Drive(0.0, travel=0.0), *drives]):
+        states.append(halved(lambda _: skin, states[-1], before, after, cone))
+    return _by_ridge(pad, found, states[1:])
+
+
+def _by_ridge(pad: Pad, found: Sliding, states: list[Grip]) -> Dragged:
+    """The points' forces summed over each ridge."""
+    member = np.equal.outer(found.ridge, np.array(pad.ridges)).astype(float)
+    return Dragged(
+        np.array([state.normal @ member for state in states]),
+        np.array([state.tangential @ member for state in states]),
+        np.array([state.approach for state in states]),
+        found.unknowns,
+    )
+
+
+def used(found: Dragged, friction: float) -> NDArray[np.float64]:
+    """Return what each ridge bears of what friction holds there `(steps, ridges)`; 0 where it is clear."""
+    held = friction * found.normal
+    clear = held <= CLEAR * held.sum(axis=1, keepdims=True)
+    return np.divide(found.tangential, held, out=np.zeros_like(held), where=~clear)
+
+
+def let_go(found: Dragged, drives: list[Drive], friction: float) -> NDArray[np.float64]:
+    """Return per ridge the travel, mm, at which it first slips as a whole, between two steps by what it
+    bears; nan where it does not."""
+    travel = np.array([drive.travel for drive in drives])
+    ends = np.full(found.normal.shape[1], np.nan)
+    for ridge, course in enumerate(used(found, friction).T):
+        over = np.flatnonzero(course[1:] >= WHOLE)
+        if over.size:
+            before, after = course[over[0]], course[over[0] + 1]
+            share = (WHOLE - before) / (after - before)
+            ends[ridge] = travel[over[0]] + share * (travel[over[0] + 1] - travel[over[0]])
+    return ends
+
+
+def apart(one: Dragged, other: Dragged) -> dict[str, float]:
+    """Return the largest differences over all steps: a ridge's forces against the mean one at the end, their
+    tangential sum and the approach against their largest."""
+    mean = other.normal[-1].mean()
+    sums = [found.tangential.sum(axis=1) for found in (one, other)]
+    return {
+        "normal": float(np.abs(one.normal - other.normal).max() / mean),
+        "tangential": float(np.abs(one.tangential - other.tangential).max() / mean),
+        "pull": float(np.abs(sums[0] - sums[1]).max() / np.abs(sums[1]).max()),
+        "approach": float(np.abs(one.approach - other.approach).max() / other.approach.max()),
+    }
+
+
+def main() -> None:
+    """Print the differences by fineness, and the course of the finest, or what to install."""
+    if getfem.missing():
+        print(getfem.missing())
+        return
+    friction = float(sys.argv[1]) if sys.argv[1:] else FRICTION
+    pad, drives = section(), history(friction)
+    ours = {f"skincad {f:g}": own(pad, f, ORDER, drives, friction) for f in FINENESS[1:]}
+    theirs = {f"GetFEM {f:g}": getfem.drag(pad, f, drives, friction) for f in FINENESS}
+    best, last = list(ours.values())[-1], list(theirs.values())[-1]
+    print(
+        f"largest differences from skincad's finest; {FORCE:g} N, friction {friction:g}, {len(drives)} steps"
+    )
+    names = ("normal", "tangential", "pull", "approach")
+    print(f"{'':>14}{'unknowns':>10}" + "".join(f"{name:>12}" for name in names) + "  ridges let go at, mm")
+    for name, found in (ours | theirs).items():
+        off = apart(found, best)
+        ends = " ".join(f"{end:.4f}" for end in let_go(found, drives, friction))
+        print(f"{name:>14}{found.unknowns:>10}" + "".join(f"{off[n]:>12.1e}" for n in names) + f"  {ends}")
+    print("\ntravel, mm; pull, N, and ridges: . clear, o hold, x slip as a whole; skincad's, GetFEM's")
+    for i, drive in enumerate(drives):
+        cells = [f"{found.tangential[i].sum():9.4f} {_signs(found, friction, i)}" for found in (best, last)]
+        print(f"{drive.travel:6.3f}{cells[0]}{cells[1]}")
+
+
+def _signs(found: Dragged, friction: float, step: int) -> str:
+    """A letter for each ridge."""
+    borne, clear = used(found, friction)[step], found.normal[step] <= CLEAR * found.normal[step].sum()
+    return "".join("." if c else "x" if b >= WHOLE else "o" for b, c in zip(borne, clear, strict=True))
+
+
+if __name__ == "__main__":
+    main()
