@@ -115,6 +115,7 @@ def test_energy(name: str, table: dict[str, Any]) -> None:
     assert abs(tangential[-1]) < 0.95 * 1.5 * normal[-1]  # the law's cap is at work
 
 
+@pytest.mark.slow
 def test_finite_strain_slips_by_area() -> None:
     """Dragged through gross slip, each point bears what the law says of it: 1e-9 of the largest, for the
     contact is solved on the last tangent but one."""

@@ -149,9 +149,9 @@ def test_pressing_is_no_slip() -> None:
 
 
 def test_noise_alone_does_not_alarm() -> None:
-    """White noise, 200 000 decisions: two samples of opposite sign beyond 4 rms each have 4e-9."""
+    """White noise, 200 000 decisions: none beyond the threshold, so no event; a window's mean reaches 2.9 rms
+    and SEEN is 5."""
     noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (100_000, 2, 2))
-    assert events(noise) == []
     assert statistic(D, at_rest(2), noise)[0].max() < THRESHOLD
 
 

@@ -61,6 +61,7 @@ def slip(*more: str) -> Simulation:
     return simulate(load_scene("yamada-2002-slip", ["readout.ridges=[1,2,3,4,6,7,8]", *more]))
 
 
+@pytest.mark.slow
 def test_the_step_and_the_mesh_are_told() -> None:
     """110 steps of 0.05 ms on two meshes against 550 on the same: the finer leads lie within the error."""
     coarse, fine = slip("history.steps=110"), slip()
