@@ -50,7 +50,13 @@ def climb(
         if before is not None:
             refined[0] = replace(refined[0], before=before.found)
         elif films and not (found.failed or found.interrupted):
-            refined[0] = Refined(every=found, thin=march_thin(on, found, last))
+            thin = march_thin(on, found, last)
+            if thin is not None and thin.interrupted:
+                thin, found = (
+                    None,
+                    replace(found, stopped=INTERRUPTED),
+                )  # Ctrl-C ends the climb, not its march
+            refined[0] = Refined(every=found, thin=thin)
         for stage, more in last.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
         if before is not None and found.interrupted:

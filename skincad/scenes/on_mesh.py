@@ -93,7 +93,8 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
 
 
 def march_thin(on: Marching, found: March, seconds: dict[str, float]) -> March | None:
-    """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails."""
+    """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails.
+    `seconds` have a stage of its own, for the price of the next mesh hangs on the march's alone."""
     scene, history = on.scene, on.scene.history
     kept = thinned(history.steps, np.array(history.time_s) / history.time_s[-1] * history.steps)
     if found.pad is None or kept.size > history.steps:
@@ -102,8 +103,9 @@ def march_thin(on: Marching, found: March, seconds: dict[str, float]) -> March |
     with one_blas_thread():
         ends = scene.law.limits(scene.design)
         times, mass = history.times[kept], scene.plate.mass or 0.0
-        thin = march(found.pad, times, [drives[i] for i in kept], scene.terms, mass=mass, limits=ends)
-    seconds["march"] += thin.seconds
+        fewer = [drives[i] for i in kept]
+        thin = march(found.pad, times, fewer, scene.terms, mass=mass, limits=ends, partial=on.partial)
+    seconds["march with fewer steps"] = thin.seconds
     return None if thin.failed else thin
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
 from skincad.mechanics.contact.grip import Cone
+from skincad.scenes import on_mesh
+from skincad.scenes.march import INTERRUPTED, March, march
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, simulate
 from skincad.scenes.slip_errors import SlipError, lead, spread, thinned
@@ -82,3 +86,24 @@ def test_what_is_left_out_moves_a_slip_more_than_the_mesh() -> None:
     assert told["lead_ms"]["3"]["error"] == pytest.approx(sum(told["lead_error_ms"]["3"].values()))
     assert told["lead_ms"]["3"]["value"] == told["slip_lead_ms"]["3"]
     assert told["lead_error_ms"]["3"]["left_out"] > told["lead_error_ms"]["3"]["mesh"]
+
+
+def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = load_scene("yamada-2002-press", ["history.steps=12", "readout.ridges=[3]"])
+
+    def interrupted(pad: Any, times: Any, *rest: Any, **more: Any) -> March:
+        found = march(pad, times, *rest, **more)
+        return found if times.size == 13 else replace(found, stopped=INTERRUPTED)
+
+    monkeypatch.setattr(on_mesh, "march", interrupted)
+    found = simulate(scene, partial=True)
+    assert found.march.interrupted
+    assert len(found.march.readings) == 13
+    assert found.slip_errors[2].time_step is None
+
+
+def test_the_extra_march_is_a_stage_of_its_own() -> None:
+    found = slip("history.steps=110")
+    assert 0 < found.seconds["march with fewer steps"] < found.seconds["march"]
