@@ -3,36 +3,31 @@
 Range: the design's [material.law], or neo-Hooke, as silicones are up to strains of about 0.5; quasi-static,
 under a flat plate that keeps its angle. Where the skin's surface folds the march stops and says so
 (mechanics/creasing.py). A step linearises the body several times, so it costs some hundred times one of small
-strain. The whole pad is meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy
-stress on the strip as it then lies (mechanics/film/large_field.py). Reference: the finite-strain tier without
-friction, simple shear with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
+strain; with `steps = "chosen"` only a few are taken so (chosen_steps.py). The whole pad is meshed: mirrored
+loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it then lies
+(mechanics/film/large_field.py). Reference: the finite-strain tier without friction, simple shear with, and
+small strain at small loads (tests/mechanics/contact/test_dragged.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
-from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import Law, Reading, Share, Step, Term
+from skincad.effects.kinds import Law, Term
 from skincad.effects.omitted import Omitted, SceneOutline
-from skincad.mechanics.contact.grip import Cone, Grip, GrossSlip
-from skincad.mechanics.problem import ContactError
 from skincad.mechanics.swaying import sway_force, swayed
 from skincad.mechanics.validity import mean_width, plane_modulus
 
 if TYPE_CHECKING:
-    from skincad.mechanics.bodies.large_field import StripStress
-    from skincad.mechanics.contact.dragged import Dragged, DraggedState
+    from skincad.effects.chosen_steps import ChosenPad
+    from skincad.effects.large_pad import LargePad
     from skincad.mechanics.film.stick import PadPiece
 
-FRICTIONLESS = Cone(0.0, 0.0)
 MOST = 2.0  # of the differential stress, change that is told: beyond it ridges nearly sway by themselves
 
 
@@ -43,6 +38,11 @@ class FiniteStrain(Law):
         default="stop",
         description="where the surface folds onto itself: stop there, or pass on without contact in the fold",
     )
+    steps: Literal["all", "chosen"] = Field(
+        default="all",
+        description="which steps are taken at finite strain: all, or chosen ones, the skin linear about them "
+        "in between: some ten times as fast, with an error that is told",
+    )
     halves: ClassVar[bool] = False
 
     def marched(
@@ -52,8 +52,9 @@ class FiniteStrain(Law):
         order: int,
         films: bool,
         terms: Sequence[Term] = (),
-    ) -> LargePad:
+    ) -> LargePad | ChosenPad:
         """Return a meshed whole pad to be marched; RefusedError for terms that ask for more than friction."""
+        from skincad.effects.large_pad import LargePad
         from skincad.mechanics.bodies import elements, neo_hooke
         from skincad.mechanics.bodies.large_field import strip_stress
         from skincad.mechanics.contact.dragged import dragged
@@ -73,7 +74,12 @@ class FiniteStrain(Law):
             if films
             else None
         )
-        return LargePad(whole, strips, pad.young_modulus, self.creases == "stop")
+        large = LargePad(whole, strips, pad.young_modulus, self.creases == "stop")
+        if self.steps == "all":
+            return large
+        from skincad.effects.chosen_steps import chosen
+
+        return chosen(large)
 
     @staticmethod
     def left_out(outline: SceneOutline) -> Omitted | None:
@@ -92,82 +98,3 @@ class FiniteStrain(Law):
         strain = normal / (plane_modulus(design) * design.skin.length * mean_width(design))
         text = f"nominal strain {strain:.2g}, and {part:.0%} of the force at which a ridge so pressed sways"
         return Omitted("finite_strain", text, swayed(design, normal, MOST), calibrated=True)
-
-
-@dataclass(frozen=True, eq=False)
-class LargePad:
-    """A pad that is linearised anew as it deforms; its states are `DraggedState`."""
-
-    pad: Dragged
-    strips: StripStress | None
-    modulus: float  # MPa
-    stops: bool  # at a crease
-
-    @property
-    def ridge(self) -> Index:
-        """Ridge of each contact point `(m,)`."""
-        return self.pad.ridge
-
-    @property
-    def area(self) -> Array:
-        """What each contact point stands for `(m,)`, mm2, undeformed."""
-        return self.pad.area
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
-        return self.pad.rest.unknowns
-
-    def start(self) -> DraggedState:
-        """The unloaded state."""
-        from skincad.mechanics.contact.dragged import unloaded
-
-        return unloaded(self.pad)
-
-    def advanced(self, state: DraggedState, step: Step, shares: Sequence[Share]) -> DraggedState:
-        """Return the converged state at the step's end."""
-        from skincad.mechanics.contact.stride import to
-
-        if any(share.more for share in shares):
-            raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
-        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
-        with one_blas_thread():
-            try:
-                after = to(self.pad, state, step.before, step.after, cone)
-            except GrossSlip as limit:
-                self._check(limit.last)
-                raise
-            self._check(after)
-            return after
-
-    def _check(self, state: DraggedState) -> None:
-        """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
-        from skincad.mechanics.contact.creasing import fault
-
-        wrong = fault(self.pad, state, self.stops)
-        if wrong is not None:
-            raise ContactError(wrong)
-
-    def grip(self, state: DraggedState) -> Grip:
-        """Return the contact of a state."""
-        return state.grip
-
-    def fault(self, state: DraggedState) -> str | None:  # noqa: ARG002
-        """None: a step costs so much that each is looked at."""
-        return None
-
-    def reading(self, before: DraggedState, state: DraggedState) -> Reading:  # noqa: ARG002
-        """Return what is told of a state."""
-        grip = state.grip
-        return Reading(
-            float(grip.normal.sum()),
-            float(grip.tangential.sum()),
-            grip.approach,
-            grip.travel,
-            grip.touches,
-            grip.slips,
-            np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus,
-            self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit,
-            state.dissipated,
-            grip.residual,
-        )

@@ -20,6 +20,7 @@ from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
     from skincad.effects.omitted import Omitted, SceneOutline
+    from skincad.mechanics.contact.held import Drift
     from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import Shown
 
@@ -59,6 +60,7 @@ class Reading:
     point; `films` `(strips, 3)` MPa, across, along and lengthwise; `elastic` mJ stored and `dissipated` mJ
     in the step; `residual` relative. With masses `kinetic` mJ, of viscous parts `viscous` mJ dissipated in
     the step; `work` mJ is what drives the plate did in the step, None where the plate's forces tell it.
+    `drift` is told by a pad that is linear between chosen steps.
     """
 
     normal: float
@@ -74,6 +76,7 @@ class Reading:
     kinetic: float = 0.0
     viscous: float = 0.0
     work: float | None = None
+    drift: Drift | None = None
 
 
 @dataclass(frozen=True, eq=False)

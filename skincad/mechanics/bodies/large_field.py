@@ -30,16 +30,41 @@ class StripStress:
     """The stresses of a body's strips; `moved` is set to the state that is asked.
 
     `parts` are the present volume and, times it, the stresses; `elements` `(e,)` lie in strips `strip`.
+    `slopes` are the parts' derivatives along a movement, `strip_of` `(n,)` the strip of each unknown, -1
+    outside.
     """
 
     moved: Any
     parts: tuple[Any, ...]
+    slopes: tuple[Any, ...]
     elements: Index
     strip: Index
+    strip_of: Index
     order: int
 
     def at(self, values: Array) -> Array:
         """Return `(strips, 3)`: across, along and lengthwise in a state `(n,)`, means over each strip."""
+        total = self._totals(values)
+        return np.asarray(total[:, 1:] / total[:, :1])
+
+    def gradient(self, body: NeoHookeBody, values: Array) -> Array:
+        """Return the derivative `(3 strips, n)` of `at` in a state by all condensed unknowns, what is inside
+        the elements carried to their edges by the body's latest tangent."""
+        total = self._totals(values)
+        inside = self.strip_of >= 0
+        size, *sums = total[self.strip_of].T
+        whole = body.form.mat.CreateColVector()
+        volume, *parts = (self._assembled(slope) for slope in self.slopes)
+        rows = np.zeros((len(total), len(parts), values.size))
+        strips = np.arange(len(total))[:, None]
+        for j, part in enumerate(parts):
+            whole.FV().NumPy()[:] = np.where(inside, (part - volume * (sums[j] / size)) / size, 0.0)
+            whole.data += body.form.harmonic_extension_trans * whole
+            rows[:, j] = np.where(self.strip_of == strips, whole.FV().NumPy(), 0.0)  # strips share no unknown
+        return rows.reshape(-1, values.size)
+
+    def _totals(self, values: Array) -> Array:
+        """Each strip's present volume and, times it, its stresses `(strips, 4)`."""
         self.moved.vec.FV().NumPy()[:] = values
         mesh = self.moved.space.mesh
         film = mesh.Materials("film")
@@ -49,7 +74,12 @@ class StripStress:
         ]
         total = np.zeros((self.strip.max(initial=-1) + 1, len(sums)))
         np.add.at(total, self.strip, np.array(sums).T[self.elements])
-        return np.asarray(total[:, 1:] / total[:, :1])
+        return total
+
+    @staticmethod
+    def _assembled(slope: Any) -> Array:
+        slope.Assemble()
+        return np.array(slope.vec.FV().NumPy())
 
 
 def strip_stress(
@@ -70,9 +100,9 @@ def strip_stress(
     mesh = body.mesh
     elements, strip = strips_of(mesh, slots, thickness, unit)
     moved = ng.GridFunction(body.space)
-    u, q = moved.components
+    u, q = moved.components[0], moved.components[1].MakeVariable()
     shear, _ = fe.moduli(mesh, materials)
-    h = ng.Grad(u).MakeVariable()  # by which a law is derived
+    h = ng.Grad(u).MakeVariable()  # by which a law is derived, and the stress itself
     swell = swelling(h)
     stretch, mean = ng.Id(2) + h, q - 2 * shear / 3 * swell
     # J sigma, so that sums are over the present volume
@@ -87,7 +117,21 @@ def strip_stress(
         (1 + swell) * mean,
     )
     compiled = tuple(part.Compile() for part in parts)  # a fifth of the time
-    return StripStress(moved, compiled, elements, strip, 2 * order + EXTRA)
+    degree = 2 * order + EXTRA
+    slopes = tuple(_slope(body.space, part, (h, q), degree - order) for part in parts)
+    of = np.full(body.space.ndof, -1, dtype=np.int64)
+    for element, number in zip(elements.tolist(), strip.tolist(), strict=True):
+        of[list(body.space.GetDofNrs(ng.ElementId(ng.VOL, element)))] = number
+    return StripStress(moved, compiled, slopes, elements, strip, of, degree)
+
+
+def _slope(space: Any, part: Any, by: tuple[Any, Any], extra: int) -> Any:
+    """Return the form, to be assembled in each state, of a part's derivative `by` gradient and pressure."""
+    v, p = space.TestFunction()
+    form = ng.LinearForm(space)
+    slope = part.Diff(by[0], ng.Grad(v)) + part.Diff(by[1], p)
+    form += slope * ng.dx("film", bonus_intorder=extra)
+    return form
 
 
 def _directions(mesh: Any, elements: Index, direction: Array) -> Any:

@@ -172,7 +172,7 @@ def newton(
         size = float(np.linalg.norm((unbalanced + push)[body.free])) / scale
         if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
             whole = replace(contact, residual=max(contact.residual, size))
-            spent = _dissipated(before.grip, contact)
+            spent = dissipated(before.grip, contact)
             found = DraggedState(values, whole, values - before.values, spent, size, i + 1)
             if slipping is not None:
                 raise GrossSlip(found, str(slipping))
@@ -185,8 +185,9 @@ def newton(
     raise ContactError(f"Newton finds no equilibrium: the residual is {size:.1e} of the contact force")
 
 
-def _dissipated(before: Grip, after: Grip) -> float:
-    """What friction takes in a step, mJ; a force that turned round had done so before its point slipped."""
+def dissipated(before: Grip, after: Grip) -> float:
+    """Return what friction takes in a step, mJ; a force that turned round had done so before its point
+    slipped."""
     mean = (before.tangential + after.tangential) / 2
     mean = np.where(before.tangential * after.tangential < 0, after.tangential, mean)
     return -float(mean @ after.slipped)

@@ -1,0 +1,109 @@
+"""Finite strain in chosen steps, the pad linear about them in between (mechanics/contact/held.py).
+
+For what small strain misses, P-delta above all, at a small part of the price of finite strain in each step;
+and on through a pull in which finite strain itself has no smooth surface, with an error that says how far.
+Reference: finite strain in each step (tests/effects/test_chosen_steps.py, bench/table_leads.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skincad.base.arrays import Array, Index
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import RefusedError
+from skincad.effects.kinds import Reading, Share, Step
+from skincad.effects.large_pad import FRICTIONLESS, LargePad
+from skincad.mechanics.contact.dragged import Dragged, Tangential
+from skincad.mechanics.contact.grip import Grip
+from skincad.mechanics.contact.held import STRIDE, HeldPad, HeldState
+
+
+def chosen(large: LargePad) -> ChosenPad:
+    """Return the pad that takes chosen steps of a `large` one, a stride of its narrowest crest apart."""
+    pad = large.pad
+    crests = [np.ptp(pad.x[pad.ridge == number]) for number in np.unique(pad.ridge)]
+    stride = STRIDE * float(min(crests))
+    return ChosenPad(HeldPad(pad, _Stresses(large), stride, not large.stops))
+
+
+@dataclass(frozen=True, eq=False)
+class _Stresses:
+    """The strips' stresses at a state, and by the contact forces."""
+
+    large: LargePad
+
+    def __call__(self, values: Array, linear: Tangential) -> tuple[Array, Array]:
+        pad, strips, modulus = self.large.pad, self.large.strips, self.large.modulus
+        if strips is None:
+            return np.zeros((0, 3)), np.zeros((0, 3, 2 * pad.gap.size))
+        stress = strips.at(values)
+        moved = linear.small.solve(strips.gradient(pad.body, values).T)[pad.contact]
+        per_force = (pad.rows @ moved).T.reshape(*stress.shape, -1) / pad.scale
+        return stress * modulus, np.asarray(per_force) * modulus
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenPad:
+    """A pad at finite strain in chosen steps; its states are `HeldState`."""
+
+    held: HeldPad
+
+    @property
+    def _pad(self) -> Dragged:
+        return self.held.pad
+
+    @property
+    def ridge(self) -> Index:
+        """Ridge of each contact point `(m,)`."""
+        return self._pad.ridge
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2, undeformed."""
+        return self._pad.area
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free unknowns."""
+        return self._pad.rest.unknowns
+
+    def start(self) -> HeldState:
+        """The unloaded state."""
+        with one_blas_thread():
+            return self.held.start()
+
+    def advanced(self, state: HeldState, step: Step, shares: Sequence[Share]) -> HeldState:
+        """Return the state at the step's end."""
+        if any(share.more for share in shares):
+            raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
+        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        return self.held.advanced(state, step.before, step.after, cone)
+
+    def grip(self, state: HeldState) -> Grip:
+        """Return the contact of a state."""
+        return state.grip
+
+    def fault(self, state: HeldState) -> str | None:  # noqa: ARG002
+        """None: chosen steps are looked at, and one that is not sound is not chosen."""
+        return None
+
+    def reading(self, before: HeldState, state: HeldState) -> Reading:  # noqa: ARG002
+        """Return what is told of a state."""
+        grip = state.grip
+        return Reading(
+            float(grip.normal.sum()),
+            float(grip.tangential.sum()),
+            grip.approach,
+            grip.travel,
+            grip.touches,
+            grip.slips,
+            state.films,
+            state.elastic,
+            state.dissipated,
+            grip.residual,
+            drift=state.drift,
+        )

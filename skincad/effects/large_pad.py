@@ -1,0 +1,101 @@
+"""A pad at finite strain, each of its steps solved to equilibrium (mechanics/contact/dragged.py)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from skincad.base.arrays import Array, Index
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import RefusedError
+from skincad.effects.kinds import Reading, Share, Step
+from skincad.mechanics.contact.grip import Cone, Grip, GrossSlip
+from skincad.mechanics.problem import ContactError
+
+if TYPE_CHECKING:
+    from skincad.mechanics.bodies.large_field import StripStress
+    from skincad.mechanics.contact.dragged import Dragged, DraggedState
+
+FRICTIONLESS = Cone(0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class LargePad:
+    """A pad that is linearised anew as it deforms; its states are `DraggedState`."""
+
+    pad: Dragged
+    strips: StripStress | None
+    modulus: float  # MPa
+    stops: bool  # at a crease
+
+    @property
+    def ridge(self) -> Index:
+        """Ridge of each contact point `(m,)`."""
+        return self.pad.ridge
+
+    @property
+    def area(self) -> Array:
+        """What each contact point stands for `(m,)`, mm2, undeformed."""
+        return self.pad.area
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free unknowns."""
+        return self.pad.rest.unknowns
+
+    def start(self) -> DraggedState:
+        """The unloaded state."""
+        from skincad.mechanics.contact.dragged import unloaded
+
+        return unloaded(self.pad)
+
+    def advanced(self, state: DraggedState, step: Step, shares: Sequence[Share]) -> DraggedState:
+        """Return the converged state at the step's end."""
+        from skincad.mechanics.contact.stride import to
+
+        if any(share.more for share in shares):
+            raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
+        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        with one_blas_thread():
+            try:
+                after = to(self.pad, state, step.before, step.after, cone)
+            except GrossSlip as limit:
+                self._check(limit.last)
+                raise
+            self._check(after)
+            return after
+
+    def _check(self, state: DraggedState) -> None:
+        """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
+        from skincad.mechanics.contact.creasing import fault
+
+        wrong = fault(self.pad, state, self.stops)
+        if wrong is not None:
+            raise ContactError(wrong)
+
+    def grip(self, state: DraggedState) -> Grip:
+        """Return the contact of a state."""
+        return state.grip
+
+    def fault(self, state: DraggedState) -> str | None:  # noqa: ARG002
+        """None: a step costs so much that each is looked at."""
+        return None
+
+    def reading(self, before: DraggedState, state: DraggedState) -> Reading:  # noqa: ARG002
+        """Return what is told of a state."""
+        grip = state.grip
+        return Reading(
+            float(grip.normal.sum()),
+            float(grip.tangential.sum()),
+            grip.approach,
+            grip.travel,
+            grip.touches,
+            grip.slips,
+            np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus,
+            self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit,
+            state.dissipated,
+            grip.residual,
+        )

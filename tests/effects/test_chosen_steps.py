@@ -1,0 +1,166 @@
+"""Finite strain in chosen steps against finite strain in each; what is told where no step can be chosen."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from skincad.base.arrays import Array
+from skincad.base.errors import RefusedError
+from skincad.effects.finite_strain import FiniteStrain
+from skincad.effects.friction import Friction
+from skincad.effects.kinds import Share, Step
+from skincad.effects.small_strain import SmallStrain
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.contact import held
+from skincad.mechanics.contact.dragged import DraggedState
+from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.film.stick import piece_of
+from skincad.mechanics.film.stress import filled_pad
+from skincad.mechanics.problem import ContactError
+from skincad.scenes.march import March, march
+from tests.mechanics.designs import yamada
+
+NORMAL, COEFFICIENT = 1.2, 0.5
+PRESSED, PULLED = 12, 30
+
+
+def drives() -> list[Drive]:
+    """Pressed, pulled to gross slip, a third of the pull taken back on the way."""
+    ways = [0.0] * (PRESSED + 1) + list(np.linspace(0, 0.8, PULLED)) + [0.7, 0.6, 0.55, 0.6, 0.7]
+    ways += list(np.linspace(0.8, 1.0, 8))
+    pull = COEFFICIENT * NORMAL * np.array(ways)
+    press = NORMAL * np.minimum(np.arange(pull.size) / PRESSED, 1)
+    return [Drive(float(n), float(t)) for n, t in zip(press, pull, strict=True)]
+
+
+def pad_of(law: Any, films: bool = True) -> Any:
+    """Three ridges with films, coarse."""
+    design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "bonded"})
+    piece = piece_of(*filled_pad(design), halved=False)
+    return law.marched(piece, triangles(piece.pad, default_sizes(piece.pad, 0.35)), 2, films, [])
+
+
+@cache
+def marched(steps: str) -> March:
+    law = SmallStrain() if steps == "none" else FiniteStrain(steps=steps)
+    way = drives()
+    return march(pad_of(law), np.arange(float(len(way))), way, [Friction(coefficient=COEFFICIENT)])
+
+
+def difference(found: March) -> Array:
+    """S1 - S2 across, `(steps + 1, 3)` MPa."""
+    films = found.column("films")
+    return np.asarray(films[:, ::2, 0] - films[:, 1::2, 0])
+
+
+def missed(found: March) -> Array:
+    """The told drift of S1 - S2, `(steps + 1, 3)` MPa."""
+    films = np.array([reading.drift.films for reading in found.readings if reading.drift])
+    return np.asarray(films[:, ::2, 0] + films[:, 1::2, 0])
+
+
+def test_a_few_chosen_steps_tell_what_finite_strain_in_each_tells() -> None:
+    """Signals within what is told of their error, ridges' forces within a hundredth, and both far nearer than
+    small strain; in a fraction of the steps."""
+    every, chosen, small = marched("all"), marched("chosen"), marched("none")
+    assert every.stopped == chosen.stopped == "gross slip"
+    count = sum(bool(reading.drift and reading.drift.chosen) for reading in chosen.readings)
+    assert 5 < count < len(chosen.readings) / 2
+    off = np.abs(difference(chosen) - difference(every)).max()
+    assert off <= missed(chosen).max()
+    assert off < 0.02 * np.abs(difference(every)).max()
+    assert off < 0.05 * np.abs(difference(small) - difference(every)).max()
+    loads = np.abs(chosen.loads[:, :2] - every.loads[:, :2]).max()
+    assert loads < 0.01 * every.loads[:, 0].max()
+    assert loads < 0.2 * np.abs(small.loads[:, :2] - every.loads[:, :2]).max()
+
+
+def test_nothing_jumps_where_a_step_is_chosen() -> None:
+    """The signal's slope changes nowhere by more than at finite strain in each step."""
+    every, chosen = marched("all"), marched("chosen")
+    bend = [
+        np.abs(np.diff(difference(found)[PRESSED + 1 : PRESSED + PULLED], 2, axis=0)).max()
+        for found in (every, chosen)
+    ]
+    assert bend[1] < 1.5 * bend[0]
+
+
+def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
+    """The energy summed up from the contact's work is the body's own at the last chosen step, to the drift;
+    and the plate's work is that and friction's, to the trapezoids' error where points close within a step."""
+    found = marched("chosen")
+    state = list(found.states.values())[-1]
+    body, pad = state.held.state, found.pad
+    assert isinstance(body, DraggedState)
+    stored = pad.held.pad.body.energy(body.values) * pad.held.pad.scale * pad.held.pad.unit
+    at = max(i for i, reading in enumerate(found.readings) if reading.drift and reading.drift.chosen)
+    assert found.readings[at].elastic == pytest.approx(stored, rel=0.01)
+    normal, along = found.column("normal"), found.column("tangential")
+    work = (normal[1:] + normal[:-1]) / 2 @ np.diff(found.column("approach"))
+    work += (along[1:] + along[:-1]) / 2 @ np.diff(found.column("travel"))
+    assert found.readings[-1].elastic + found.column("dissipated").sum() == pytest.approx(work, rel=2e-3)
+
+
+def test_drift_falls_with_the_square_of_the_stride(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between first and third order: pulled at full stick, where no set changes."""
+    pull = [Drive(NORMAL * min(i, 10) / 10, 0.012 * max(0, i - 10)) for i in range(41)]
+    told = []
+    for stride in (1 / 12, 1 / 24):
+        monkeypatch.setattr("skincad.effects.chosen_steps.STRIDE", stride)
+        pad = pad_of(FiniteStrain(steps="chosen"))
+        found = march(pad, np.arange(41.0), pull, [Friction(coefficient=1.5)])
+        assert found.stopped is None
+        told.append(missed(found)[30:].max())
+    assert 2 < told[0] / told[1] < 8
+
+
+def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is not looked for again under larger forces; its error grows with the square of what moves."""
+    tried = []
+
+    def folded(*_: object) -> str:
+        tried.append(1)
+        return "the surface folds"
+
+    monkeypatch.setattr(held, "fault", folded)
+    way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.02 * i) for i in range(6)]
+    found = march(
+        pad_of(FiniteStrain(steps="chosen")), np.arange(float(len(way))), way, [Friction(coefficient=1.0)]
+    )
+    assert found.stopped is None
+    assert len(tried) == 1
+    assert found.readings[-1].drift is not None
+    assert found.readings[-1].drift.cut == "the surface folds"
+
+
+def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.MonkeyPatch) -> None:
+    faults = iter(["the surface folds", None, None, None])
+    monkeypatch.setattr(held, "fault", lambda *_: next(faults))
+    way = [Drive(0.1 * i, 0.0) for i in (0, 1, 2, 3, 4, 4, 3, 2, 1)]
+    found = march(
+        pad_of(FiniteStrain(steps="chosen"), False), np.arange(9.0), way, [Friction(coefficient=1.0)]
+    )
+    cuts = [reading.drift.cut for reading in found.readings if reading.drift]
+    assert any(cuts)
+    assert not cuts[-1]
+
+
+def test_the_same_march_gives_the_same_bits() -> None:
+    way = drives()[:8]
+    pad = pad_of(FiniteStrain(steps="chosen"))
+    once, again = (march(pad, np.arange(8.0), way, [Friction(coefficient=0.5)]) for _ in range(2))
+    assert np.array_equal(once.column("films"), again.column("films"))
+    assert np.array_equal(once.loads, again.loads)
+
+
+def test_a_tilting_plate_and_shares_of_others_are_refused() -> None:
+    pad = pad_of(FiniteStrain(steps="chosen"), False)
+    step = Step(0.0, 1.0, Drive(0.0, 0.0), Drive(0.3, 0.0, angle=1e-3))
+    with pytest.raises(ContactError, match="keeps its angle"):
+        pad.advanced(pad.start(), step, [])
+    with pytest.raises(RefusedError, match="quasi-static"):
+        pad.advanced(pad.start(), Step(0.0, 1.0, Drive(0.0), Drive(0.1)), [Share(more={"mass": 1})])
