@@ -139,8 +139,9 @@ class CondensedPad:
         along = np.concatenate([state.tangential, -state.normal])
         force = turning.in_skin_axes(along, state.angle) if state.angle else along
         # a force that turned round within the step had done so before its point slipped
-        mean = np.where(before.tangential * state.tangential < 0, 1.0, 0.5) * state.tangential
-        mean += np.where(before.tangential * state.tangential < 0, 0.0, 0.5) * before.tangential
+        turned = before.tangential * state.tangential < 0
+        mean = np.where(turned, 1.0, 0.5) * state.tangential
+        mean += np.where(turned, 0.0, 0.5) * before.tangential
         return Reading(
             float(state.normal.sum()),
             float(state.tangential.sum()),

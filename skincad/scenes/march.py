@@ -124,7 +124,8 @@ class _Path:
 
     def __init__(self, pad: MarchedPad, limits: Limits, keep: Collection[int]) -> None:
         self.pad, self.limits, self.keep = pad, limits, keep
-        self.ridge, self.area = pad.ridge, pad.area
+        self.area, each = pad.area, 1 + int(pad.ridge.max())
+        self.thrice = np.concatenate([pad.ridge, each + pad.ridge, 2 * each + pad.ridge])
         self.state = pad.start()
         self.readings = [pad.reading(self.state, self.state)]
         self.loads = [self._of_ridges(pad.grip(self.state))]
@@ -159,10 +160,8 @@ class _Path:
 
     def _of_ridges(self, grip: Grip) -> Array:
         """Normal and tangential force, and what touches, `(3, ridges)`."""
-        found = [
-            np.bincount(self.ridge, of) for of in (grip.normal, grip.tangential, self.area * grip.touches)
-        ]
-        return np.array(found, dtype=float)[:, 1:]
+        told = np.concatenate([grip.normal, grip.tangential, self.area * grip.touches])
+        return np.asarray(np.bincount(self.thrice, told), dtype=float).reshape(3, -1)[:, 1:]
 
     def due(self, ends: bool) -> bool:
         """Whether to look for collisions now."""

@@ -79,14 +79,16 @@ def _lifted(skin: Compliant, before: Grip, drive: Drive) -> Grip:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """What one choice of sets leads to: forces, plate, gaps `w` and slips `moved`, all `(m,)`; `unborne` is
-    what the forces miss of a plate's with mass, relative."""
+    """What one choice of sets leads to: forces, plate, gaps `w` and slips `moved`, all `(m,)`; `rounded` are
+    the gaps with closed points' too, 0 but for rounding; `unborne` is what the forces miss of a plate's with
+    mass, relative."""
 
     p: Array
     t: Array
     d: float
     s: float
     w: Array
+    rounded: Array
     moved: Array
     unborne: float
 
@@ -240,22 +242,23 @@ class _Step:
             side[:k] += (self.zx @ offset)[closed]
             side[k : k + n] -= (self.xx @ offset)[stuck]
             side[-1] -= 0.0 if given else offset.sum()
-        found = linalg.lu_solve(self._factor(status, closed, stuck, drag, given), side, check_finite=False)
+        found, _ = linalg.lapack.dgetrs(*self._factor(status, closed, stuck, drag, given), side)
         p, t = np.zeros(self.m), np.zeros(self.m)
         p[closed] = found[:k]
         t[closed] = drag[closed] * p[closed]
         t[stuck] += found[k : k + n]
         t += 0.0 if offset is None else offset
         d = first + float(found[k + n])
-        w = self.gap - d + self.zz @ p - self.zx @ t
-        w[closed] = 0.0 if closed.size else w[closed]
+        rounded = self.gap - d + self.zz @ p - self.zx @ t
+        w = rounded.copy()
+        w[closed] = 0.0
         place = self.xx @ t - self.xz @ p - self.home
         if not given:
             travel = float(found[-1]) if inert is None else travel + float(found[-1])
         elif self.drive.travel is None and inert is None:
             travel = self._least_travel(place, closed, all_slip)
         moved = place - travel
-        return _Trial(p, t, d, travel, w, moved, self._unborne(p, t, found[k + n :]))
+        return _Trial(p, t, d, travel, w, rounded, moved, self._unborne(p, t, found[k + n :]))
 
     def _unborne(self, p: Array, t: Array, ahead: Array) -> float:
         """What the plate's equations miss; `ahead` is what it is beyond its `inert` place."""
@@ -273,13 +276,19 @@ class _Step:
         key = status.tobytes() + bytes([given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
-        k, n, ix = closed.size, stuck.size, np.ix_
-        matrix = np.zeros((k + n + (1 if given else 2),) * 2)
-        matrix[:k, :k] = self.zz[ix(closed, closed)] - self.zx[ix(closed, closed)] * drag[closed]
-        matrix[:k, k : k + n] = -self.zx[ix(closed, stuck)]
+        k, n = closed.size, stuck.size
+        # by columns, as the factorisation wants it; a whole row is taken faster than the parts of it
+        matrix = np.zeros((k + n + (1 if given else 2),) * 2, order="F")
+        asked, slides = np.concatenate([self.m + closed, stuck]), np.flatnonzero(drag[closed])
+        rows, points = self.skin.compliance[asked], matrix[: k + n, : k + n]
+        points[...] = rows.take(asked, axis=1)
+        np.negative(points[:k, k:], out=points[:k, k:])
+        np.negative(points[k:, :k], out=points[k:, :k])
+        if slides.size:
+            dragged = rows.take(closed[slides], axis=1) * drag[closed[slides]]
+            points[:k, slides] -= dragged[:k]
+            points[k:, slides] += dragged[k:]
         matrix[:k, k + n] = -1.0
-        matrix[k : k + n, :k] = self.xx[ix(stuck, closed)] * drag[closed] - self.xz[ix(stuck, closed)]
-        matrix[k : k + n, k : k + n] = self.xx[ix(stuck, stuck)]
         matrix[k + n, :k] = 1.0
         if self.inert is not None:
             matrix[k + n, k + n] = self.inert.stiffness
@@ -289,7 +298,7 @@ class _Step:
             matrix[-1, k : k + n] = 1.0
             if self.inert is not None:
                 matrix[-1, -1] = self.inert.stiffness
-        lower, pivots, singular = linalg.lapack.dgetrf(matrix)
+        lower, pivots, singular = linalg.lapack.dgetrf(matrix, overwrite_a=True)
         if singular:
             raise ContactError("the contact equations are singular: friction wedges the points")
         if len(self.solved) >= KEPT:
@@ -310,28 +319,29 @@ class _Step:
         short = ROUNDING * self.length
         wrong, wanted = np.zeros(self.m), status.copy()
 
-        def mark(where: Mask, amount: Array, to: Status | int) -> None:
-            wrong[where] = amount[where]
+        def mark(where: Mask, amount: Array, scale: float, to: Index | Status | int) -> None:
+            wrong[where] = amount[where] / scale
             wanted[where] = to[where] if isinstance(to, np.ndarray) else to
 
         closed = status != OPEN
-        against = np.where(moved > 0, LEFT, RIGHT).astype(np.int8)  # friction opposes the slip
-        forced = np.full(self.m, self._way(all_slip), dtype=np.int8)
         if self.law.bends:
             off = self._off_line(trial, status)
-            mark(off > 0, off, status)
+            mark(off > 0, off, 1.0, status)
         if not all_slip:
             beyond = np.abs(t) - self.limit * self.law.borne(p)
-            breaks = (status == STICK) & (beyond > small)
-            mark(breaks, beyond / self.force, np.where(t > 0, RIGHT, LEFT).astype(np.int8))
+            if (breaks := (status == STICK) & (beyond > small)).any():
+                mark(breaks, beyond, self.force, np.where(t > 0, RIGHT, LEFT))
             way = np.where(status == RIGHT, 1.0, -1.0)
-            halts = (status >= RIGHT) & (way * moved > short)
-            mark(halts, np.abs(moved) / self.length, STICK)
-        mark(closed & (p < -small), -p / self.force, OPEN)
-        # a closing point whose trial slip exceeds mu times its gap slips, or the sets cycle
-        mu = self.cone.static
-        closing = np.where(np.abs(moved) > mu * np.abs(w), against, STICK).astype(np.int8)
-        mark(~closed & (w < -short), -w / self.length, forced if all_slip else closing)
+            if (halts := (status >= RIGHT) & (way * moved > short)).any():
+                mark(halts, np.abs(moved), self.length, STICK)
+        if (opens := closed & (p < -small)).any():
+            mark(opens, -p, self.force, OPEN)
+        if (closes := ~closed & (w < -short)).any():
+            # a closing point whose trial slip exceeds mu times its gap slips, or the sets cycle
+            follows = np.abs(moved) > self.cone.static * np.abs(w)
+            against = np.where(moved > 0, LEFT, RIGHT)  # friction opposes the slip
+            to = self._way(all_slip) if all_slip else np.where(follows, against, STICK)
+            mark(closes, -w, self.length, to)
         return wrong, wanted
 
     def _off_line(self, trial: _Trial, status: Status) -> Array:
@@ -364,8 +374,7 @@ class _Step:
         return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, gross, angle)
 
     def _residual(self, trial: _Trial, status: Status, all_slip: float) -> float:
-        p, t = trial.p, trial.t
-        w = self.gap - trial.d + self.zz @ p - self.zx @ t
+        p, t, w = trial.p, trial.t, trial.rounded
         closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
         beyond = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
         if self.law.bends:
