@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import RefusedError
+from skincad.base.estimate import Estimate
 from skincad.base.result import Writer
 from skincad.effects.kinds import Showing
 from skincad.outputs.delivery import picture
 from skincad.scenes.moments import frames
+from skincad.scenes.refined import BySource
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
-from skincad.scenes.slip_errors import SlipError
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
@@ -53,13 +54,21 @@ def lines(found: Simulation) -> list[str]:
 
 def _slips(found: Simulation) -> str:
     """From which step each ridge slips until the end."""
-    steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
-    each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
+    steps = {ridge: step for ridge, step in enumerate(found.slip_estimates, 1) if step.value is not None}
+    each = ", ".join(f"{ridge} from step {_whole(step)}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
+    if found.gross_slip_step is not None:
+        end += f"; all of them from step {_whole(found.gross_slip_estimate)}"
     touching = set(found.march.ridge[found.march.readings[-1].touches].tolist())
     clear = [str(ridge) for ridge in range(1, len(found.slip_steps) + 1) if ridge not in touching]
     apart = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
     return f"ridge {each}{end}{apart}" if steps else f"no ridge slips for good{apart}"
+
+
+def _whole(step: Estimate) -> str:
+    """A step with its error, in whole steps."""
+    error = "" if step.error is None else f" ± {math.ceil(round(step.error, 6))}"
+    return f"{step.value:.0f}{error}"
 
 
 def _felt_lines(found: Simulation) -> list[str]:
@@ -83,39 +92,46 @@ def _felt_lines(found: Simulation) -> list[str]:
 def _lead_lines(found: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
     leads = {ridge: told for ridge, told in found.lead.items() if told.value is not None}
-    errors = found.error or {}
+    errors = {r: error for r, error in found.stress_errors.items() if error.mesh is not None}
     if max(len(leads), len(errors)) <= MOST_LINES:
         told = [
             line
             for r, ahead in leads.items()
             for line in (
                 f"  lead           ridge {r} slips {ahead} before all ridges do",
-                *_lead_error(found.slip_errors[r - 1]),
+                *_lead_error(found.slip_errors.leads[r - 1]),
             )
         ]
-        return told + [
-            f"  error          {error:.1g} MPa in ridge {ridge}'s differential stress, from the mesh"
-            for ridge, error in errors.items()
-        ]
+        return told + [f"  error          {_stress_error(error, 'ridge', r)}" for r, error in errors.items()]
     each = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
     told = [f"  lead           from a ridge's slip to that of all: ridge {each}"] * bool(leads)
     if errors:
-        worst = max(errors, key=errors.__getitem__)
-        told.append(
-            f"  error          at most {errors[worst]:.1g} MPa in a differential stress (ridge {worst}), "
-            "from the mesh"
-        )
+        worst = max(errors, key=lambda r: _told_sum(errors[r]))
+        told.append(f"  error          at most {_stress_error(errors[worst], 'the worst, ridge', worst)}")
     return told
 
 
-def _lead_error(error: SlipError) -> list[str]:
+def _lead_error(error: BySource) -> list[str]:
     """What a lead's error is made of; nothing where it is unknown."""
-    if error.mesh is None or error.time_step is None:
-        return []
-    parts = [f"{error.mesh:.1g} ms from the mesh", f"{error.time_step:.1g} from the time step"]
-    if error.left_out:
-        parts.append(f"{error.left_out:.2g} from what is left out (notes)")
-    return [f"  its error      {', '.join(parts)}"]
+    return [] if error.total is None else [f"  its error      {', '.join(_parts(error, ' ms'))}"]
+
+
+def _stress_error(error: BySource, whose: str, ridge: int) -> str:
+    """How wrong a stress may be, and what that is made of."""
+    parts = ", ".join(_parts(error, ""))
+    return f"{_told_sum(error):.2g} MPa in {whose} {ridge}'s differential stress: {parts}"
+
+
+def _told_sum(error: BySource) -> float:
+    """The sum of what is known."""
+    return math.fsum(share for share in error if share is not None)
+
+
+def _parts(error: BySource, unit: str) -> list[str]:
+    """An error's sources, the first with its unit; none for what is left out where that is nothing."""
+    of_step = "unknown" if error.time_step is None else f"{error.time_step:.1g}"
+    parts = [f"{error.mesh:.1g}{unit} from the mesh", f"{of_step} from the time step"]
+    return [*parts, f"{error.left_out:.2g} from what is left out (notes)"] if error.left_out else parts
 
 
 def ridge_name(ridge: int | str) -> str:

@@ -14,8 +14,8 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.march import INTERRUPTED, March
 from skincad.scenes.on_mesh import Marching, march_on, march_thin
+from skincad.scenes.refined import Refined
 from skincad.scenes.scene import Scene
-from skincad.scenes.slip_errors import Refined
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
@@ -46,11 +46,13 @@ def climb(
     def marched(level: Level, before: Ascent[Level, March, _Error] | None) -> March:
         two = before is None and budget is None  # two meshes are the least
         last.clear()
-        found = march_on(level, on, last, LEVELS[1] if two and len(LEVELS) > 1 else None)
+        following = LEVELS[1] if two and len(LEVELS) > 1 else None
+        found = march_on(level, on, last, following, before is None and films)
         if before is not None:
             refined[0] = replace(refined[0], before=before.found)
         elif films and not (found.failed or found.interrupted):
-            thin = march_thin(on, found, last)
+            after = expected(following, level, last) if following else 0.0
+            thin = march_thin(on, found, last, after)
             if thin is not None and thin.interrupted:
                 thin, found = (
                     None,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from skincad.base.arrays import Index
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import needing
 from skincad.base.stopwatch import Tick
@@ -17,8 +18,8 @@ from skincad.effects.kinds import PadChange
 from skincad.scenes.levels import Level, expected
 from skincad.scenes.march import March, march
 from skincad.scenes.moments import kept_steps
+from skincad.scenes.refined import LONGER, thinned
 from skincad.scenes.scene import Scene
-from skincad.scenes.slip_errors import thinned
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
@@ -61,9 +62,15 @@ def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
     return piece_of(pad, thickness, halved=scene.law.halves)
 
 
-def march_on(level: Level, on: Marching, seconds: dict[str, float], following: Level | None = None) -> March:
-    """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level
-    `following`."""
+def march_on(
+    level: Level,
+    on: Marching,
+    seconds: dict[str, float],
+    following: Level | None = None,
+    again: bool = False,
+) -> March:
+    """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level `following`
+    and of a march with fewer steps, where it is marched `again`."""
     stage, scene, tick = f"fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
     if tick:
         tick(stage, 0)
@@ -75,13 +82,14 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
         pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
+    fewer = LONGER * _fewer(scene).size / history.steps if again else 0.0
     stages = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
 
     def told(step: int) -> None:
         if tick:
             whole = (perf_counter() - marks[-1]) * history.steps / step
             after = expected(following, level, {**stages, "march": whole}) if following else 0.0
-            tick(stage, step, whole * (1 - step / history.steps) + after)
+            tick(stage, step, whole * (1 - step / history.steps + fewer) + after)
 
     # to ask for one thread at each step takes longer than the step
     with needing(f"the computation on the mesh of {stage}"), one_blas_thread():
@@ -92,21 +100,37 @@ def march_on(level: Level, on: Marching, seconds: dict[str, float], following: L
     return found
 
 
-def march_thin(on: Marching, found: March, seconds: dict[str, float]) -> March | None:
+def march_thin(on: Marching, found: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
     """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails.
-    `seconds` have a stage of its own, for the price of the next mesh hangs on the march's alone."""
-    scene, history = on.scene, on.scene.history
-    kept = thinned(history.steps, np.array(history.time_s) / history.time_s[-1] * history.steps)
+    `seconds` have a stage of its own, for the price of the next mesh hangs on the march's alone. The tick is
+    told the history's steps, and the time left with the s `after` it."""
+    scene, history, tick = on.scene, on.scene.history, on.tick
+    kept = _fewer(scene)
     if found.pad is None or kept.size > history.steps:
         return None
+    stage, began, last = "march with fewer steps", perf_counter(), kept.size - 1
+    if tick:
+        tick(stage, 0)
+
+    def told(step: int) -> None:
+        if tick:
+            left = (perf_counter() - began) * (last / step - 1)
+            tick(stage, int(kept[step]), left + after)
+
     drives = history.drives()
     with one_blas_thread():
         ends = scene.law.limits(scene.design)
         times, mass = history.times[kept], scene.plate.mass or 0.0
         fewer = [drives[i] for i in kept]
-        thin = march(found.pad, times, fewer, scene.terms, mass=mass, limits=ends, partial=on.partial)
-    seconds["march with fewer steps"] = thin.seconds
+        thin = march(found.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
+    seconds[stage] = thin.seconds
     return None if thin.failed else thin
+
+
+def _fewer(scene: Scene) -> Index:
+    """The steps that the march with fewer has."""
+    history = scene.history
+    return thinned(history.steps, np.array(history.time_s) / history.time_s[-1] * history.steps)
 
 
 def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:

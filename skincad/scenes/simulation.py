@@ -21,21 +21,24 @@ from skincad.effects.omitted import Omitted
 from skincad.mechanics.contact.grip import Cone, Drive
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.climb import Climbed, climb, differential
+from skincad.scenes.energy import energy
 from skincad.scenes.levels import Level
 from skincad.scenes.march import March
 from skincad.scenes.omitted import MATTERS, omitted
 from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.readers import joined, read
+from skincad.scenes.refined import BySource
 from skincad.scenes.scene import Scene
 from skincad.scenes.signals import slips_of, unresolved
-from skincad.scenes.slip_errors import SlipError, lead, slip_errors
+from skincad.scenes.slip_errors import SlipErrors, in_steps, lead, slip_errors, slip_step
+from skincad.scenes.stress_errors import stress_errors
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Result):
     """A scene's result. `raw` and `signals` are by told ridge: the differential stress S1 - S2, MPa, as it is
-    and band-limited; `error` MPa its change from the mesh before, None with one mesh; `slipping`
-    `(steps + 1, ridges)`; `slip_errors` of each ridge's lead.
+    and band-limited; `error` MPa its change from the mesh before, None with one mesh, and `stress_errors`
+    MPa its whole error by source; `slipping` `(steps + 1, ridges)`; `slip_errors` ms.
     """
 
     shown_by = "skincad.outputs.simulations"
@@ -44,11 +47,12 @@ class Simulation(Result):
     raw: dict[int, Array]
     signals: dict[int, Limited]
     error: dict[int, float] | None
+    stress_errors: dict[int, BySource]
     slipping: Mask
     runs: list[list[list[int]]]
     slip_steps: list[int | None]
     gross_slip_step: int | None
-    slip_errors: list[SlipError]
+    slip_errors: SlipErrors
     left_out: list[Omitted]
     read: dict[str, Any]
     seconds: dict[str, float]
@@ -62,35 +66,48 @@ class Simulation(Result):
     @property
     def energy(self) -> dict[str, float]:
         """Work of the plate, what is stored and dissipated, mJ, and what is missing, relative to the work."""
-        normal, tangential = self.march.column("normal"), self.march.column("tangential")
-        down, along = np.diff(self.march.column("approach")), np.diff(self.march.column("travel"))
-        by_forces = (normal[1:] + normal[:-1]) / 2 * down + (tangential[1:] + tangential[:-1]) / 2 * along
-        told = [reading.work for reading in self.march.readings[1:]]
-        pushed = sum(force if work is None else work for force, work in zip(by_forces, told, strict=True))
-        stored = float(self.march.readings[-1].elastic)
-        lost = float(self.march.column("dissipated").sum())
-        kinetic = float(self.march.readings[-1].kinetic)
-        viscous = float(self.march.column("viscous").sum())
-        missing = abs(pushed - stored - kinetic - lost - viscous)
-        return {
-            "work_mJ": float(pushed),
-            "elastic_mJ": stored,
-            "kinetic_mJ": kinetic,
-            "dissipated_mJ": lost,
-            "viscous_mJ": viscous,
-            "imbalance": float(missing) / max(abs(float(pushed)), stored, 1e-300),
-        }
+        return energy(self.march)
 
     @property
     def lead(self) -> dict[int, Estimate]:
         """By how many ms a told ridge's lasting slip comes before gross slip; no value without one of them,
         no error where nobody asked what the mesh or the step changes."""
         told = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
-        gross, errors = self.gross_slip_step, self.slip_errors
+        gross, errors = self.gross_slip_step, self.slip_errors.leads
         return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in told}
+
+    @property
+    def slip_step_errors(self) -> list[BySource | None]:
+        """How many steps `slip_steps` may be wrong by, ridge by ridge; None for one that does not slip."""
+        pairs = zip(self.slip_steps, self.slip_errors.slips, strict=True)
+        return [in_steps(self.march, step, error) for step, error in pairs]
+
+    @property
+    def gross_slip_step_error(self) -> BySource | None:
+        """How many steps `gross_slip_step` may be wrong by; None without gross slip."""
+        return in_steps(self.march, self.gross_slip_step, self.slip_errors.gross)
+
+    @property
+    def slip_estimates(self) -> list[Estimate]:
+        """The step from which each ridge slips for good; no value for one that does not."""
+        return list(map(slip_step, self.slip_steps, self.slip_step_errors))
+
+    @property
+    def gross_slip_estimate(self) -> Estimate:
+        """The step of gross slip; no value without it."""
+        return slip_step(self.gross_slip_step, self.gross_slip_step_error)
+
+    @property
+    def largest_stress(self) -> dict[int, Estimate]:
+        """A told ridge's largest differential stress, MPa, either way, with its whole error."""
+        return {
+            r: Estimate(float(np.abs(values).max()), self.stress_errors[r].total, "MPa")
+            for r, values in self.raw.items()
+        }
 
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""
+        slips, gross = self.slip_step_errors, self.gross_slip_step_error
 
         def told(of: Callable[[Limited], Array]) -> dict[str, list[float]]:
             return {str(r): of(signal).tolist() for r, signal in self.signals.items()}
@@ -107,9 +124,11 @@ class Simulation(Result):
             "tangential_force_N": found.column("tangential").tolist(),
             "ridge_slip_intervals": self.runs,
             "ridge_slip_step": self.slip_steps,
+            "slip_step_error": [None if each is None else each.with_total() for each in slips],
             "gross_slip_step": self.gross_slip_step,
+            "gross_slip_step_error": None if gross is None else gross.with_total(),
             "lead_ms": {str(r): each.as_json() for r, each in self.lead.items()},
-            "lead_error_ms": {str(r): self.slip_errors[r - 1].as_json() for r in self.lead},
+            "lead_error_ms": {str(r): self.slip_errors.leads[r - 1].as_json() for r in self.lead},
             "slip_lead_ms": {str(r): each.value for r, each in self.lead.items()},
             "differential_stress_MPa": told(lambda s: s.value),
             "stress_rate_MPa_per_s": told(lambda s: s.rate),
@@ -117,6 +136,12 @@ class Simulation(Result):
             "differential_stress_error_MPa": (
                 None if self.error is None else {str(r): e for r, e in self.error.items()}
             ),
+            "differential_stress_error_by_source_MPa": {
+                str(r): each.as_json() for r, each in self.stress_errors.items()
+            },
+            "largest_differential_stress_MPa": {
+                str(r): each.as_json() for r, each in self.largest_stress.items()
+            },
             "bandwidth_Hz": self.scene.readout.bandwidth_Hz,
             "signal_delay_s": self.delay,
         }
@@ -216,6 +241,10 @@ def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulati
     raw, width = differential(on.piece, scene, found), scene.readout.bandwidth_Hz
     slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
     left_out, driven = omitted(scene, found), scene.history.tangential_force_N is None
+    change = _change(left_out)
+    stressed = stress_errors(
+        raw, climbed.error, climbed.refined, lambda one: differential(on.piece, scene, one), change
+    )
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
     notes = [*notes, *unresolved(found.time, width)] if raw else notes
@@ -231,11 +260,12 @@ def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulati
         raw,
         {r: band_limited(found.time, values, width) for r, values in raw.items()},
         climbed.error,
+        stressed,
         slips.slipping,
         slips.runs,
         slips.steps,
         slips.gross,
-        slip_errors(found, slips, climbed.refined, _change(left_out), driven, _cone(scene)),
+        slip_errors(found, slips, climbed.refined, change, driven, _cone(scene)),
         left_out,
         told,
         {**seconds, "total": seconds["total"] + perf_counter() - began},

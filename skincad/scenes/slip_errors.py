@@ -1,4 +1,4 @@
-"""How wrong the time of a slip may be, by source: the mesh, the time step, and what the scene leaves out.
+"""How wrong the time of a slip may be, and a lead, which is the time between two: by source.
 
 Mesh and time step: the change to a march on the mesh before, and to one of fewer steps. What is left out: an
 effect that changes a ridge's load by a share c lets it slip when it bears 1 / (1 + c) of what it bore at its
@@ -8,9 +8,8 @@ same is taken for later. Range: marches whose tangential load grows towards the 
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,69 +18,65 @@ from skincad.base.estimate import Estimate
 from skincad.mechanics.contact.friction_law import law_of
 from skincad.mechanics.contact.grip import Cone
 from skincad.scenes.march import March
+from skincad.scenes.refined import THIN, BySource, Refined
 from skincad.scenes.signals import Slips, slips_of
-
-THIN = 5  # steps of a march that are one of the march with fewer; error taken as of first order in the step
-
-
-class SlipError(NamedTuple):
-    """Of a slip's time, or of a lead, ms; a source that nobody asked is None."""
-
-    mesh: float | None
-    time_step: float | None
-    left_out: float
-
-    @property
-    def total(self) -> float | None:
-        """The sum; None where the mesh's or the step's share is unknown."""
-        return (
-            None
-            if self.mesh is None or self.time_step is None
-            else self.mesh + self.time_step + self.left_out
-        )
-
-    def as_json(self) -> dict[str, float | None]:
-        """Return it under JSON keys."""
-        return self._asdict()
 
 
 @dataclass(frozen=True, eq=False)
-class Refined:
-    """Marches to hold a march against: `before` on the mesh before; `every` on the coarsest mesh, and `thin`
-    there with fewer steps. None where there is none."""
+class SlipErrors:
+    """The errors, ms: of each ridge's `slips`, in order, of `gross` slip, and of `leads`, from a ridge's slip
+    to gross slip, which mesh and step may move less than either."""
 
-    before: March | None = None
-    every: March | None = None
-    thin: March | None = None
-
-
-def thinned(steps: int, points: Array) -> Array:
-    """Return the steps `(k,)` of a march with fewer steps: every THIN-th, and those at the history's
-    `points`, given in steps."""
-    named = np.concatenate([np.arange(0, steps + 1, THIN), np.rint(points).astype(int), [steps]])
-    return np.unique(np.clip(named, 0, steps))
+    slips: list[BySource]
+    gross: BySource
+    leads: list[BySource]
 
 
 def slip_errors(
     found: March, slips: Slips, refined: Refined, change: float, driven: bool, cone: Cone
-) -> list[SlipError]:
-    """Return the error of each ridge's lead, ms, in order; `change` is the relative change of loads by what
-    is left out, `driven` whether the plate's travel is given: gross slip hangs on the skin then."""
-    count = len(slips.steps)
+) -> SlipErrors:
+    """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
+    whether the plate's travel is given: gross slip hangs on the skin then."""
+    count, time, loads = len(slips.steps), found.time, found.loads
     own, before, every, thin = (
-        None if march is None else _leads(march, count)
+        None if march is None else _moments(march, count)
         for march in (found, refined.before, refined.every, refined.thin)
     )
-    time, loads = found.time, found.loads
     gross = spread(time, loads.sum(axis=2), slips.gross, change, cone) if driven else 0.0
-    return [
-        SlipError(
-            _apart(own, before, ridge),
-            _by_step(found, _apart(every, thin, ridge)),
-            spread(time, loads[:, :, ridge], step, change, cone) + gross,
-        )
-        for ridge, step in enumerate(slips.steps)
-    ]
+    out = [spread(time, loads[:, :, ridge], step, change, cone) for ridge, step in enumerate(slips.steps)]
+
+    def errors(of: Callable[[Array], Array], left_out: list[float]) -> list[BySource]:
+        mesh, fewer = (_apart(*two, of, len(left_out)) for two in ((own, before), (every, thin)))
+        # of first order in the step, and at least a step
+        steps = [None if each is None else max(step_ms(found), each / (THIN - 1)) for each in fewer]
+        return [BySource(*each) for each in zip(mesh, steps, left_out, strict=True)]
+
+    slipped = errors(lambda moments: 1e3 * moments, [*out, gross])
+    leads = errors(lambda moments: 1e3 * (moments[-1] - moments[:-1]), [each + gross for each in out])
+    return SlipErrors(slipped[:-1], slipped[-1], leads)
+
+
+def step_ms(march: March) -> float:
+    """Return the time of a march's step, ms; 0 without any."""
+    return 1e3 * float(march.time[1] - march.time[0]) if march.time.size > 1 else 0.0
+
+
+def in_steps(march: March, step: int | None, error: BySource) -> BySource | None:
+    """Return a slip's error, ms, in steps of its march; None without that slip."""
+    if step is None:
+        return None
+    mesh, time_step = (None if each is None else _whole(each / step_ms(march)) for each in error[:2])
+    return BySource(mesh, time_step, _whole(error.left_out / step_ms(march)))
+
+
+def _whole(steps: float) -> float:
+    """Steps without the rounding of the times that they come from."""
+    return round(steps, 6)
+
+
+def slip_step(step: int | None, error: BySource | None) -> Estimate:
+    """Return the step of a slip; of no value without that slip."""
+    return Estimate(step, None if error is None else error.total, "steps")
 
 
 def lead(time: Array, gross: int | None, step: int | None, error: float | None) -> Estimate:
@@ -91,26 +86,21 @@ def lead(time: Array, gross: int | None, step: int | None, error: float | None) 
     return Estimate(1e3 * float(time[gross] - time[step]), error, "ms")
 
 
-def _leads(march: March, ridges: int) -> Array:
-    """Leads in ms `(ridges,)`; NaN where a ridge does not slip for good, from the end without gross slip."""
+def _moments(march: March, ridges: int) -> Array:
+    """When ridges slip for good, s `(ridges + 1,)`, and last gross slip: the march's end without it, and that
+    of a ridge that does not slip is put there too."""
     slips = slips_of(march.readings, march.ridge, ridges)
-    end = march.time[-1] if slips.gross is None else march.time[slips.gross]
-    at = [math.nan if step is None else float(march.time[step]) for step in slips.steps]
-    return 1e3 * (float(end) - np.array(at))
+    last = march.time.size - 1 if slips.gross is None else slips.gross
+    return np.asarray(march.time[[*(last if step is None else step for step in slips.steps), last]])
 
 
-def _apart(one: Array | None, other: Array | None, ridge: int) -> float | None:
-    """By how much two marches' leads differ; a slip that one of them has not is as far off as the lead."""
+def _apart(
+    one: Array | None, other: Array | None, of: Callable[[Array], Array], count: int
+) -> list[float | None]:
+    """By how much what is `of` two marches' moments differs, `count` numbers; None without one of them."""
     if one is None or other is None:
-        return None
-    a, b = np.nan_to_num([one[ridge], other[ridge]])
-    return abs(float(a - b))
-
-
-def _by_step(found: March, change: float | None) -> float | None:
-    """The step's own error: of first order, and at least a step."""
-    least = 1e3 * float(found.time[1] - found.time[0]) if found.time.size > 1 else 0.0
-    return None if change is None else max(least, change / (THIN - 1))
+        return [None] * count
+    return [float(each) for each in np.abs(of(one) - of(other))]
 
 
 def spread(time: Array, loads: Array, step: int | None, change: float, cone: Cone) -> float:

@@ -55,11 +55,13 @@ def test_the_time_left_is_told_and_falls_to_what_must_follow(tmp_path: Path) -> 
     press = ("history.steps=8", "readout.ridges=[1]", THIRD)
     found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tol=0.5, tick=tick)
     stages = list(dict.fromkeys(stage for stage, _, _ in told))
-    assert len(stages) == 2  # no error without a second mesh
-    first, second = ([left for name, _, left in told if name == stage] for stage in stages)
+    assert len(stages) == 3  # no error without a second mesh, nor without a march with fewer steps
+    first, fewer, second = ([left for name, _, left in told if name == stage] for stage in stages)
     assert len(first) == len(second) == 8
     assert second[-1] == 0.0
-    assert first[-1] > 0.0
+    assert first[-1] > fewer[-1] > 0.0  # then the second mesh alone is left
+    assert stages[1] == "march with fewer steps"
+    assert [step for name, step, _ in told if name == stages[1]] == [5, 8]
     assert found.error is not None
 
 
@@ -81,7 +83,8 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
     stages: set[str] = set()
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
-        stages.add(stage)
+        if "fineness" in stage:
+            stages.add(stage)
 
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
     found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **asked)

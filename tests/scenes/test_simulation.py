@@ -379,7 +379,7 @@ def test_ctrl_c_leaves_what_is_done(
     stages: list[str] = []
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
-        if stage not in stages:
+        if stage not in stages and stage != "march with fewer steps":
             stages.append(stage)
         if len(stages) == 1 + whole_first and step == 3:
             raise KeyboardInterrupt
@@ -399,7 +399,8 @@ def test_ctrl_c_between_two_meshes_or_in_the_second(
     stages: set[str] = set()
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
-        stages.add(stage)
+        if stage != "march with fewer steps":
+            stages.add(stage)
         if len(stages) == 2 and step == moment:
             raise KeyboardInterrupt
 

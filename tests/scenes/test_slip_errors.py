@@ -1,4 +1,4 @@
-"""The error of a slip's time: closed forms, and that it holds against finer steps and meshes."""
+"""The error of a slip's time, and of the stress, against finer steps and meshes, and closed forms."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from skincad.mechanics.contact.grip import Cone
+from skincad.outputs.simulations import lines
 from skincad.scenes import on_mesh
 from skincad.scenes.march import INTERRUPTED, March, march
+from skincad.scenes.refined import BySource
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, simulate
-from skincad.scenes.slip_errors import SlipError, lead, spread, thinned
+from skincad.scenes.slip_errors import in_steps, lead, slip_step, spread
 
 COULOMB = Cone(1.0, 1.0)
 
@@ -46,18 +48,27 @@ def test_by_a_constant_shear_stress_the_area_counts() -> None:
     assert spread(time, loads, 100, 0.25, COULOMB) == pytest.approx(10.0)  # never below
 
 
-def test_fewer_steps_keep_the_history_s_points() -> None:
-    kept = thinned(23, np.array([0.0, 7.0, 13.0, 23.0]))
-    assert kept.tolist() == [0, 5, 7, 10, 13, 15, 20, 23]
-
-
 def test_a_lead_needs_both_slips() -> None:
     time = np.linspace(0.0, 0.01, 11)
     assert lead(time, 8, 5, 0.5).as_json() == {"value": pytest.approx(3.0), "error": 0.5}
     assert lead(time, None, 5, 0.5).value is None
     assert lead(time, 8, None, 0.5).value is None
-    assert SlipError(None, 0.1, 0.0).total is None
-    assert SlipError(0.1, 0.2, 0.3).total == pytest.approx(0.6)
+
+
+def test_a_slips_error_is_told_in_steps() -> None:
+    """0.1 ms a step; without a slip there is nothing to be wrong."""
+    march = March(np.linspace(0.0, 0.01, 101), (), np.zeros(0, dtype=int), 0, None, False, 0.0, np.zeros(0))
+    error = in_steps(march, 40, BySource(0.2, 0.1, 1.5))
+    assert error is not None
+    assert error == (2, 1, 15)
+    assert error.with_total() == {"mesh": 2, "time_step": 1, "left_out": 15, "total": 18}
+    assert str(slip_step(40, error)) == "40 ± 18 steps"
+    unknown = in_steps(march, 40, BySource(None, 0.1, 1.5))
+    assert unknown is not None
+    assert unknown.with_total() == {"mesh": None, "time_step": 1, "left_out": 15, "total": None}
+    assert slip_step(40, unknown).error is None
+    assert in_steps(march, None, BySource(0.2, 0.1, 1.5)) is None
+    assert slip_step(None, None).value is None
 
 
 @cache
@@ -70,7 +81,7 @@ def test_the_step_and_the_mesh_are_told() -> None:
     """110 steps of 0.05 ms on two meshes against 550 on the same: the finer leads lie within the error."""
     coarse, fine = slip("history.steps=110"), slip()
     for ridge, told in coarse.lead.items():
-        error = coarse.slip_errors[ridge - 1]
+        error = coarse.slip_errors.leads[ridge - 1]
         assert told.value is not None
         assert error.mesh is not None
         assert error.time_step is not None
@@ -78,6 +89,56 @@ def test_the_step_and_the_mesh_are_told() -> None:
         other = fine.lead[ridge].value
         assert other is not None
         assert abs(told.value - other) <= error.mesh + error.time_step + 1e-9
+
+
+@pytest.mark.slow
+def test_the_steps_of_slip_hold_against_finer_steps() -> None:
+    """A step of the coarse march is five of the fine one."""
+    coarse, fine = slip("history.steps=110"), slip()
+    for told, error, other in zip(
+        coarse.slip_estimates, coarse.slip_step_errors, fine.slip_steps, strict=True
+    ):
+        if told.value is None:
+            assert error is None
+            assert other is None
+            continue
+        assert error is not None
+        assert other is not None
+        assert error.mesh is not None
+        assert error.time_step is not None
+        assert error.time_step >= 1.0
+        assert abs(told.value - other / 5) <= error.mesh + error.time_step + 1e-9
+    assert coarse.gross_slip_step == 110
+    assert coarse.gross_slip_estimate.error == 1.0  # friction alone says when, where the force is given
+
+
+@pytest.mark.slow
+def test_the_stress_holds_against_finer_steps() -> None:
+    """Before gross slip, at the times of both."""
+    coarse, fine = slip("history.steps=110"), slip()
+    for ridge, error in coarse.stress_errors.items():
+        assert error.time_step is not None
+        apart = float(np.abs(coarse.raw[ridge][:110] - fine.raw[ridge][:550:5]).max())
+        assert apart <= error.time_step < error.left_out
+
+
+def test_what_is_told_of_slips_and_stress() -> None:
+    found = slip("history.steps=110")
+    told = found.as_json()
+    assert len(told["slip_step_error"]) == len(told["ridge_slip_step"]) == 9
+    for step, error in zip(told["ridge_slip_step"], told["slip_step_error"], strict=True):
+        assert (step is None) == (error is None)
+        assert error is None or error["total"] == error["mesh"] + error["time_step"] + error["left_out"]
+    assert told["gross_slip_step_error"] == {"mesh": 0.0, "time_step": 1.0, "left_out": 0.0, "total": 1.0}
+    by_source = told["differential_stress_error_by_source_MPa"]
+    assert {r: each["mesh"] for r, each in by_source.items()} == told["differential_stress_error_MPa"]
+    whole = told["largest_differential_stress_MPa"]["3"]
+    assert whole["error"] == pytest.approx(sum(by_source["3"].values()))
+    change = sum(entry.change for entry in found.left_out)
+    assert by_source["3"]["left_out"] == pytest.approx(change * whole["value"])
+    words = "\n".join(lines(found))
+    assert f"3 from step {found.slip_steps[2]} ± {told['slip_step_error'][2]['total']:.0f}" in words
+    assert "; all of them from step 110 ± 1" in words
 
 
 def test_what_is_left_out_moves_a_slip_more_than_the_mesh() -> None:
@@ -101,7 +162,9 @@ def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(
     found = simulate(scene, partial=True)
     assert found.march.interrupted
     assert len(found.march.readings) == 13
-    assert found.slip_errors[2].time_step is None
+    assert found.slip_errors.leads[2].time_step is None
+    assert found.slip_errors.slips[2].time_step is None
+    assert found.stress_errors[3].time_step is None
 
 
 def test_the_extra_march_is_a_stage_of_its_own() -> None:

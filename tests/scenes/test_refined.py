@@ -1,0 +1,20 @@
+"""Errors by source, and the steps of a march with fewer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skincad.scenes.refined import BySource, thinned
+
+
+def test_fewer_steps_keep_the_history_s_points() -> None:
+    kept = thinned(23, np.array([0.0, 7.0, 13.0, 23.0]))
+    assert kept.tolist() == [0, 5, 7, 10, 13, 15, 20, 23]
+
+
+def test_without_a_source_there_is_no_sum() -> None:
+    assert BySource(None, 0.1, 0.0).total is None
+    assert BySource(0.1, None, 0.0).total is None
+    assert BySource(0.1, 0.2, 0.3).total == pytest.approx(0.6)
+    assert BySource(0.1, 0.2, 0.3).as_json() == {"mesh": 0.1, "time_step": 0.2, "left_out": 0.3}
