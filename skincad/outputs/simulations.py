@@ -14,6 +14,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Writer
 from skincad.effects.kinds import Showing
 from skincad.outputs.delivery import picture
+from skincad.scenes.models import CORRECTED, FINITE_STRAIN, SMALL_STRAIN, chosen_steps, model_of
 from skincad.scenes.moments import frames
 from skincad.scenes.refined import BySource
 from skincad.scenes.scene import Scene
@@ -25,6 +26,11 @@ if TYPE_CHECKING:
 
 COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
+MODELS = {
+    SMALL_STRAIN: "small strain",
+    CORRECTED: "finite strain in {} chosen steps, linear in between",
+    FINITE_STRAIN: "finite strain in each step",
+}
 MOST_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
@@ -40,9 +46,11 @@ def lines(found: Simulation) -> list[str]:
     march, history = found.march, found.scene.history
     last, asked = len(march.readings) - 1, history.steps
     end = f"stopped after {last} of {asked} steps: {march.stopped}" if march.stopped else f"{asked} steps"
+    chosen = chosen_steps(march)
+    by = MODELS[model_of(found.scene)].format(0 if chosen is None else len(chosen) - 1)
     energy = found.energy
     return [
-        f"{found.scene.name}: {end}.",
+        f"{found.scene.name}: {end}; {by}.",
         f"  slip           {_slips(found)}",
         *_felt_lines(found),
         f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ lost to "
@@ -102,12 +110,12 @@ def _lead_lines(found: Simulation) -> list[str]:
                 *_lead_error(found.slip_errors.leads[r - 1]),
             )
         ]
-        return told + [f"  error          {_stress_error(error, 'ridge', r)}" for r, error in errors.items()]
+        return told + [f"  error          {_stress_error(error, r)}" for r, error in errors.items()]
     each = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
     told = [f"  lead           from a ridge's slip to that of all: ridge {each}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _told_sum(errors[r]))
-        told.append(f"  error          at most {_stress_error(errors[worst], 'the worst, ridge', worst)}")
+        told.append(f"  error          the largest is {_stress_error(errors[worst], worst)}")
     return told
 
 
@@ -116,10 +124,10 @@ def _lead_error(error: BySource) -> list[str]:
     return [] if error.total is None else [f"  its error      {', '.join(_parts(error, ' ms'))}"]
 
 
-def _stress_error(error: BySource, whose: str, ridge: int) -> str:
+def _stress_error(error: BySource, ridge: int) -> str:
     """How wrong a stress may be, and what that is made of."""
     parts = ", ".join(_parts(error, ""))
-    return f"{_told_sum(error):.2g} MPa in {whose} {ridge}'s differential stress: {parts}"
+    return f"{_told_sum(error):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
 
 
 def _told_sum(error: BySource) -> float:
@@ -131,6 +139,8 @@ def _parts(error: BySource, unit: str) -> list[str]:
     """An error's sources, the first with its unit; none for what is left out where that is nothing."""
     of_step = "unknown" if error.time_step is None else f"{error.time_step:.1g}"
     parts = [f"{error.mesh:.1g}{unit} from the mesh", f"{of_step} from the time step"]
+    if error.drift:
+        parts.append(f"{error.drift:.2g} from what is linear between chosen steps")
     return [*parts, f"{error.left_out:.2g} from what is left out (notes)"] if error.left_out else parts
 
 

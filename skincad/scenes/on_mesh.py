@@ -28,13 +28,15 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, eq=False)
 class Marching:
     """What a scene's marches share: the piece that is meshed, who is told, whether a march that Ctrl-C ends
-    is wanted (`partial`), and the meshes made so far by fineness."""
+    is wanted (`partial`), the meshes made so far by fineness, and the model's name where it is not the
+    scene's own."""
 
     scene: Scene
     piece: PadPiece
     tick: Tick | None = None
     partial: bool = False
     meshes: dict[float, object] = field(default_factory=dict)
+    model: str = ""
 
 
 @contextmanager
@@ -71,7 +73,8 @@ def march_on(
 ) -> March:
     """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level `following`
     and of a march with fewer steps, where it is marched `again`."""
-    stage, scene, tick = f"fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
+    model = f"{on.model.replace('_', ' ')}, " if on.model else ""
+    stage, scene, tick = f"{model}fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
     if tick:
         tick(stage, 0)
     marks = [perf_counter()]

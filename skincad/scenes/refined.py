@@ -1,4 +1,5 @@
-"""Marches that one is held against, and an error by source: the mesh, the time step, what is left out.
+"""Marches that one is held against, and an error by source: the mesh, the time step, what is left out, and
+what drifts where the skin is linear between chosen steps (mechanics/contact/held.py).
 
 Mesh and time step: the change to a march on the mesh before, and to one of fewer steps.
 """
@@ -23,15 +24,14 @@ class BySource(NamedTuple):
     mesh: float | None
     time_step: float | None
     left_out: float
+    drift: float = 0.0
 
     @property
     def total(self) -> float | None:
         """The sum; None where the mesh's or the step's share is unknown."""
-        return (
-            None
-            if self.mesh is None or self.time_step is None
-            else self.mesh + self.time_step + self.left_out
-        )
+        if self.mesh is None or self.time_step is None:
+            return None
+        return self.mesh + self.time_step + self.left_out + self.drift
 
     def as_json(self) -> dict[str, float | None]:
         """Return it under JSON keys."""
@@ -45,9 +45,11 @@ class BySource(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Refined:
     """Marches to hold a march against: `before` on the mesh before; `every` on the coarsest mesh, and `thin`
-    there with fewer steps. None where there is none."""
+    there with fewer steps; `after` is the one on the finer mesh, where the march in question is by another
+    model. None where there is none."""
 
     before: March | None = None
+    after: March | None = None
     every: March | None = None
     thin: March | None = None
 

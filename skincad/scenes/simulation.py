@@ -16,7 +16,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
-from skincad.effects.kinds import Reader, RidgePath, Step
+from skincad.effects.kinds import Law, Reader, RidgePath, Step
 from skincad.effects.omitted import Omitted
 from skincad.mechanics.contact.grip import Cone, Drive
 from skincad.mechanics.validity import material_warnings
@@ -24,6 +24,7 @@ from skincad.scenes.climb import Climbed, climb, differential
 from skincad.scenes.energy import energy
 from skincad.scenes.levels import Level
 from skincad.scenes.march import March
+from skincad.scenes.models import chosen_steps, cut_short, drifted, further, model_of
 from skincad.scenes.omitted import MATTERS, omitted
 from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.readers import joined, read
@@ -117,6 +118,8 @@ class Simulation(Result):
             "name": self.scene.name,
             "effects": list(self.scene.effects),
             "left_out": [entry.as_json() for entry in self.left_out],
+            "tier": model_of(self.scene),
+            "chosen_steps": chosen_steps(found),
             "steps": len(found.readings) - 1,
             "stopped": found.stopped,
             "time_s": found.time.tolist(),
@@ -165,6 +168,10 @@ def simulate(
 ) -> Simulation:
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
+    A scene that names no law, and of which small strain leaves out more than `tol`, is marched with finite
+    strain in chosen steps next, then in each (scenes/models.py): `tier` and `scene` of the result say so.
+    Without `tol` the model is the scene's own.
+
     `seconds` are by stage; `effect <name>` are those that an effect's own code took, beside what it makes
     others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
 
@@ -174,7 +181,8 @@ def simulate(
     With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
     another resource does not suffice for the coarsest mesh.
     """
-    return read_out(scene, marched(scene, tol=tol, budget=budget, tick=tick, partial=partial))
+    found = marched(scene, tol=tol, budget=budget, tick=tick, partial=partial, beyond=True)
+    return read_out(scene, found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,19 +201,28 @@ def marched(
     budget: float | None = None,
     tick: Tick | None = None,
     partial: bool = False,
+    beyond: bool = False,
 ) -> Marched:
-    """Return a scene's march, as `simulate` asks for it; nothing has read it yet."""
+    """Return a scene's march, as `simulate` asks for it; nothing has read it yet. Whether its `tol` may ask
+    for a model `beyond` the scene's own."""
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = Marching(scene, piece_for(scene, seconds), tick, partial)
     found = climb(on, tol, budget, began, seconds)
+    if beyond and tol is not None:
+        on, found = further(on, found, tol, budget, began, seconds)
     return Marched(on, found, {"total": perf_counter() - began, **seconds})
 
 
 def read_out(scene: Scene, found: Marched) -> Simulation:
     """Return what a scene's readers tell of a march: its own, or that of a scene which differs in its readers
     and its band alone (`marching` is the same)."""
-    return _told(replace(found.on, scene=scene), found.climbed, dict(found.seconds))
+    laws = {
+        name: found.on.scene.effects[name]
+        for name, part in found.on.scene.parts.items()
+        if isinstance(part, Law)
+    }
+    return _told(replace(found.on, scene=scene.with_(effects=laws)), found.climbed, dict(found.seconds))
 
 
 def marching(scene: Scene) -> Scene:
@@ -222,8 +239,8 @@ def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation
     return _told(on, found, {"total": perf_counter() - began, **seconds})
 
 
-def _cone(scene: Scene) -> Cone:
-    """What friction bears; without any no ridge bears a pull, so that any cone does."""
+def friction_cone(scene: Scene) -> Cone:
+    """Return what friction bears; without any no ridge bears a pull, so that any cone does."""
     still = Drive(0.0)
     shares = (term.share(Step(0.0, 1.0, still, still, scene.plate.mass or 0.0)) for term in scene.terms)
     return next((share.cone for share in shares if share.cone), Cone(1.0, 1.0))
@@ -237,13 +254,18 @@ def _change(left_out: list[Omitted]) -> float:
 def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulation:
     """What is told of the last march that counts."""
     began = perf_counter()
-    scene, found, notes = on.scene, climbed.march, climbed.short
+    scene, found, notes = on.scene, climbed.march, [*climbed.short, *cut_short(climbed.march)]
     raw, width = differential(on.piece, scene, found), scene.readout.bandwidth_Hz
     slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
     left_out, driven = omitted(scene, found), scene.history.tangential_force_N is None
     change = _change(left_out)
     stressed = stress_errors(
-        raw, climbed.error, climbed.refined, lambda one: differential(on.piece, scene, one), change
+        raw,
+        climbed.error,
+        climbed.refined,
+        lambda one: differential(on.piece, scene, one),
+        change,
+        drifted(on, found),
     )
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
@@ -265,7 +287,7 @@ def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulati
         slips.runs,
         slips.steps,
         slips.gross,
-        slip_errors(found, slips, climbed.refined, change, driven, _cone(scene)),
+        slip_errors(found, slips, climbed.refined, change, driven, friction_cone(scene)),
         left_out,
         told,
         {**seconds, "total": seconds["total"] + perf_counter() - began},

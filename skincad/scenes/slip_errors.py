@@ -40,20 +40,39 @@ def slip_errors(
     count, time, loads = len(slips.steps), found.time, found.loads
     own, before, every, thin = (
         None if march is None else _moments(march, count)
-        for march in (found, refined.before, refined.every, refined.thin)
+        for march in (refined.after or found, refined.before, refined.every, refined.thin)
     )
-    gross = spread(time, loads.sum(axis=2), slips.gross, change, cone) if driven else 0.0
-    out = [spread(time, loads[:, :, ridge], step, change, cone) for ridge, step in enumerate(slips.steps)]
+    whole = loads.sum(axis=2)
+    missed = _drift(found)
 
-    def errors(of: Callable[[Array], Array], left_out: list[float]) -> list[BySource]:
-        mesh, fewer = (_apart(*two, of, len(left_out)) for two in ((own, before), (every, thin)))
+    def spreads(changes: Array) -> Array:
+        """By how much each slip's time, and last that of gross slip, may move, ms, for changes of the loads
+        `(steps + 1, ridges)`."""
+        each = [
+            spread(time, loads[:, :, ridge], step, float(changes[step or 0, ridge]), cone)
+            for ridge, step in enumerate(slips.steps)
+        ]
+        all_of_it = float(changes[slips.gross or 0].max(initial=0.0))
+        return np.array([*each, spread(time, whole, slips.gross, all_of_it, cone) if driven else 0.0])
+
+    def errors(of: Callable[[Array], Array], *spreads: Array) -> list[BySource]:
+        mesh, fewer = (_apart(*two, of, spreads[0].size) for two in ((own, before), (every, thin)))
         # of first order in the step, and at least a step
         steps = [None if each is None else max(step_ms(found), each / (THIN - 1)) for each in fewer]
-        return [BySource(*each) for each in zip(mesh, steps, left_out, strict=True)]
+        others = (each.tolist() for each in spreads)
+        return [BySource(*each) for each in zip(mesh, steps, *others, strict=True)]
 
-    slipped = errors(lambda moments: 1e3 * moments, [*out, gross])
-    leads = errors(lambda moments: 1e3 * (moments[-1] - moments[:-1]), [each + gross for each in out])
+    moved = spreads(np.full_like(missed, change)), spreads(missed)
+    slipped = errors(lambda moments: 1e3 * moments, *moved)
+    of_leads = (each[:-1] + each[-1] for each in moved)
+    leads = errors(lambda moments: 1e3 * (moments[-1] - moments[:-1]), *of_leads)
     return SlipErrors(slipped[:-1], slipped[-1], leads)
+
+
+def _drift(found: March) -> Array:
+    """The drift of each ridge's load by step `(steps + 1, ridges)`, relative; none without chosen steps."""
+    none = np.zeros(found.loads.shape[2])
+    return np.array([none if reading.drift is None else reading.drift.loads for reading in found.readings])
 
 
 def step_ms(march: March) -> float:
@@ -66,7 +85,8 @@ def in_steps(march: March, step: int | None, error: BySource) -> BySource | None
     if step is None:
         return None
     mesh, time_step = (None if each is None else _whole(each / step_ms(march)) for each in error[:2])
-    return BySource(mesh, time_step, _whole(error.left_out / step_ms(march)))
+    others = (_whole(each / step_ms(march)) for each in error[2:] if each is not None)
+    return BySource(mesh, time_step, *others)
 
 
 def _whole(steps: float) -> float:

@@ -28,13 +28,17 @@ def stress_errors(
     refined: Refined,
     stress: Callable[[March], Stress],
     change: float,
+    drift: Mapping[int, float],
 ) -> dict[int, BySource]:
     """Return the errors of the stress `raw`, MPa, by told ridge: `mesh` is the mesh's, `stress` tells that of
-    another march, `change` what is left out."""
+    another march, `change` what is left out, `drift` what drifts between chosen steps."""
     fewer = _by_fewer(refined, stress)
     return {
         ridge: BySource(
-            None if mesh is None else mesh.get(ridge), fewer.get(ridge), change * float(np.abs(values).max())
+            None if mesh is None else mesh.get(ridge),
+            fewer.get(ridge),
+            change * float(np.abs(values).max()),
+            drift.get(ridge, 0.0),
         )
         for ridge, values in raw.items()
     }

@@ -17,4 +17,6 @@ def test_without_a_source_there_is_no_sum() -> None:
     assert BySource(None, 0.1, 0.0).total is None
     assert BySource(0.1, None, 0.0).total is None
     assert BySource(0.1, 0.2, 0.3).total == pytest.approx(0.6)
-    assert BySource(0.1, 0.2, 0.3).as_json() == {"mesh": 0.1, "time_step": 0.2, "left_out": 0.3}
+    assert BySource(0.1, 0.2, 0.3, 0.4).total == pytest.approx(1.0)
+    told = {"mesh": 0.1, "time_step": 0.2, "left_out": 0.3, "drift": 0.4}
+    assert BySource(0.1, 0.2, 0.3, 0.4).as_json() == told

@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from skincad.effects.kinds import Reading
 from skincad.mechanics.contact.grip import Cone
 from skincad.outputs.simulations import lines
 from skincad.scenes import on_mesh
 from skincad.scenes.march import INTERRUPTED, March, march
-from skincad.scenes.refined import BySource
+from skincad.scenes.refined import BySource, Refined
 from skincad.scenes.scene import load_scene
+from skincad.scenes.signals import slips_of
 from skincad.scenes.simulation import Simulation, simulate
-from skincad.scenes.slip_errors import in_steps, lead, slip_step, spread
+from skincad.scenes.slip_errors import in_steps, lead, slip_errors, slip_step, spread
 
 COULOMB = Cone(1.0, 1.0)
 
@@ -60,15 +62,47 @@ def test_a_slips_error_is_told_in_steps() -> None:
     march = March(np.linspace(0.0, 0.01, 101), (), np.zeros(0, dtype=int), 0, None, False, 0.0, np.zeros(0))
     error = in_steps(march, 40, BySource(0.2, 0.1, 1.5))
     assert error is not None
-    assert error == (2, 1, 15)
-    assert error.with_total() == {"mesh": 2, "time_step": 1, "left_out": 15, "total": 18}
+    assert error[:3] == (2, 1, 15)
+    assert error.with_total() == {**error.as_json(), "total": 18}
     assert str(slip_step(40, error)) == "40 ± 18 steps"
     unknown = in_steps(march, 40, BySource(None, 0.1, 1.5))
     assert unknown is not None
-    assert unknown.with_total() == {"mesh": None, "time_step": 1, "left_out": 15, "total": None}
+    assert unknown.with_total() == {**unknown.as_json(), "total": None}
     assert slip_step(40, unknown).error is None
     assert in_steps(march, None, BySource(0.2, 0.1, 1.5)) is None
     assert slip_step(None, None).value is None
+
+
+def two_ridges(first: int, gross: int, every: int = 1) -> March:
+    """100 steps of 0.1 ms, or each so many: a ridge slips from a step on, the other from gross slip on."""
+    steps, two = np.arange(0, 101, every), np.ones(2, dtype=bool)
+    readings = tuple(
+        Reading(1.0, 1.0, 0.0, 0.0, two, np.array([step >= first, step >= gross]), two, 0.0, 0.0, 0.0)
+        for step in steps
+    )
+    return March(1e-4 * steps, readings, np.array([1, 2]), 0, None, False, 0.0, np.ones((steps.size, 3, 2)))
+
+
+def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
+    """The mesh moves slip by 3 steps and gross slip by 1, fewer steps by 20 and 10; a lead by the rest."""
+    found = two_ridges(40, 80)
+    refined = Refined(before=two_ridges(43, 81), every=two_ridges(30, 70), thin=two_ridges(50, 80, 5))
+    errors = slip_errors(found, slips_of(found.readings, found.ridge, 2), refined, 0.0, True, COULOMB)
+    assert errors.slips[0][:3] == pytest.approx((0.3, 0.5, 0.0))  # ms
+    assert errors.slips[1][:3] == pytest.approx((0.1, 0.25, 0.0))
+    assert errors.gross == errors.slips[1]
+    assert errors.leads[0][:3] == pytest.approx((0.2, 0.25, 0.0))
+    assert errors.leads[1][:3] == pytest.approx((0.0, 0.1, 0.0))  # a step at least
+
+
+def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
+    found, never = two_ridges(40, 80), 1000
+    refined = Refined(before=two_ridges(never, never))
+    errors = slip_errors(found, slips_of(found.readings, found.ridge, 2), refined, 0.0, True, COULOMB)
+    assert errors.slips[0].mesh == pytest.approx(6.0)
+    assert errors.gross.mesh == pytest.approx(2.0)
+    assert errors.leads[0].mesh == pytest.approx(4.0)
+    assert errors.slips[0].time_step is None
 
 
 @cache
@@ -129,7 +163,9 @@ def test_what_is_told_of_slips_and_stress() -> None:
     for step, error in zip(told["ridge_slip_step"], told["slip_step_error"], strict=True):
         assert (step is None) == (error is None)
         assert error is None or error["total"] == error["mesh"] + error["time_step"] + error["left_out"]
-    assert told["gross_slip_step_error"] == {"mesh": 0.0, "time_step": 1.0, "left_out": 0.0, "total": 1.0}
+    alone = {source for source, share in told["gross_slip_step_error"].items() if share}
+    assert alone == {"time_step", "total"}  # friction alone says when, where the force is given
+    assert told["gross_slip_step_error"]["total"] == 1.0
     by_source = told["differential_stress_error_by_source_MPa"]
     assert {r: each["mesh"] for r, each in by_source.items()} == told["differential_stress_error_MPa"]
     whole = told["largest_differential_stress_MPa"]["3"]

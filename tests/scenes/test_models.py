@@ -1,0 +1,138 @@
+"""Which model a scene is marched by: what its tolerance asks, what it names, and what it can pay."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad.mechanics.contact import held
+from skincad.outputs.simulations import lines
+from skincad.scenes import models
+from skincad.scenes.scene import Scene
+from skincad.scenes.simulation import Simulation, marched, read_out, simulate
+from tests.small_scene import small_scene
+
+PULLED = (
+    "history.steps=40",
+    "history.time_s=[0.0, 0.001, 0.004]",
+    "history.normal_force_N=[0.0, 1.3, 1.3]",
+    "history.tangential_force_N=[0.0, 0.0, 0.65]",
+    "effects.friction.coefficient=0.5",
+    "readout.ridges=[2]",
+)
+
+
+def scene_in(folder: Path, *overrides: str) -> Scene:
+    return small_scene(folder, "yamada-2002-slip", *PULLED, *overrides)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("models")
+
+
+@cache
+def corrected(folder: Path) -> Simulation:
+    return simulate(scene_in(folder), tol=0.1)
+
+
+def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folder: Path) -> None:
+    found = corrected(folder)
+    told = found.as_json()
+    assert told["tier"] == "corrected"
+    assert told["effects"] == ["friction", "film", "finite_strain"]
+    assert 3 < len(told["chosen_steps"]) < 20
+    assert "finite_strain" not in {entry["effect"] for entry in told["left_out"]}
+    assert lines(found)[0].endswith(
+        "finite strain in 13 chosen steps, linear in between.".replace(
+            "13", str(len(told["chosen_steps"]) - 1)
+        )
+    )
+    json.dumps(told, allow_nan=False)
+
+
+def test_its_errors_are_small_strains_and_what_drifts(folder: Path) -> None:
+    """Mesh and time step are as small strain has them; what drifts counts in stress, slips and leads."""
+    found, small = corrected(folder), simulate(scene_in(folder, "effects.small_strain={}"), tol=0.1)
+    one, other = found.stress_errors[2], small.stress_errors[2]
+    assert (one.mesh, one.time_step) == (other.mesh, other.time_step)
+    assert one.drift > 0 == other.drift
+    assert one.left_out < other.left_out
+    lead, coarse = found.slip_errors.leads[1], small.slip_errors.leads[1]
+    assert (lead.mesh, lead.time_step) == (coarse.mesh, coarse.time_step)
+    assert found.slip_errors.leads[1].left_out < small.slip_errors.leads[1].left_out
+    assert small.as_json()["tier"] == "small_strain"
+    assert small.as_json()["chosen_steps"] is None
+
+
+@pytest.mark.slow
+def test_it_holds_against_finite_strain_in_each_step(folder: Path) -> None:
+    """The stress and each ridge's lead within the errors told, without what both leave out."""
+    found, each = corrected(folder), simulate(scene_in(folder, "effects.finite_strain={}"))
+    assert each.as_json()["tier"] == "finite_strain"
+    error = found.stress_errors[2]
+    off = np.abs(found.raw[2] - each.raw[2]).max()
+    assert off <= (error.total or 0) - error.left_out
+    assert off < 0.03 * np.abs(each.raw[2]).max()
+    for one, other, slip in zip(found.slip_steps, each.slip_steps, found.slip_step_errors, strict=True):
+        assert slip is not None
+        assert abs((one or 0) - (other or 0)) <= (slip.total or 0) - slip.left_out + 1
+
+
+def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:
+    found = marched(scene_in(folder), tol=1 - 1e-9, beyond=True)
+    assert models.model_of(found.on.scene) == "small_strain"
+    light = ("history.normal_force_N=[0.0, 0.02, 0.02]", "history.tangential_force_N=[0.0, 0.0, 0.01]")
+    found = marched(scene_in(folder, *light), tol=0.1, beyond=True)
+    assert models.model_of(found.on.scene) == "small_strain"
+
+
+def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> None:
+    for override in ("effects.small_strain={}", "readout.ridges=[]"):
+        found = marched(scene_in(folder, override), tol=0.1, beyond=True)
+        assert models.model_of(found.on.scene) == "small_strain"
+        assert not any("model beyond" in note for note in found.climbed.short)
+
+
+def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
+    """With the effect, the reason, and the results of small strain."""
+    found = simulate(scene_in(folder, "effects.viscosity.retardation_time=1e-4"), tol=0.1)
+    assert found.as_json()["tier"] == "small_strain"
+    said = [note for note in found.warnings if "no model beyond this one was marched" in note]
+    assert len(said) == 1
+    assert "viscosity" in said[0]
+
+
+def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "DEAR", math.inf)
+    found = simulate(scene_in(folder), tol=0.1, budget=300)
+    assert found.as_json()["tier"] == "small_strain"
+    assert any("more than the budget of 300 s leaves" in note for note in found.warnings)
+
+
+def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
+    """A scene that differs in its readers alone is read out of the same march, law and all."""
+    scene = scene_in(folder)
+    found = marched(scene, tol=0.1, beyond=True)
+    told = read_out(scene.with_(effects={"piezo": {"circuit": "transimpedance"}}), found)
+    assert told.as_json()["tier"] == "corrected"
+    assert "events" in told.read
+
+
+def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And finite strain in each step is not tried: it would stop there."""
+    seen = iter([None, None, None])
+    monkeypatch.setattr(held, "fault", lambda *_: next(seen, "the surface folds"))
+    found = simulate(scene_in(folder), tol=0.01)
+    assert found.as_json()["tier"] == "corrected"
+    assert any(
+        "no step could be taken at finite strain: the surface folds" in note for note in found.warnings
+    )
+    assert any("the tolerance 1.0e-02 is not met" in note for note in found.warnings)
