@@ -1,7 +1,7 @@
 """Whether leads hold within their errors, small strain's and chosen steps': against finite strain throughout.
 
-`python -m bench.table_leads 2 20`: 20 random scenes of seed 2, drawn as bench/table_swaying.py draws: three to
-seven ridges, a nominal strain of 0.02 to 0.13, friction 0.15 to 0.6, pulled to gross slip, half of
+`python -m bench.table_leads 2 20`: 20 random scenes of seed 2, drawn as bench/table_swaying.py draws: three
+to seven ridges, a nominal strain of 0.02 to 0.13, friction 0.15 to 0.6, pulled to gross slip, half of
 them eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh 1.5 times
 as fine. Errors are those that `simulate --tol` tells, without what else the scene leaves out, which the judge
 leaves out too. Half a minute to two a scene. Seed 1 was looked at while this was written, no other.

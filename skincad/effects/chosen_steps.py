@@ -32,7 +32,7 @@ def chosen(large: LargePad) -> ChosenPad:
 
 @dataclass(frozen=True, eq=False)
 class _Stresses:
-    """The strips' stresses at a state, and by the contact forces."""
+    """The strips' stresses at a state, and per contact force where a tangent is known."""
 
     large: LargePad
 
@@ -41,7 +41,7 @@ class _Stresses:
         if strips is None:
             return np.zeros((0, 3)), np.zeros((0, 3, 2 * pad.gap.size))
         stress = strips.at(values)
-        moved = linear.small.solve(strips.gradient(pad.body, values).T)[pad.contact]
+        moved = linear.small.solve(strips.gradient(pad.body, linear.values).T)[pad.contact]
         per_force = (pad.rows @ moved).T.reshape(*stress.shape, -1) / pad.scale
         return stress * modulus, np.asarray(per_force) * modulus
 

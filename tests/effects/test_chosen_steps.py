@@ -105,6 +105,7 @@ def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
     assert found.readings[-1].elastic + found.column("dissipated").sum() == pytest.approx(work, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_drift_falls_with_the_square_of_the_stride(monkeypatch: pytest.MonkeyPatch) -> None:
     """Between first and third order: pulled at full stick, where no set changes."""
     pull = [Drive(NORMAL * min(i, 10) / 10, 0.012 * max(0, i - 10)) for i in range(41)]

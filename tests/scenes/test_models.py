@@ -18,7 +18,7 @@ from skincad.scenes.simulation import Simulation, marched, read_out, simulate
 from tests.small_scene import small_scene
 
 PULLED = (
-    "history.steps=40",
+    "history.steps=24",
     "history.time_s=[0.0, 0.001, 0.004]",
     "history.normal_force_N=[0.0, 1.3, 1.3]",
     "history.tangential_force_N=[0.0, 0.0, 0.65]",
@@ -117,6 +117,7 @@ def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
     assert any("more than the budget of 300 s leaves" in note for note in found.warnings)
 
 
+@pytest.mark.slow
 def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
     """A scene that differs in its readers alone is read out of the same march, law and all."""
     scene = scene_in(folder)

@@ -130,7 +130,7 @@ def _slope(space: Any, part: Any, by: tuple[Any, Any], extra: int) -> Any:
     v, p = space.TestFunction()
     form = ng.LinearForm(space)
     slope = part.Diff(by[0], ng.Grad(v)) + part.Diff(by[1], p)
-    form += slope * ng.dx("film", bonus_intorder=extra)
+    form += slope.Compile() * ng.dx("film", bonus_intorder=extra)
     return form
 
 

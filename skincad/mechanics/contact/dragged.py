@@ -34,7 +34,8 @@ GROWN = 1e3  # a residual that has grown so much leads nowhere
 
 @dataclass(frozen=True, eq=False)
 class Tangential:
-    """The body linearised and condensed to its contact unknowns; `compliance` `(2 m, 2 m)` mm/N.
+    """The body linearised at the state `values` and condensed to its contact unknowns; `compliance`
+    `(2 m, 2 m)` mm/N.
 
     `solved` remembers the contact's factorisations.
     """
@@ -42,6 +43,7 @@ class Tangential:
     matrix: sparse.csr_matrix
     small: Condensed
     compliance: Array
+    values: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
 
 
@@ -133,7 +135,7 @@ def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
     matrix = neo_hooke.tangent(pad.body, values, residual).matrix
     small = factorise(matrix, pad.order, pad.contact.size)
     compliance = pad.rows @ (pad.rows @ small.flexibility).T * (pad.unit / pad.scale)
-    found = Tangential(matrix, small, np.asarray(compliance))
+    found = Tangential(matrix, small, np.asarray(compliance), values)
     pad.kept.append(found)
     return found
 

@@ -172,8 +172,7 @@ class HeldPad:
             raise
         if wrong := fault(pad, state, not self.folds):
             raise ContactError(wrong)
-        # Newton's own tangent is of a state nearby: stiff strips have turned since, and feel it
-        linear = linearised(pad, state.values, pad.body.residual(state.values))
+        linear = pad.kept[0]  # of a state that is off by the drift, or nearer
         true, force = _on_skin(state.grip), _on_skin(after.grip)
         place = pad.rows @ state.values[pad.contact] * pad.unit
         free = place - linear.compliance @ true
