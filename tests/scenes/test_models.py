@@ -76,12 +76,14 @@ def test_it_holds_against_finite_strain_in_each_step(folder: Path) -> None:
     found, each = corrected(folder), simulate(scene_in(folder, "effects.finite_strain={}"))
     assert each.as_json()["tier"] == "finite_strain"
     error = found.stress_errors[2]
-    off = np.abs(found.raw[2] - each.raw[2]).max()
+    common = min(found.raw[2].size, each.raw[2].size)  # in the last step the surface may fold
+    assert common >= 24
+    off = np.abs(found.raw[2][:common] - each.raw[2][:common]).max()
     assert off <= (error.total or 0) - error.left_out
     assert off < 0.03 * np.abs(each.raw[2]).max()
     for one, other, slip in zip(found.slip_steps, each.slip_steps, found.slip_step_errors, strict=True):
         assert slip is not None
-        assert abs((one or 0) - (other or 0)) <= (slip.total or 0) - slip.left_out + 1
+        assert abs((one or 0) - (other or common)) <= (slip.total or 0) - slip.left_out + 1
 
 
 def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:
