@@ -1,8 +1,9 @@
 """What a step costs, by the back-solve of the condensed system: `python -m bench.bench_march`.
 
 `yamada-2002-slip` on the coarse mesh, quasi-static, viscous, with masses, at finite strain: 100 steps of the
-pull each, of the last 20, without mesh and factorisation, medians of single steps; of chosen steps the mean. The back-solve is one
-solve with the quasi-static pad's factorisation, whose bubbles are condensed, of one half of the pad.
+pull each, of the last 20, without mesh and factorisation, medians of single steps; of chosen steps the mean.
+The back-solve is one solve with the quasi-static pad's factorisation, whose bubbles are condensed, of one
+half of the pad.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ def _forces(axes: Axes, found: Simulation) -> None:
 def _signals(axes: Axes, found: Simulation, name: str) -> None:
     for row, (ridge, signal) in enumerate(found.signals.items()):
         colour, dashes = COLOURS[row % len(COLOURS)], DASHES[row // len(COLOURS) % len(DASHES)]
-        values, error = getattr(signal, name), (found.error or {}).get(ridge)
+        values, error = getattr(signal, name), _errors(found).get(ridge)
         told = f" (± {error:.1g} MPa)" if error and len(found.signals) <= MOST_ERRORS else ""
         axes.plot(values, color=colour, linestyle=dashes, linewidth=1.0, label=f"ridge {ridge}{told}")
         if name == "value" and error:
@@ -87,9 +87,16 @@ def _name_ridges(axes: Axes, found: Simulation) -> None:
     """Name the curves of all panels, and what a dashed line is if there is one."""
     if any(found.slip_steps[ridge - 1] is not None for ridge in found.signals):
         axes.plot([], [], color=GREY, label="slips from here on", **SLIPS)
-    if found.error and len(found.signals) > MOST_ERRORS:
-        axes.fill_between([], [], [], color=PALE, label=f"at most ± {max(found.error.values()):.1g} MPa")
+    errors = _errors(found)
+    if errors and len(found.signals) > MOST_ERRORS:
+        axes.fill_between([], [], [], color=PALE, label=f"at most ± {max(errors.values()):.1g} MPa")
     legend(axes, A_ROW)
+
+
+def _errors(found: Simulation) -> dict[int, float]:
+    """The whole error of each told ridge's stress, MPa, where it is known."""
+    told = {ridge: error.total for ridge, error in found.stress_errors.items()}
+    return {ridge: total for ridge, total in told.items() if total is not None}
 
 
 def _slip_map(axes: Axes, found: Simulation) -> None:
