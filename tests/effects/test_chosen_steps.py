@@ -150,6 +150,16 @@ def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.Mon
     assert not cuts[-1]
 
 
+def test_before_the_first_chosen_step_its_error_is_what_has_moved() -> None:
+    """A touch too light for any: the drift told is not nothing."""
+    way = [Drive(0.002 * i, 0.0) for i in range(4)]
+    found = march(pad_of(FiniteStrain(steps="chosen")), np.arange(4.0), way, [Friction(coefficient=0.5)])
+    drifts = [reading.drift for reading in found.readings if reading.drift]
+    assert [drift.chosen for drift in drifts] == [True, False, False, False]
+    assert 0 < drifts[-1].loads.max() < held.STRIDE
+    assert drifts[-1].films.max() > 0
+
+
 def test_the_same_march_gives_the_same_bits() -> None:
     way = drives()[:8]
     pad = pad_of(FiniteStrain(steps="chosen"))

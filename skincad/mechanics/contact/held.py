@@ -96,10 +96,13 @@ class HeldState:
 
     @property
     def drift(self) -> Drift:
-        """What the linear pad has missed by now, as of the second order in the stride."""
-        grown = max(1.0, self.gone**2)
-        missed = self.held.drift
-        return Drift(missed.loads * grown, missed.films * grown, self.chosen, self.held.cut)
+        """What the linear pad has missed by now, as of the second order in the stride. Before the first chosen
+        step nothing is known of it: assumed is as much as points have moved, by a crest's width."""
+        missed, cut, grown = self.held.drift, self.held.cut, max(1.0, self.gone**2)
+        if not self.held.state.values.any():
+            part = STRIDE * self.gone
+            return Drift(np.full_like(missed.loads, part), part * np.abs(self.films), self.chosen, cut)
+        return Drift(missed.loads * grown, missed.films * grown, self.chosen, cut)
 
 
 @dataclass(frozen=True, eq=False)
