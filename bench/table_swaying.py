@@ -8,19 +8,17 @@ ridges, from how much steeper the difference rises with the pull, against mechan
 
 from __future__ import annotations
 
-import math
 import sys
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from bench.random_scenes import between, random_skin
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.effects.finite_strain import FiniteStrain
 from skincad.effects.small_strain import SmallStrain
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.grip import Drive
 from skincad.mechanics.film.stick import piece_of
@@ -48,36 +46,8 @@ class Forces:
 
 def drawn(rng: np.random.Generator) -> Scene:
     """Return a random scene; InputError where its skin cannot be."""
-    pitch = _between(rng, 0.8, 2.5)
-    root = pitch * rng.uniform(0.5, 0.8)
-    tip = root * rng.uniform(0.6, 0.9)
-    height = root * rng.uniform(0.45, 0.95)
-    count = int(rng.choice([3, 3, 5, 7]))
-    thickness, width = pitch * rng.uniform(1.5, 5), pitch * (count + rng.uniform(1, 3))
-    radius, length, modulus = width * _between(rng, 3, 60), rng.uniform(6, 20), _between(rng, 0.1, 1.5)
-    normal = round(rng.uniform(0.02, 0.13) * modulus * (root + tip) / 2 * length * count, 4)
-    friction = round(_between(rng, 0.15, 0.6), 4)
-    design = _rounded(
-        skin={
-            "curvature_radius": radius,
-            "thickness": thickness,
-            "width": width,
-            "length": length,
-        },
-        ridge={
-            "count": count,
-            "pitch": pitch,
-            "height": height,
-            "root_width": root,
-            "tip_width": tip,
-            "crown": 0.04 * tip,
-            "tip_fillet": 0.1 * tip,
-            "root_fillet": 0.15 * height,
-        },
-        slot={"depth": 0.5 * height, "offset": 0.2 * root, "elevation": 0.1 * height},
-        contact={"force": normal},
-        modulus={"value": modulus, "low": 0.8 * modulus, "high": 1.2 * modulus},
-    )
+    design, normal = random_skin(rng)
+    friction = round(between(rng, 0.15, 0.6), 4)
     changes = [
         f"history.steps={STEPS}",
         f"history.time_s=[0.0, {PRESSED / 1000}, {STEPS / 1000}]",
@@ -88,23 +58,6 @@ def drawn(rng: np.random.Generator) -> Scene:
         *([] if rng.random() < 0.5 else ["effects.film=none"]),
     ]
     return load_scene("yamada-2002-slip", changes, skin=design)
-
-
-def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """Return a number between two, its logarithm evenly spread."""
-    return math.exp(rng.uniform(math.log(low), math.log(high)))
-
-
-def _rounded(modulus: dict[str, float], **tables: dict[str, float]) -> Design:
-    """Return the paper's skin with other values, as one would write them."""
-    tables["modulus"] = modulus
-    rounded: dict[str, Any] = {
-        table: {
-            key: value if isinstance(value, int) else round(float(value), 4) for key, value in values.items()
-        }
-        for table, values in tables.items()
-    }
-    return load("yamada-2002").with_(material={"young_modulus": rounded.pop("modulus")}, **rounded)
 
 
 def both(scene: Scene) -> tuple[Forces, Forces]:

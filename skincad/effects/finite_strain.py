@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from skincad.effects.large_pad import LargePad
     from skincad.mechanics.film.stick import PadPiece
 
+WITHIN = 2.0
 MOST = 2.0  # of the differential stress, change that is told: beyond it ridges nearly sway by themselves
 
 
@@ -97,4 +98,4 @@ class FiniteStrain(Law):
         part = normal / sway_force(design, normal)
         strain = normal / (plane_modulus(design) * design.skin.length * mean_width(design))
         text = f"nominal strain {strain:.2g}, and {part:.0%} of the force at which a ridge so pressed sways"
-        return Omitted("finite_strain", text, swayed(design, normal, MOST), calibrated=True)
+        return Omitted("finite_strain", text, swayed(design, normal, MOST), calibrated=True, within=WITHIN)

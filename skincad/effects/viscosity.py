@@ -17,8 +17,8 @@ from pydantic import Field, model_validator
 from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.kinds import RATE, Share, Step, Term
+from skincad.mechanics.dynamics.ringing import RETARDATION
 
-RETARDATION = 2.4e-5  # s; assumption, docs/facts.md#friction-and-motion
 MOST_BRANCHES = 20
 LARGEST = 1e6  # of a branch's modulus by the slow one, and of its time, s, as of the retardation time
 

@@ -84,13 +84,10 @@ def _told(found: Simulation) -> str:
 
 
 def _left_out(found: Simulation) -> str:
-    rows = [
-        (each.effect, each.indicator, f"{each.change:.1%}", "yes" if each.calibrated else "no")
-        for each in found.left_out
-    ]
+    rows = [(each.effect, each.indicator, f"{each.change:.1%}", each.certainty) for each in found.left_out]
     if not rows:
         return paragraph("No effect is left out.")
-    head = ("left out", "what points to it", "may change signals by", "calibrated")
+    head = ("left out", "what points to it", "may change signals by", "how sure")
     return table(head, rows)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from pathlib import Path
 
@@ -9,10 +10,14 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.effects.inertia import CALIBRATED, Inertia
 from skincad.inputs.catalog import template_text
+from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, skin_mass
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
+from tests.mechanics.designs import yamada
+from tests.outlines import ALONG, outline
 
 INERTIA = ("effects.inertia={}", "effects.viscosity={}")
 LONGER = (  # the pull goes on for 1 ms: masses are late
@@ -63,17 +68,44 @@ def test_finite_strain_has_no_masses() -> None:
 
 @pytest.mark.slow
 def test_what_leaving_masses_out_changes_is_estimated(folder: Path) -> None:
-    """Within a factor of 3 for plates of a tenth and of 0.4 of the skin's mass, on ramps of 0.5 and 2 ms."""
+    """To a factor of 1.5 on ramps of 0.5 and 2 ms, where it says 2.5: the plate is as heavy as the skin."""
     for ramp in (5e-4, 2e-3):
         still = pressed_and_pulled(folder, ramp)
         told = next(entry for entry in still.left_out if entry.effect == "inertia")
-        assert told.calibrated
-        for mass in (0.02, 0.1):
-            moving = pressed_and_pulled(folder, ramp, *INERTIA, f"plate.mass={mass}")
-            assert "inertia" not in {entry.effect for entry in moving.left_out}
-            one, other = (np.array([found.raw[r] for r in (1, 2, 3)]) for found in (still, moving))
-            change = np.abs(one - other).max() / np.abs(one).max()
-            assert told.change / 3 < change < told.change * 3
+        mass = skin_mass(still.scene.design)
+        assert f"{mass:.2g} g" in told.indicator
+        moving = pressed_and_pulled(folder, ramp, *INERTIA, f"plate.mass={mass}")
+        assert "inertia" not in {entry.effect for entry in moving.left_out}
+        one, other = (np.array([found.raw[r] for r in (1, 2, 3)]) for found in (still, moving))
+        change = np.abs(one - other).max() / np.abs(one).max()
+        assert told.change / 1.5 < change < told.change * 1.5
+
+
+def test_slow_ramps_change_less_by_as_much() -> None:
+    """A ramp of many swings leaves 1 / (w t) of itself; its corner rings undamped enough to be seen."""
+    told = []
+    for ramp in (0.1, 0.2):
+        times = (0.0, 0.1, 0.1 + ramp)
+        found = Inertia.left_out(outline(yamada(), times, (0.0, 40.0, 40.0), (0.0, 0.0, 1.0)))
+        assert found is not None
+        told.append(found.change)
+    assert told[0] == pytest.approx(2 * told[1], rel=0.01)
+    mass = 1e-6 * skin_mass(yamada())
+    swing = math.sqrt(ALONG / (mass * (1 + FREE_TOP)))
+    # at a quarter of a swing less is left of it than 1 / (w t) times the plate's share: 5 % are damped
+    assert told[0] == pytest.approx(CALIBRATED / (1 + FREE_TOP) / (swing * 0.1), rel=0.06)
+
+
+def test_where_nothing_is_pulled_or_the_plate_is_driven_it_is_less_sure() -> None:
+    times, force = (0.0, 1e-3), (0.0, 4.0)
+    pulled, pressed, driven = (
+        Inertia.left_out(outline(yamada(), times, force, (0.0, along), driven=moved))
+        for along, moved in ((1.0, False), (0.0, False), (0.25, True))
+    )
+    assert pulled is not None
+    assert pressed is not None
+    assert driven is not None
+    assert (pulled.within, pressed.within, driven.within) == (2.5, 5.0, 5.0)
 
 
 @cache
