@@ -5,7 +5,8 @@ G(t) = G (1 + sum of g exp(-t / tau)), and a dashpot whose stress is G `retardat
 strain rate. Volume changes stay elastic, and so do films. Range: small strain. The default of 2.4e-5 s is an
 assumption that keeps a pad from chattering; a silicone's own series is to be measured. Taylor, Pister,
 Goudreau, IJNME 2 (1970) 45; Simo and Hughes, Computational Inelasticity, 1998, sec. 10.3. Reference cases:
-creep and relaxation of a sheared layer, closed form (tests/mechanics/dynamics/test_steps.py).
+creep and relaxation of a sheared layer, closed form (tests/mechanics/dynamics/test_steps.py). It says nothing
+of what leaving it out changes: no design tells how its silicone relaxes.
 """
 
 from __future__ import annotations

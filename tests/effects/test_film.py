@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.effects.film import OF_PRESSURE, OF_SHEAR, FilmStrips
+from skincad.effects.omitted import Omitted
+from skincad.inputs.design import Design
 from skincad.mechanics.touching import check
+from skincad.mechanics.validity import mean_width
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.simulation import at_level
+from tests.mechanics.designs import yamada
+from tests.outlines import outline
 from tests.small_scene import THIRD, small_scene
 
 LOOSE = ("effects.film.bond=loose", "readout.ridges=[]", "effects.friction=none")
@@ -64,3 +71,27 @@ def test_bonded_strips_and_slots_full_of_silicone_differ(tmp_path: Path) -> None
     )
     assert not np.allclose(strip.raw[1], silicone.raw[1], rtol=0.1)
     assert any("film is not named" in warning for warning in silicone.warnings)
+
+
+def said(pull: float, design: Design) -> Omitted:
+    found = FilmStrips.left_out(outline(design, (0.0, 1.0), (0.0, 4.0), (0.0, pull)))
+    assert found is not None
+    return found
+
+
+def test_what_leaving_films_out_changes_goes_by_load_and_bluntness() -> None:
+    """S1 - S2 is 2 MPa per N of a ridge's pull; of that, what shear and pressure make of blunt ends."""
+    design = yamada()
+    assert design.film is not None
+    assert design.slot is not None
+    area, pull, force = mean_width(design) * design.skin.length, 0.5 / 9, 4.0 / 9
+    blunt = math.sqrt(design.film.thickness / design.slot.depth)
+    wanted = blunt * (OF_SHEAR * pull + OF_PRESSURE * force) / area / (2 * pull)
+    assert said(0.5, design).change == pytest.approx(wanted)
+    thick = design.with_(film={"thickness": design.film.thickness / 4})
+    assert said(0.5, thick).change == pytest.approx(wanted / 2)
+
+
+def test_without_a_pull_it_is_less_sure() -> None:
+    assert said(0.5, yamada()).within == 3.0
+    assert said(0.0, yamada()).within == 4.0

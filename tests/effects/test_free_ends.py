@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
+from skincad.effects.free_ends import CALIBRATED, LEAST, SLIPPING, FreeEnds
+from skincad.effects.omitted import Omitted
+from skincad.inputs.design import Design
+from skincad.mechanics.end_sharing import moved
 from skincad.mechanics.tiers.ends import added_compliance
 from skincad.mechanics.touching import check
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
+from tests.mechanics.designs import yamada
+from tests.outlines import outline
 from tests.small_scene import THIRD, small_scene
 
 PRESS = ("yamada-2002-press", THIRD, "history.steps=2", "effects.friction=none", "readout.ridges=[]")
@@ -69,3 +76,27 @@ def test_ends_soften_a_pad_the_less_the_longer_it_is(tmp_path: Path) -> None:
 def test_ends_are_known_to_condensed_pads_alone(tmp_path: Path, other: str) -> None:
     with pytest.raises(InputError, match=r"effects\.free_ends: does not work together with"):
         small_scene(tmp_path, *PRESS, ENDS, other)
+
+
+def said(design: Design, slips: float, pull: float = 1.0) -> Omitted:
+    scene = outline(design, (0.0, 1.0, 2.0), (0.0, 3.0, 3.0), (0.0, 0.0, pull))
+    path = replace(scene.path, slips=np.full_like(scene.path.slips, slips))
+    found = FreeEnds.left_out(replace(scene, path=path))
+    assert found is not None
+    return found
+
+
+def test_what_leaving_ends_out_changes_follows_the_pull_where_all_slips() -> None:
+    """Ridges that share evenly, S1 - S2 all by the pull: by the share of force that moves."""
+    design = yamada()
+    shift = np.abs(moved(design, np.full((1, 9), 3.0 / 9))).max() / (3.0 / 9)
+    assert said(design, 1.0).change == pytest.approx(CALIBRATED * shift)
+    assert said(design, 0.5).change == pytest.approx(max(CALIBRATED * shift * 0.5**SLIPPING, LEAST))
+    long = said(design.with_(skin={"length": 24.0}), 1.0)
+    assert long.change == pytest.approx(said(design, 1.0).change / 2)
+
+
+def test_what_hardly_changes_or_is_not_pulled_is_told_roughly() -> None:
+    assert said(yamada(), 1.0).within == 2.5
+    assert said(yamada(), 0.0).within == 10.0
+    assert said(yamada(), 1.0, pull=0.0).within == 10.0
