@@ -26,7 +26,7 @@ from skincad.effects.omitted import Omitted, SceneOutline
 CALIBRATED = (
     1.4  # of a plate that forces move; fitted to 46 random scenes: ridges slip and share anew besides
 )
-WITHIN, ROUGHLY = 2.5, 5.0  # the second where nothing is pulled, or the plate is driven
+WITHIN, ROUGHLY = 4.0, 7.0  # the second where nothing is pulled, or the plate is driven
 
 
 class Inertia(Term):

@@ -68,7 +68,7 @@ def test_finite_strain_has_no_masses() -> None:
 
 @pytest.mark.slow
 def test_what_leaving_masses_out_changes_is_estimated(folder: Path) -> None:
-    """To a factor of 1.5 on ramps of 0.5 and 2 ms, where it says 2.5: the plate is as heavy as the skin."""
+    """To a factor of 2.2 (measured 1.9) on ramps of 0.5 and 2 ms, where it says 4."""
     for ramp in (5e-4, 2e-3):
         still = pressed_and_pulled(folder, ramp)
         told = next(entry for entry in still.left_out if entry.effect == "inertia")
@@ -78,7 +78,7 @@ def test_what_leaving_masses_out_changes_is_estimated(folder: Path) -> None:
         assert "inertia" not in {entry.effect for entry in moving.left_out}
         one, other = (np.array([found.raw[r] for r in (1, 2, 3)]) for found in (still, moving))
         change = np.abs(one - other).max() / np.abs(one).max()
-        assert told.change / 1.5 < change < told.change * 1.5
+        assert told.change / 2.2 < change < told.change * 2.2
 
 
 def test_slow_ramps_change_less_by_as_much() -> None:
@@ -105,7 +105,7 @@ def test_where_nothing_is_pulled_or_the_plate_is_driven_it_is_less_sure() -> Non
     assert pulled is not None
     assert pressed is not None
     assert driven is not None
-    assert (pulled.within, pressed.within, driven.within) == (2.5, 5.0, 5.0)
+    assert (pulled.within, pressed.within, driven.within) == (4.0, 7.0, 7.0)
 
 
 @cache
