@@ -1,16 +1,16 @@
 """The slip detector's exam: scenes that it was not fitted to, by amplifier, noise and number of ridges.
 
-`python -m bench.table_detector [FOLDER] [CIRCUIT ...]` (default out/exam, all CIRCUITS)
+`python -m bench.table_detector [FOLDER] [CIRCUIT ...] [--roc PNG]` (default out/exam, all CIRCUITS)
 marches the exam set of bench/exam (half an hour on a core; what is in FOLDER is not marched again) and
 prints, for each amplifier, gross slips warned of, lead, alarms that are right, of another ridge and false,
 each with its 95 % interval; beside detectors that are silent, never cease, watch the rate alone, or know the
-forces; false alarms of minutes of holding; and the bound of what any detector can warn of.
+forces; false alarms by threshold, and of minutes of holding; and the bound of what any detector can warn of.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
-import sys
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -19,18 +19,18 @@ import numpy as np
 from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
-from bench.exam import rivals
+from bench.exam import rivals, roc
 from bench.exam.bound import bound
 from bench.exam.cases import Case, case
 from bench.exam.scenes import Marched, kept, seeds
-from bench.exam.scoring import HEAD, Alarm, line, mark, rate
+from bench.exam.scoring import HEAD, Alarm, Mark, line, mark, rate
 from bench.exam.skins import EXAM
 from skincad.circuit.low_pass import corner
 from skincad.circuit.model import circuit_network, load_circuit
 from skincad.circuit.noise import total_density
 from skincad.effects.piezo import fitted
 from skincad.inputs.catalog import load_design
-from skincad.scenes.slip import INCIPIENT, SEEN, Detector, at_rest, detector, fed
+from skincad.scenes.slip import EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, at_rest, detector, fed
 
 CIRCUITS = ("transimpedance", "yamada-2002", "yamada-2002-motional")
 LOUDER = (0.0, 1.0, 10.0)  # times the noise
@@ -44,15 +44,16 @@ BLOCK = 1 << 20  # samples
 Find = Callable[[Case, int], list[Alarm]]
 
 
-def ear(one: Case, louder: float = 1.0) -> Detector:
+def ear(one: Case, louder: float = 1.0, alarms: str = SURE) -> Detector:
     """Return the detector of a case's rate, band and noise."""
-    return detector(one.rate, one.scene.bandwidth, math.sqrt(2) * one.noise * max(louder, 1.0))
+    noise = math.sqrt(2) * one.noise * max(louder, 1.0)
+    return detector(one.rate, one.scene.bandwidth, noise, alarms=alarms)
 
 
-def found(one: Case, louder: float = 1.0) -> list[Alarm]:
+def found(one: Case, louder: float = 1.0, alarms: str = SURE) -> list[Alarm]:
     """Return the detector's alarms behind `louder` times the noise."""
     outputs = one.outputs + (louder * one.noises(1) if louder else 0.0)
-    events = fed(ear(one, louder), at_rest(outputs.shape[1]), outputs)[0]
+    events = fed(ear(one, louder, alarms), at_rest(outputs.shape[1]), outputs)[0]
     return [(e.ridge, e.index) for e in events if e.kind == INCIPIENT and e.ridge is not None]
 
 
@@ -89,20 +90,25 @@ def held(circuit: str) -> tuple[int, float]:
     return times, most
 
 
-def table(circuit: str, scenes: list[Marched], folder: Path) -> None:
-    """Print an amplifier's part."""
+def table(circuit: str, scenes: list[Marched], folder: Path) -> dict[str, dict[float, list[Mark]]]:
+    """Print an amplifier's part; return its marks by kind of alarms and threshold."""
     every = [case(scene, circuit, folder / "outputs") for scene in scenes]
     told = [one.told(one.scene.told) for one in every]
     print(f"\n{circuit}\n{HEAD}")
     for louder in LOUDER:
-        row(f"detector, noise x {louder:g}", told, lambda one, _, by=louder: found(one, by))
-    for count in RIDGES:
-        few = [one.told(some(one.scene, count)) for one in every]
-        row(f"detector, {count} ridges told", few, lambda one, _: found(one))
+        row(f"sure, noise x {louder:g}", told, lambda one, _, by=louder: found(one, by))
+    row("early", told, lambda one, _: found(one, 1.0, EARLY))
+    for alarms in POINTS:
+        for count in RIDGES:
+            few = [one.told(some(one.scene, count)) for one in every]
+            row(f"{alarms}, {count} ridges told", few, lambda one, _, by=alarms: found(one, 1.0, by))
     row("rate's threshold", told, lambda one, w: rivals.threshold(one, w, one.outputs + one.noises(1)))
     row("forces and friction known", told, rivals.cone)
     row("never", told, rivals.never)
     row("always", told, rivals.always)
+    traded = {alarms: roc.marks(told, alarms) for alarms in POINTS}
+    for alarms, found_at in traded.items():
+        roc.printed(found_at, alarms)
     times, most = held(circuit)
     minute, low, high = rate(times, MINUTES)
     print(f"holding: {minute:.3g} ({low:.2g}-{high:.2g}) a minute, loudest {most:.2f} of {SEEN:g} noise rms")
@@ -113,18 +119,27 @@ def table(circuit: str, scenes: list[Marched], folder: Path) -> None:
     ]
     known = [share for share in can if share is not None]
     print(f"bound: {100 * np.mean(known):.1f} % of {len(known)} gross slips that have a twin without")
+    return traded
 
 
-def main(arguments: list[str]) -> None:
+def main() -> None:
     """Print the exam."""
-    folder = Path(arguments[0]) if arguments else Path("out/exam")
-    marched = [kept(seed, folder / "scenes") for seed in seeds(EXAM)]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", nargs="?", type=Path, default=Path("out/exam"))
+    parser.add_argument("circuits", nargs="*", default=list(CIRCUITS), metavar="CIRCUIT")
+    parser.add_argument(
+        "--roc", type=Path, metavar="PNG", help="where warnings against false alarms are drawn"
+    )
+    asked = parser.parse_args()
+    marched = [kept(seed, asked.folder / "scenes") for seed in seeds(EXAM)]
     marched = [scene for scene in marched if scene.time.size > FEWEST]
     print(f"exam: seeds {seeds(EXAM)[0]} to {seeds(EXAM)[-1]}, odd; {len(marched)} scenes")
-    for circuit in arguments[1:] or CIRCUITS:
-        table(circuit, marched, folder)
+    tables = {circuit: table(circuit, marched, asked.folder) for circuit in asked.circuits}
+    curves = {(circuit, kind): at for circuit, each in tables.items() for kind, at in each.items()}
+    if asked.roc:
+        roc.drawn(curves, asked.roc)
 
 
 if __name__ == "__main__":
     with threadpool_limits(limits=1, user_api="blas"):
-        main(sys.argv[1:])
+        main()

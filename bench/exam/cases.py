@@ -55,6 +55,14 @@ class Case:
         found = np.fft.irfft(parts[0] + 1j * parts[1], size, axis=0)[:: self.fine][:n]
         return found.reshape(n, ridges, 2)
 
+    def differenced(self) -> Case:
+        """Return the case with its outputs' rate, V/s, by the sample before; so for what tells the stress."""
+        count = self.density.size - 1
+        turn = np.pi * np.arange(count + 1) * self.fine / (2 * count)
+        sizes = self.density * 2 * np.abs(np.sin(turn)) * self.rate
+        outputs = np.diff(self.outputs, axis=0, prepend=self.outputs[:1]) * self.rate
+        return replace(self, outputs=outputs, density=sizes, noise=rms(sizes))
+
     def told(self, ridges: tuple[int, ...]) -> Case:
         """Return the case of some of its ridges, from 1."""
         at = np.array(ridges) - 1
@@ -75,11 +83,15 @@ def case(scene: Marched, circuit: str, folder: Path) -> Case:
         np.savez(path, outputs=_outputs(chain, charges), density=density(chain))
     with np.load(path) as data:
         outputs, sizes = data["outputs"], data["density"]
-    rms = float(np.sqrt(2 * np.sum(sizes[1:] ** 2))) * np.sqrt(2) / (2 * (sizes.size - 1))
     return Case(
-        scene, circuit, 1 / float(time[1]), outputs.reshape(end, -1, 2), scene.slipping[:end], rms, sizes,
-        chain.fine,
+        scene, circuit, 1 / float(time[1]), outputs.reshape(end, -1, 2), scene.slipping[:end], rms(sizes),
+        sizes, chain.fine,
     )  # fmt: skip
+
+
+def rms(sizes: np.ndarray) -> float:
+    """Return the V rms of noise of a density by rfft's bins, as Case has it."""
+    return float(np.sqrt(2 * np.sum(sizes[1:] ** 2))) * np.sqrt(2) / (2 * (sizes.size - 1))
 
 
 def _outputs(chain: Chain, charges: np.ndarray) -> np.ndarray:

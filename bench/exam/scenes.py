@@ -27,8 +27,7 @@ from skincad.scenes.scene import Scene
 from skincad.scenes.signals import slips_of
 
 COUNT = {DESIGN: 240, EXAM: 160}  # scenes
-LATER = 240  # more to fit on, of other skins
-FITTED = tuple(f"random-{i}" for i in range(20, 37))  # of those skins, in the time there was
+LATER = 240, 600  # more to fit on, by batch, each of other skins; without masses
 MASSES = 60  # every so manyth scene has them
 FRICTION = 0.2, 1.2
 SLOW = 300  # steps with masses, a tenth of a second each
@@ -67,18 +66,22 @@ class Marched:
 
 
 @cache
-def set_skins(kind: str, later: bool) -> list[Skin]:
-    """Return a set's skins, made once."""
-    return skins(kind, later)
+def set_skins(kind: str, batch: int) -> list[Skin]:
+    """Return the skins of a set's batch, made once."""
+    return skins(kind, batch)
+
+
+def batch(seed: int) -> int:
+    """Return which batch a seed is of: 0, or a later one of the design set."""
+    ends = np.cumsum([COUNT[DESIGN], *LATER])
+    return int(np.searchsorted(ends, seed // 2, side="right"))
 
 
 def seeds(kind: str) -> list[int]:
     """Return a set's seeds."""
-    found = list(range(SETS.index(kind), 2 * COUNT[kind], 2))
-    if kind == DESIGN:
-        later = range(found[-1] + 2, found[-1] + 2 + 2 * LATER, 2)
-        found += [s for s in later if drawn(s).skin.name in FITTED]
-    return found
+    first = range(SETS.index(kind), 2 * COUNT[kind], 2)
+    later = range(2 * COUNT[kind], 2 * (COUNT[kind] + sum(LATER)), 2) if kind == DESIGN else ()
+    return [*first, *(seed for seed in later if not with_masses(seed))]
 
 
 def with_masses(seed: int) -> bool:
@@ -89,7 +92,7 @@ def with_masses(seed: int) -> bool:
 def drawn(seed: int) -> Drawn:
     """Return the scene of a seed, drawn again where skin and history do not fit."""
     draw = np.random.default_rng((2020, seed))
-    pads, heavy = set_skins(SETS[seed % 2], seed >= 2 * COUNT[DESIGN]), with_masses(seed)
+    pads, heavy = set_skins(SETS[seed % 2], batch(seed)), with_masses(seed)
     while True:
         skin = pads[int(draw.integers(len(pads)))]
         friction = float(draw.uniform(*FRICTION))

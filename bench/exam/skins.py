@@ -1,4 +1,4 @@
-"""The exam's skins: the templates that have films, and 20 random ones, ten for either set; 30 more to fit on.
+"""The exam's skins: the templates that have films, and 20 random ones, ten for either set; 90 more to fit on.
 
 Random skins keep the proportions of templates/designs/yamada-2002 within a factor (assumption) and are drawn
 again until design and Winkler verdict take them; they are pressed by what makes all their ridges touch.
@@ -18,7 +18,8 @@ from skincad.inputs.design import Design
 DESIGN, EXAM = "design", "exam"
 SETS = (DESIGN, EXAM)
 RANDOM = {DESIGN: range(10), EXAM: range(10, 20)}  # numbers
-MORE = range(20, 50)  # those of later scenes of the design set: templates say little of other skins
+# those of the design set's later batches: templates say little of other skins
+MORE = range(20, 50), range(50, 110)
 LARGEST = 12  # ridges; gripper-pad's 21 take as long as five others
 
 
@@ -41,10 +42,10 @@ def templates() -> list[Skin]:
     ]
 
 
-def skins(kind: str, later: bool = False) -> list[Skin]:
-    """Return a set's skins, templates first, or those of its later scenes."""
-    if later:
-        return [random_skin(i) for i in MORE]
+def skins(kind: str, batch: int = 0) -> list[Skin]:
+    """Return a set's skins, templates first, or those of a later batch of its scenes, from 1."""
+    if batch:
+        return [random_skin(i) for i in MORE[batch - 1]]
     return [*templates(), *(random_skin(i) for i in RANDOM[kind])]
 
 

@@ -17,8 +17,9 @@ Told = Mapping[str, Any]
 
 def _felt(told: Told, scene: Scene, found: March, slips: Slips) -> Told:
     """Slip as the films' outputs show it, against when ridges slip."""
-    width, noise = scene.readout.bandwidth_Hz, told["output_noise_V_rms"]
-    return report(found.time, told["output_V"], noise, width, slips.runs, slips.gross)
+    readout, noise = scene.readout, told["output_noise_V_rms"]
+    width, alarms = readout.bandwidth_Hz, readout.alarms
+    return report(found.time, told["output_V"], noise, width, slips.runs, slips.gross, alarms)
 
 
 # by the key that it follows from

@@ -129,6 +129,9 @@ class Readout(Table):
     bandwidth_Hz: float = quantity(  # noqa: N815
         "Hz", "of the signals, where they are down by 3 dB", gt=0.0, le=1e9, default=5000.0
     )
+    alarms: Literal["sure", "early"] = Field(
+        default="sure", description="of the slip detector: few false ones, or few slips without one"
+    )
     steps: Annotated[list[Annotated[int, Field(ge=0)]], BeforeValidator(_listed)] = Field(
         default=[], description="at which the deformed section is drawn with its stress", max_length=100
     )

@@ -1,13 +1,14 @@
 """Slip felt from the films' outputs alone: which ridge slips, and when all that is told do. No look-ahead.
 
-A small network (one hidden layer, its weights in slip_weights.toml) tells of each ridge how likely it slips,
+A small network (one hidden layer, its weights as data) tells of each ridge how likely it slips,
 by what the ridge and those beside it felt over short and long times (slip_features.py). It was fitted to the
 design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores it
-(docs/scenes.md). An alarm asks for more than THRESHOLD, and for outputs that stand out of the noise.
+(docs/scenes.md). An alarm asks for more than a threshold, which is the user's choice (POINTS), and for
+outputs that stand out of the noise.
 
 Range: outputs that follow the stress-rate in their band; the more ridges are told the better, one alone warns
-of a quarter of gross slips. Gross slip is told when every told ridge is taken to slip: early, where not all
-ridges are told.
+of a quarter of gross slips, of two fifths by early alarms. Gross slip is told when every told ridge is taken
+to slip: early, where not all ridges are told.
 """
 
 from __future__ import annotations
@@ -30,20 +31,45 @@ from skincad.scenes.slip_features import features
 
 WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
-THRESHOLD = 1.5  # logarithm of the odds; by cross-validation on the design set of bench/exam
-BACK = 2.0  # less than the threshold a ridge is taken to stick again; 4 is worse on the design set
 SEEN = 5.0  # noise rms of a pair, a window's mean, below which nothing is told: noise alone reaches 2.9
 
 INCIPIENT, GROSS = "incipient slip", "gross slip"
 
 
 @dataclass(frozen=True)
+class OperatingPoint:
+    """A choice of alarms: a network's `file`, told at the logarithm of odds `threshold`, until `back` below.
+
+    These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier:
+    the share of gross slips `warned` of, with its 95 % interval `between`, and false alarms `false` a minute
+    of handling. While a load is held there are none.
+    """
+
+    file: str
+    threshold: float
+    back: float
+    warned: float
+    between: tuple[float, float]
+    false: float
+
+
+SURE, EARLY = "sure", "early"
+# Of thresholds on the design set these cost least where a slip missed is as bad as 5 and as 20 false alarms.
+POINTS = {
+    SURE: OperatingPoint("slip_weights.toml", 1.5, 2.0, 0.66, (0.56, 0.75), 17.0),
+    EARLY: OperatingPoint("slip_weights_early.toml", 1.25, 1.0, 0.86, (0.77, 0.91), 33.0),
+}
+
+
+@dataclass(frozen=True)
 class Detector:
-    """`window` samples, `noise` V rms of a pair, alarm at the logarithm of odds `threshold`."""
+    """`window` samples, `noise` V rms of a pair, alarm at the logarithm of odds `threshold`; `alarms` of
+    POINTS, whose network it is."""
 
     window: int
     noise: float
-    threshold: float = THRESHOLD
+    threshold: float = POINTS[SURE].threshold
+    alarms: str = SURE
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.noise) and self.noise > 0):
@@ -82,16 +108,20 @@ class Weights:
 
 
 @cache
-def weights() -> Weights:
-    """Return the network's weights as fitted by bench/exam/fitting.py."""
-    table = tomllib.loads((Path(__file__).parent / "slip_weights.toml").read_text())
+def weights(alarms: str = SURE) -> Weights:
+    """Return a network's weights as fitted by bench/exam/fitting.py; the head of its file says to what."""
+    table = tomllib.loads((Path(__file__).parent / POINTS[alarms].file).read_text())
     into = np.ascontiguousarray(np.array(table["into"]).T)
     return Weights(into, np.array(table["bias"]), np.array(table["out"]), float(table["base"]))
 
 
-def detector(rate: float, bandwidth: float, noise: float, threshold: float = THRESHOLD) -> Detector:
-    """Return the detector of outputs at `rate` Hz behind the low-pass of `bandwidth` Hz."""
-    return Detector(max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate)), noise, threshold)
+def detector(
+    rate: float, bandwidth: float, noise: float, threshold: float | None = None, alarms: str = SURE
+) -> Detector:
+    """Return the detector of outputs at `rate` Hz behind the low-pass of `bandwidth` Hz; its threshold is
+    that of `alarms`, one of POINTS, if not given."""
+    window = max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate))
+    return Detector(window, noise, POINTS[alarms].threshold if threshold is None else threshold, alarms)
 
 
 def at_rest(ridges: int) -> Memory:
@@ -113,8 +143,8 @@ def fed(d: Detector, state: Memory, outputs: Array) -> tuple[list[Event], Memory
 
 
 def taken(d: Detector, before: Mask, odds: Array) -> Mask:
-    """Return when each ridge is taken to slip `(n, ridges)`: from the threshold on until BACK below it."""
-    turns = np.where(odds > d.threshold, 1, np.where(odds < d.threshold - BACK, -1, 0))
+    """Return when each ridge is taken to slip `(n, ridges)`: from the threshold on until `back` below it."""
+    turns = np.where(odds > d.threshold, 1, np.where(odds < d.threshold - POINTS[d.alarms].back, -1, 0))
     turns = np.concatenate([np.where(before, 1, -1)[None], turns])
     last = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.shape[0])[:, None], 0), axis=0)
     return np.asarray(np.take_along_axis(turns, last, axis=0)[1:] > 0)
@@ -126,10 +156,10 @@ def statistic(d: Detector, state: Memory, outputs: Array) -> tuple[Array, Array]
     One sample is multiplied at a time, so that it is the same however the samples are cut in pieces.
     """
     felt, loud, after = features(d.window, d.noise, outputs, state.means)
-    w = weights()
+    w = weights(d.alarms)
     hidden = np.tanh(np.matmul(felt[:, :, None, :], w.into) + w.bias)
     odds = np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base
-    return np.where(loud > SEEN, odds, np.minimum(odds, d.threshold - BACK - 1.0)), after
+    return np.where(loud > SEEN, odds, np.minimum(odds, d.threshold - POINTS[d.alarms].back - 1.0)), after
 
 
 @dataclass(frozen=True)
@@ -194,16 +224,18 @@ def report(
     bandwidth: float,
     runs: Sequence[Sequence[Sequence[int]]],
     gross: int | None,
+    alarms: str = SURE,
 ) -> dict[str, Any]:
-    """Return the keys `events`, `lead_time_s`, the longest of these and `event_score` of a march's outputs by
-    ridge, S1 and S2.
+    """Return the keys `events`, `lead_time_s`, the longest of these, `event_score` and, of outputs,
+    `detector`, of a march's outputs by ridge, S1 and S2.
 
-    `noise` V rms of one strip; `runs` by ridge from 1.
+    `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS.
     """
-    names = list(outputs)
+    names, point = list(outputs), POINTS[alarms]
     if not names or time.size < 2:
-        return {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
-    d = detector(1 / float(time[1] - time[0]), bandwidth, math.sqrt(2) * noise)
+        nothing = dict.fromkeys(("longest_lead_time_s", "event_score"))
+        return {"events": [], "lead_time_s": {}, **nothing}
+    d = detector(1 / float(time[1] - time[0]), bandwidth, math.sqrt(2) * noise, alarms=alarms)
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
     events, _ = fed(d, at_rest(len(names)), values)
     found = score(d, events, time, [runs[int(r) - 1] for r in names], gross)
@@ -220,4 +252,9 @@ def report(
         "lead_time_s": {**dict(zip(names, found.lead, strict=True)), "all": found.gross_lead},
         "longest_lead_time_s": max((lead for lead in found.lead if lead is not None), default=None),
         "event_score": {key: getattr(found, key) for key in ("hits", "missed", "false", "misnamed")},
+        "detector": {
+            "alarms": alarms,
+            "gross_slips_warned_of": {"value": point.warned, "between": list(point.between)},
+            "false_alarms_per_minute_of_handling": point.false,
+        },
     }

@@ -16,9 +16,11 @@ from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
 from skincad.scenes.slip import (
+    EARLY,
     GROSS,
     INCIPIENT,
-    THRESHOLD,
+    POINTS,
+    SURE,
     Detector,
     Event,
     at_rest,
@@ -152,7 +154,7 @@ def test_noise_alone_does_not_alarm() -> None:
     """White noise, 200 000 decisions: none beyond the threshold, so no event; a window's mean reaches 2.9 rms
     and SEEN is 5."""
     noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (100_000, 2, 2))
-    assert statistic(D, at_rest(2), noise)[0].max() < THRESHOLD
+    assert statistic(D, at_rest(2), noise)[0].max() < POINTS[SURE].threshold
 
 
 def test_the_window_grows_with_the_low_passs_delay() -> None:
@@ -207,6 +209,9 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
     assert found["lead_time_s"]["2"] == pytest.approx((550 - found["events"][2]["step"]) / RATE)
     assert set(found["lead_time_s"]) == {"2", "3", "all"}
+    told = found["detector"]
+    assert told["alarms"] == SURE
+    assert told["gross_slips_warned_of"]["value"] == POINTS[SURE].warned
     assert found["longest_lead_time_s"] == found["lead_time_s"]["3"]
     empty = report(TIME[:1], {}, NOISE, WIDTH, runs, None)
     assert empty == {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
@@ -218,6 +223,29 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
 def test_bad_constants_are_told(noise: float, threshold: float) -> None:
     with pytest.raises(InputError, match=r"must be (above 0|finite)"):
         detector(RATE, WIDTH, noise, threshold)
+
+
+def test_early_alarms_are_more_and_told_as_such() -> None:
+    """They come of another network, and none of them of noise alone."""
+    outputs = {
+        name: {side: papers()[:, i, k].tolist() for k, side in enumerate(("S1", "S2"))}
+        for i, name in enumerate(("2", "3"))
+    }
+    runs: list[list[list[int]]] = [[], *RUNS]
+    sure, early = (
+        report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550, alarms) for alarms in POINTS
+    )
+    assert early["detector"]["alarms"] == EARLY
+    assert early["event_score"]["hits"] == 3
+    assert len(early["events"]) > len(sure["events"])
+    better, worse = (POINTS[kind] for kind in (EARLY, SURE))
+    assert better.warned > worse.warned
+    assert better.false > worse.false
+    assert all(p.between[0] < p.warned < p.between[1] for p in POINTS.values())
+    d = detector(RATE, WIDTH, NOISE, alarms=EARLY)
+    assert d.threshold == better.threshold
+    noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (100_000, 2, 2))
+    assert fed(d, at_rest(2), noise)[0] == []
 
 
 @pytest.mark.slow

@@ -1,0 +1,169 @@
+"""The detector's exam: what it is fitted to and judged on is apart, histories are possible, marks by hand."""
+
+from __future__ import annotations
+
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.exam import fitting, network, rivals
+from bench.exam.cases import Case
+from bench.exam.histories import ENDS, STEPS, history
+from bench.exam.scenes import COUNT, LATER, Marched, batch, drawn, seeds
+from bench.exam.scoring import lasting, mark, near, rate, wilson
+from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
+from skincad.inputs.catalog import load_design
+from skincad.scenes import slip
+
+STEP = 1e-3  # s
+
+
+def test_what_it_is_fitted_to_is_not_what_judges_it() -> None:
+    fit, judge = seeds(DESIGN), seeds(EXAM)
+    assert not set(fit) & set(judge)
+    later = [seed for seed in fit if batch(seed)]
+    assert len(set(fit)) == COUNT[DESIGN] + len(later)
+    assert len(later) == sum(LATER) * 59 // 60  # not those that would have masses
+    assert (len(judge), judge[0], judge[-1]) == (160, 1, 319)  # as it was when it was first judged
+    for more in (RANDOM[DESIGN], *MORE):
+        assert not set(RANDOM[EXAM]) & set(more)
+
+
+def test_each_seed_has_its_batchs_skins() -> None:
+    assert [batch(s) for s in (0, 1, 319, 478, 480, 958, 960, 2158)] == [0, 0, 0, 0, 1, 1, 2, 2]
+    for seed in (960, 1500, 2158):
+        assert int(drawn(seed).skin.name.split("-")[1]) in MORE[1]
+
+
+def test_a_seed_is_the_same_scene_every_time() -> None:
+    one, same, other = drawn(7), drawn(7), drawn(9)
+    np.testing.assert_array_equal(one.way.normal, same.way.normal)
+    assert one.friction == same.friction != other.friction
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_history_is_held_until_its_end_and_slips_there(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    way = history(draw, 4.0, 0.6, 3.0, 0.2)
+    steps = np.diff(way.time)
+    assert way.time.size == way.normal.size == way.tangential.size == way.angle.size == STEPS + 1
+    np.testing.assert_allclose(steps, steps[0])
+    assert 0.01 < way.bandwidth * steps[0] <= 0.4
+    assert way.normal.min() >= 0
+    assert np.abs(way.angle).max() <= 3.0
+    names, firsts = zip(*way.phases, strict=True)
+    assert names[0] == "first press"
+    assert firsts[0] == 0
+    assert all(b > a for a, b in pairwise(firsts))
+    used = np.abs(way.tangential) / np.maximum(0.6 * way.normal, 1e-9)
+    gentle = used[1 : firsts[-1]] if names[-1] in ENDS else used[1:]
+    assert gentle.max() < 1.0
+    if names[-1] in ENDS and names[-1] != "drag":
+        assert used[firsts[-1] :].max() > 1.0
+    assert (way.travel is not None) == (names[-1] == "drag")
+
+
+def by_hand() -> Case:
+    """Three ridges, of which 1 and 3 are told: ridge 1 slips from step 40 to 49 and from 80 on, 2 from 70 on,
+    3 from 90 on; all do at 99."""
+    slipping = np.zeros((100, 3), bool)
+    slipping[40:50, 0] = slipping[80:, 0] = slipping[70:, 1] = slipping[90:, 2] = True
+    design = load_design("yamada-2002")
+    scene = Marched(
+        1, Skin("by hand", design, 4.0), 0.5, None, STEP * np.arange(100), 100.0, np.zeros((100, 6, 3)),
+        slipping, np.full(100, 4.0), np.linspace(0, 2.1, 100), 99, (("first press", 0), ("pull", 60)), (1, 3),
+    )  # fmt: skip
+    return Case(scene, "none", 1 / STEP, np.zeros((100, 2, 2)), slipping[:, [0, 2]], 1.0, np.zeros(513), 1)
+
+
+def test_where_slip_begins_that_lasts() -> None:
+    case = by_hand()
+    assert lasting(case.scene.slipping, 99) == [80, 70, 90]
+    assert lasting(case.scene.slipping, None) == [None] * 3
+    assert lasting(np.zeros((5, 1), bool), 4) == [None]
+    assert np.flatnonzero(near(case.slipping, 3)[:, 0]).tolist() == [*range(37, 53), *range(77, 100)]
+
+
+@pytest.mark.parametrize(
+    ("alarms", "told"),
+    [  # warned, named, right, other, false
+        ([], (False, False, 0, 0, 0)),
+        ([(0, 20)], (False, False, 0, 0, 1)),  # nothing slips yet
+        ([(0, 45)], (False, False, 1, 0, 0)),  # right, but ridge 1 sticks again
+        ([(1, 45)], (False, False, 0, 1, 0)),  # ridge 1 slips, not 3
+        ([(0, 67)], (True, False, 0, 1, 0)),  # within a window of ridge 2's slip, which is not told
+        ([(0, 66)], (False, False, 0, 0, 1)),
+        ([(0, 78)], (True, True, 1, 0, 0)),
+        ([(1, 85)], (True, False, 0, 1, 0)),
+        ([(1, 95), (0, 10), (0, 11)], (True, True, 1, 0, 2)),
+        ([(0, 99)], (False, False, 1, 0, 0)),  # as late as gross slip itself
+    ],
+)
+def test_marks_by_hand(alarms: list[tuple[int, int]], told: tuple[bool, bool, int, int, int]) -> None:
+    found = mark(by_hand(), alarms, 3)
+    assert (found.warned, found.named, found.right, found.other, found.false) == told
+    assert found.slips
+    assert found.possible == pytest.approx(29 * STEP)
+    assert found.seconds == pytest.approx(100 * STEP)
+
+
+def test_a_lead_runs_from_the_first_alarm_and_a_false_one_has_its_phase() -> None:
+    found = mark(by_hand(), [(1, 95), (0, 75), (0, 10), (1, 63)], 3)
+    assert found.lead == pytest.approx(24 * STEP)
+    assert found.within == ("first press", "pull")
+
+
+def test_rivals_deserve_what_they_get() -> None:
+    case = by_hand()
+    assert not mark(case, rivals.never(case, 3), 3).warned
+    ever = mark(case, rivals.always(case, 3), 3)
+    assert ever.warned
+    assert ever.false > 20
+    (told,) = rivals.cone(case, 3)  # the pull passes 0.9 of 2 N between steps 84 and 85 of 2.1 N in 99
+    assert told == (0, 85)
+
+
+def test_intervals_as_in_tables() -> None:
+    """Wilson of 8 in 10 (Brown, Cai, DasGupta 2001); Garwood of none and of 5 events in 2 minutes."""
+    assert wilson(8, 10) == pytest.approx((0.4902, 0.9433), abs=1e-4)
+    assert rate(0, 2.0)[1:] == (0.0, pytest.approx(3.689 / 2, abs=1e-3))
+    assert rate(5, 2.0) == (2.5, pytest.approx(1.6235 / 2, abs=1e-3), pytest.approx(11.668 / 2, abs=1e-3))
+
+
+def test_the_fits_slope_is_the_losss() -> None:
+    """Central differences of doubles: right to about 1e-8 of slopes of about 1e-2."""
+    draw = np.random.default_rng(4)
+    layers = [draw.normal(size=s) for s in ((5, 3), (3,), (3,), (1,))]
+    z, label, weight = draw.normal(size=(40, 5)), draw.integers(0, 2, 40) * 1.0, draw.uniform(0, 2, 40)
+    slopes = network.gradient(layers, z, label, weight)
+    for layer, slope in zip(layers, slopes, strict=True):
+        for at in np.ndindex(layer.shape):
+            kept = layer[at]
+            sides = []
+            for h in (1e-6, -1e-6):
+                layer[at] = kept + h
+                sides.append(network.loss(layers, z, label, weight))
+            layer[at] = kept
+            assert slope[at] == pytest.approx((sides[0] - sides[1]) / 2e-6, abs=1e-8)
+
+
+def test_a_fit_finds_what_no_straight_line_tells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The product's sign of two features among four; and what is written is read as the same network."""
+    for key, value in {"HIDDEN": 16, "EPOCHS": 60, "BATCH": 64}.items():
+        monkeypatch.setattr(network, key, value)
+    draw = np.random.default_rng(5)
+    x = draw.normal(3.0, 2.0, (4000, 4)).astype(np.float32)
+    y = (x[:, 0] - 3.0) * (x[:, 1] - 3.0) > 0
+    found = network.fitted((x[:3000], y[:3000], np.ones(3000)))
+    assert np.mean((fitting.odds(found, x[3000:]) > 0) == y[3000:]) > 0.9  # a line gets a half
+    table = tomllib.loads(fitting.written(found))
+    np.testing.assert_allclose(np.array(table["into"]).T, found.into, rtol=1e-3)
+    np.testing.assert_allclose(table["out"], found.out, rtol=1e-3)
+
+
+def test_the_shipped_weights_are_of_the_fits_size() -> None:
+    table = tomllib.loads((Path(slip.__file__).parent / slip.POINTS[slip.EARLY].file).read_text())
+    assert len(table["into"]) == len(table["out"]) == len(table["bias"]) == network.HIDDEN
