@@ -95,7 +95,7 @@ def _felt_lines(found: Simulation) -> list[str]:
             score["misnamed"]
         )
     if point := found.read.get("detector"):
-        share, false = point["gross_slips_warned_of"]["value"], point["false_alarms_per_minute_of_handling"]
+        share, false = point["share_of_gross_slips_warned_of"], point["false_alarms_per_minute_of_handling"]
         told.append(
             f"  detector       {point['alarms']}: warns of {100 * share:.0f} % of gross slips, {false:g} "
             "false alarms a minute of handling"

@@ -254,7 +254,8 @@ def report(
         "event_score": {key: getattr(found, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {
             "alarms": alarms,
-            "gross_slips_warned_of": {"value": point.warned, "between": list(point.between)},
+            "share_of_gross_slips_warned_of": point.warned,
+            "between": list(point.between),
             "false_alarms_per_minute_of_handling": point.false,
         },
     }

@@ -211,7 +211,7 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     assert set(found["lead_time_s"]) == {"2", "3", "all"}
     told = found["detector"]
     assert told["alarms"] == SURE
-    assert told["gross_slips_warned_of"]["value"] == POINTS[SURE].warned
+    assert told["share_of_gross_slips_warned_of"] == POINTS[SURE].warned
     assert found["longest_lead_time_s"] == found["lead_time_s"]["3"]
     empty = report(TIME[:1], {}, NOISE, WIDTH, runs, None)
     assert empty == {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
