@@ -96,8 +96,11 @@ class HeldState:
 
     @property
     def drift(self) -> Drift:
-        """What the linear pad has missed by now, as of the second order in the stride. Before the first chosen
-        step nothing is known of it: assumed is as much as points have moved, by a crest's width."""
+        """What the linear pad has missed by now, as of the second order in the stride.
+
+        Before the first chosen step nothing is known of it: assumed is as much as points have moved, by a
+        crest's width.
+        """
         missed, cut, grown = self.held.drift, self.held.cut, max(1.0, self.gone**2)
         if not self.held.state.values.any():
             part = STRIDE * self.gone
