@@ -103,7 +103,7 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
     small = condensed(body, even)
     loose = small if not piece.mirrored else condensed(body, odd) if pull else None
     clock.append(perf_counter())
-    pressed, bonded, residual = _press(piece, body, small, force)
+    pressed, bonded, residual = pressing(piece, body, small, force)
     pulled = None
     if pull and loose is not None:
         pulled, balance = _pull(piece, body, loose, bonded)
@@ -138,13 +138,16 @@ def contact_rows(body: StripBody, small: Condensed) -> sparse.csr_matrix:
     return both @ sparse.csr_matrix(select, shape=(local.size, last.size))
 
 
-def _scale(piece: PadPiece) -> tuple[float, float]:
-    """N on the whole pad for a force of 1 on the piece in its units, and the piece's share of a force."""
+def load_scale(piece: PadPiece) -> tuple[float, float]:
+    """Return N on the whole pad for a force of 1 on the piece in its units, and the piece's share of it."""
     share = 0.5 if piece.mirrored else 1.0
     return piece.pad.young_modulus * piece.unit * piece.pad.length / share, share
 
 
-def _press(piece: PadPiece, body: StripBody, small: Condensed, force: float) -> tuple[UnderLoad, Mask, float]:
+def pressing(
+    piece: PadPiece, body: StripBody, small: Condensed, force: float
+) -> tuple[UnderLoad, Mask, float]:
+    """Return the state under a frictionless plate's force, N, which points bear load, and the residual."""
     rows = contact_rows(body, small)
     nodes, unit, plate = body.system.nodes, piece.unit, piece.whole.plate
     m = nodes.weight.size
@@ -152,21 +155,31 @@ def _press(piece: PadPiece, body: StripBody, small: Condensed, force: float) -> 
     flexibility = up @ np.asarray(up @ small.flexibility).T
     x, z = nodes.position.T
     gap = (piece.whole.top / unit - z) + rise(plate, x * unit) / unit
-    wanted = force / _scale(piece)[0]
+    wanted = force / load_scale(piece)[0]
     found = press((flexibility + flexibility.T) / 2, gap - gap.min(), wanted)
     load = np.concatenate([np.zeros(m), -found.force])
-    moved = _moved(body, small, rows, load)
+    moved = moved_by(body, small, rows, load)
     balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if piece.mirrored else None)
-    state = _state(piece, body, moved, load, 1)
+    state = state_of(piece, body, moved, load, 1)
     return state, found.force > 0, max(found.residual, balance)
 
 
 def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> tuple[UnderLoad, float]:
-    """Move the bonded points as one until the plate's tangential force is 1 N, its normal one unchanged.
+    """State and residual of the bonded points moved as one until the plate's tangential force is 1 N."""
+    rows = contact_rows(body, small)
+    load = pulling(piece, rows, small, bonded)
+    moved = moved_by(body, small, rows, load)
+    wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
+    balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
+    return state_of(piece, body, moved, load, -1), balance
+
+
+def pulling(piece: PadPiece, rows: sparse.csr_matrix, small: Condensed, bonded: Mask) -> Array:
+    """Return forces `(2 m,)`, in x then in z, that move the bonded points as one until the plate's tangential
+    force is 1 N, its normal one unchanged.
 
     C p = M a and M^T p = (force, 0): M has the plate's translations in x and z, of a mirrored pad in x only.
     """
-    rows = contact_rows(body, small)
     m = bonded.size
     flexibility = rows @ np.asarray(rows @ small.flexibility).T
     held = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
@@ -176,16 +189,14 @@ def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> t
         by_mode = linalg.solve((block + block.T) / 2, modes, assume_a="pos")
     except linalg.LinAlgError:
         raise ContactError("the bonded flexibility is singular; take a coarser contact mesh") from None
-    wanted = np.array([1.0, 0.0]) / _scale(piece)[0]
+    wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
     load = np.zeros(2 * m)
     load[held] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
-    moved = _moved(body, small, rows, load)
-    balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
-    return _state(piece, body, moved, load, -1), balance
+    return load
 
 
-def _moved(body: StripBody, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
-    """Displacements `(n,)` under forces `(2 m,)` at the contact points."""
+def moved_by(body: StripBody, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
+    """Return displacements `(n,)` under forces `(2 m,)` at the contact points."""
     whole = np.zeros(body.system.lift.size)
     whole[small.order[-small.flexibility.shape[0] :]] = rows.T @ load
     return small.solve(whole)
@@ -210,10 +221,11 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
     return balance
 
 
-def _state(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> UnderLoad:
+def state_of(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> UnderLoad:
+    """Return what displacements `(n,)` are to the whole pad, under forces `(2 m,)` on the piece."""
     strip_field.set_state(body, moved)
     stress = strip_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
-    nodes, (scale, share) = body.system.nodes, _scale(piece)
+    nodes, (scale, share) = body.system.nodes, load_scale(piece)
     m = nodes.weight.size
     numbers = piece.whole.ridges
     pull, push = np.zeros(len(numbers)), np.zeros(len(numbers))
