@@ -28,6 +28,7 @@ from skincad.options import (
     show,
     source_argument,
 )
+from skincad.package_command import package
 from skincad.study_commands import optimise, solve, sweep
 
 if TYPE_CHECKING:
@@ -120,6 +121,7 @@ def new(
 app.command()(make)
 app.command()(watch)
 app.command()(coupon)
+app.command()(package)
 
 
 @app.command()

@@ -27,6 +27,7 @@ COMMANDS = (
     "optimise",
     "coupon",
     "coupon-reading",
+    "package",
 )
 
 

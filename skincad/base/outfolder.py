@@ -29,8 +29,8 @@ except ImportError:  # no POSIX: runs into one folder at once are not kept apart
 
 OURS = ".skincad-"  # so begins the name of whatever lies in the folder only while runs write there
 RUN = re.compile(rf"{re.escape(OURS)}({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
-# what stands in nobody's way: what a new volume holds, and a study's log
-BESIDE = {"lost+found", "evaluations.jsonl"}
+# what stands in nobody's way: what a new volume holds, a study's log, and a package's own folder
+BESIDE = {"lost+found", "evaluations.jsonl", "package"}
 PATIENCE, POLL = 1.0, 0.05  # s: until a wait is told; between two tries
 
 

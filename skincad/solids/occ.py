@@ -12,6 +12,9 @@ import os
 import sys
 from dataclasses import replace
 
+import numpy as np
+
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, needing
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
@@ -123,6 +126,18 @@ def volume(part: Part, made: cq.Solid) -> float:
     found = GProp_GProps()
     BRepGProp.VolumeProperties_s(made.wrapped, found, VOLUME_TOLERANCE, False, False)
     return float(found.Mass())
+
+
+def moments(part: Part, made: cq.Solid) -> tuple[Array, Array]:
+    """Return a solid's centre `(3,)` mm and its inertia about it `(3, 3)` mm5, that of density 1 per mm3."""
+    found = GProp_GProps()
+    if any(isinstance(cut, Bore) and cut.within for cut in part.cuts):  # as in `volume`
+        BRepGProp.VolumeProperties_s(made.wrapped, found, VOLUME_TOLERANCE, False, False)
+    else:
+        BRepGProp.VolumeProperties_s(made.wrapped, found)
+    centre, matrix = found.CentreOfMass(), found.MatrixOfInertia()
+    inertia = [[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)]
+    return np.array([centre.X(), centre.Y(), centre.Z()]), np.array(inertia)
 
 
 def unchecked_solid(part: Part) -> cq.Solid:

@@ -1,0 +1,55 @@
+"""The command that makes a package for simulators."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import skincad
+from skincad.base.bars import stage_bar
+from skincad.options import (
+    DesignArgument,
+    JsonOption,
+    OutOption,
+    PrinterOption,
+    SetOption,
+    SiliconesOption,
+    TierOption,
+    deliver,
+)
+
+STAGES = 6  # of its bar
+
+
+def package(
+    source: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    kinds: Annotated[
+        list[str],
+        typer.Option(
+            "--for", metavar="KIND", help="mujoco, urdf, taxels or mesh; repeat for several; default: all."
+        ),
+    ] = [],  # noqa: B006
+    tier: TierOption = "auto",
+    printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Export the skin for other people's simulators.
+
+    MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
+    each number rests on appear in the output folder; default: out/<name>/package.
+    """
+    from skincad.outputs.delivery import ready
+    from skincad.outputs.packages import COMMAND
+
+    design = skincad.load(source, settings, printer=printer, silicones=silicones)
+    target = folder or Path("out") / design.name / "package"
+    ready(target, COMMAND, ())
+    with stage_bar(STAGES) as progress:
+        found = skincad.package(design, kinds, tier=tier, progress=progress)
+        written = skincad.write(found, target, progress=progress)
+    deliver(found, as_json, written)

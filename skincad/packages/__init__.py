@@ -1,0 +1,1 @@
+"""A designed skin for other people's simulators: rigid links, springs, taxels, meshes and a card."""

@@ -1,0 +1,147 @@
+"""The links of a skin: its solids in the design's frame, and each link's mass, centre and inertia from them.
+
+Carrier and skin weigh what their STEP files hold times a density; what fills the slots is a link of its own,
+so that neither differs from its file. Left out: leads outside the skin, screws, and the silicone in the
+carrier's holes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.problem import PVDF_DENSITY
+from skincad.shape.cross_section import section
+from skincad.shape.curves import Loop, Segment
+from skincad.solids.layout import lid_process
+from skincad.solids.mold import mold
+from skincad.solids.plan import Part
+from skincad.solids.roles import PartRole
+from skincad.solids.skin import along_skin, skin_part
+
+G_PER_MM3 = 1e-6  # of 1 kg/m3
+TO_DESIGN = np.diag([1.0, -1.0, -1.0])  # the mold's frame turned about x, ridges up
+
+
+@dataclass(frozen=True, eq=False)
+class Weight:
+    """A rigid body's `mass` g, `centre` `(3,)` mm and `inertia` `(3, 3)` g mm2 about it, in the design's
+    frame."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+    def turned(self, turn: Array) -> Weight:
+        """Return the weight in a frame turned about the same origin."""
+        return Weight(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
+
+
+def together(weights: Iterable[Weight]) -> Weight:
+    """Return bodies as one; of a negative mass what is taken away (Steiner's theorem)."""
+    bodies = list(weights)
+    mass = float(sum(each.mass for each in bodies))
+    centre = np.asarray(sum(each.mass * each.centre for each in bodies)) / mass
+    inertia = np.zeros((3, 3))
+    for each in bodies:
+        away = each.centre - centre
+        inertia += each.inertia + each.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    return Weight(mass, centre, inertia)
+
+
+def without(whole: Weight, parts: Iterable[Weight]) -> Weight:
+    """Return what is left of a body when parts of it are bodies of their own."""
+    return together([whole, *(Weight(-each.mass, each.centre, -each.inertia) for each in parts)])
+
+
+@dataclass(frozen=True)
+class Links:
+    """What a skin's simulated links weigh: the `carrier`, the whole `skin`, of that each of its `ridges`
+    above the base, and the `filling` of its slots, None where they are empty or there are none."""
+
+    carrier: Weight
+    skin: Weight
+    ridges: tuple[Weight, ...]
+    filling: Weight | None
+
+    @property
+    def base(self) -> Weight:
+        """The skin without its ridges."""
+        return without(self.skin, self.ridges)
+
+    @property
+    def mass(self) -> float:
+        """Mass of all links, g."""
+        return self.carrier.mass + self.skin.mass + (self.filling.mass if self.filling else 0.0)
+
+
+def links(design: Design) -> Links:
+    """Return the weight of each link. Raises InputError where the design has no carrier that can be made."""
+    stuff = silicone(design).density * G_PER_MM3
+    carrier = _weight(carrier_part(design), 1e3 * lid_process(design).density * G_PER_MM3)
+    ridges = tuple(_weight(part, stuff) for part in ridge_parts(design))
+    return Links(
+        carrier.turned(TO_DESIGN), _weight(skin_part(design), stuff), ridges, _filling(design, stuff)
+    )
+
+
+def carrier_part(design: Design) -> Part:
+    """Return the carrier as it lies in a mold of one skin, in the mold's frame: `TO_DESIGN` turns it."""
+    return mold(design.with_(mold={"cavities": 1})).first(PartRole.CARRIER)
+
+
+def ridge_loop(design: Design, ridge: int) -> Loop:
+    """Return a ridge's outline, closed by the chord between its feet, counterclockwise, mm."""
+    own = tuple(s for s in section(design).outline if s.ridge == ridge)
+    return (*own, Segment(own[-1].end, own[0].start, 0.0, "base"))
+
+
+def ridge_parts(design: Design) -> list[Part]:
+    """Return each ridge above the base; slots are not taken off it, they are of the base."""
+    return [
+        Part(f"ridge-{i}", PartRole.SKIN, along_skin(design, ridge_loop(design, i), ()))
+        for i in range(1, design.ridge.count + 1)
+    ]
+
+
+def base_loop(design: Design) -> Loop:
+    """Return the skin's outline with each ridge cut off by the chord between its feet, mm."""
+    found: list[Segment] = []
+    for segment in section(design).outline:
+        if segment.ridge is None:
+            found.append(segment)
+        elif found[-1].kind == "flank" and found[-1].ridge == segment.ridge:
+            found[-1] = replace(found[-1], end=segment.end)
+        else:
+            found.append(Segment(segment.start, segment.end, 0.0, "flank", segment.ridge))
+    return tuple(found)
+
+
+def _weight(part: Part, density: float) -> Weight:
+    """Weight of a solid of a density in g/mm3, from the CAD kernel's moments."""
+    from skincad.solids.occ import moments, solid, volume
+
+    made = solid(part)
+    centre, inertia = moments(part, made)
+    return Weight(density * volume(part, made), centre, density * inertia)
+
+
+def _filling(design: Design, stuff: float) -> Weight | None:
+    """Film strips, and the silicone round them, in all slots."""
+    film, slots, state = design.film, section(design).slots, design.film_state
+    strip = PVDF_DENSITY * G_PER_MM3
+    found = []
+    for slot in slots:
+        name = f"slot-{slot.ridge}-{slot.side}"
+        if state != "loose":
+            found.append(_weight(Part(name, PartRole.STRIP, along_skin(design, slot.loop(), ())), stuff))
+        if film and state != "ignored":
+            more = strip - (stuff if state == "bonded" else 0.0)
+            loop = slot.loop(film.thickness)
+            found.append(_weight(Part(name, PartRole.STRIP, along_skin(design, loop, ())), more))
+    return together(found) if found else None

@@ -1,0 +1,178 @@
+"""Each ridge on a spring, all springs coupled, so that a pressed skin is that of its check.
+
+A plate at approach d meets ridge i with d - gap_i = sum_j C_ij F_j where F_i > 0. C is the reduced pad that
+tells a check's yield (mechanics/contact/ridge_model.py), each ridge's own flexibility taken as the secant at
+the check's force on it. That pad is long and in small strain; the check may know more. So all of C is scaled
+by one factor and its diagonal then moved until the check's approach and forces solve the equation: at that
+load the springs are the check, at others they are near it, and `Springs.elsewhere` says how near. Where there
+is no reduced pad (one ridge, a doubly curved skin, forces that never make all touch) C is diagonal.
+
+A stiffness K = C^-1 is the sum of squares of the rows of its Cholesky factor: as many springs, each along a
+combination of ridges, are that same matrix in a simulator that knows no coupled springs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import linalg, optimize
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, pad_of
+from skincad.mechanics.tiers.winkler import crest_gaps, stiffnesses
+from skincad.mechanics.touching import check
+from skincad.mechanics.verdict import ContactCheck
+
+SPANS = (0.5, 2.0)  # of the load, where the springs are held against another check
+LEAST_SHARE = 1e-3  # of the mean share; a ridge that carries less has no secant of its own
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """At `force` N, the springs' and a check's approach, mm, and the forces on the ridges, N."""
+
+    force: float
+    approach: float
+    check_approach: float
+    shares: tuple[float, ...]
+    check_shares: tuple[float, ...]
+
+    @property
+    def approach_off(self) -> float:
+        """Difference of the approaches, of the check's."""
+        return abs(self.approach / self.check_approach - 1)
+
+    @property
+    def shares_off(self) -> float:
+        """Largest difference of two forces on a ridge, of the mean one."""
+        differs = np.abs(np.subtract(self.shares, self.check_shares))
+        return float(differs.max()) * len(self.shares) / self.force
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """`gap` `(n,)` mm below the first crest that touches, `flexibility` `(n, n)` mm/N, which `coupled` ones
+    share, and the `verdict` that they are of; `elsewhere` holds them against checks at other loads, `refused`
+    says at which loads there is no check, and why."""
+
+    gap: Array
+    flexibility: Array
+    coupled: bool
+    verdict: ContactCheck
+    elsewhere: tuple[Elsewhere, ...] = ()
+    refused: tuple[str, ...] = ()
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness `(n, n)` N/mm."""
+        found = np.linalg.inv(self.flexibility)
+        return np.asarray((found + found.T) / 2)
+
+    @property
+    def rows(self) -> Array:
+        """Rows `(n, n)` in (N/mm)^1/2 whose squares' sum is the stiffness."""
+        return np.asarray(np.linalg.cholesky(self.stiffness).T)
+
+
+def springs(design: Design, tier: str = "auto", progress: Progress | None = None) -> Springs:
+    """Return the springs of a design under a flat plate at the design's own force.
+
+    Raises InputError for a plate that is not flat; RefusedError for a check beyond its model's range.
+    """
+    if design.contact.plate.shape != "flat":
+        rule = "must be 'flat' for mujoco: its springs are those of a skin under a flat plate"
+        remedy = "--set contact.plate=none, or leave mujoco out by --for"
+        raise InputError("contact.plate.shape", rule, design.contact.plate.shape, remedy)
+    verdict = check(design, tier=tier, progress=progress)
+    if verdict.beyond:
+        raise RefusedError(f"no springs for mujoco: {verdict.beyond}; take a smaller contact.force")
+    model = _reduced(design, verdict.force, progress)
+    found = _fitted(design, verdict, model)
+    elsewhere, refused = [], []
+    for force in (span * verdict.force for span in SPANS):
+        try:
+            elsewhere.append(_elsewhere(design, found, force, progress))
+        except (InputError, RefusedError) as failure:
+            refused.append(f"no check at {force:g} N: {failure}")
+    return replace(found, elsewhere=tuple(elsewhere), refused=tuple(refused))
+
+
+def pressed(found: Springs, force: float) -> tuple[float, Array]:
+    """Return the approach, mm, and forces `(n,)` N of the springs under a flat plate's force, N.
+
+    The forces are the least squares solution of the plate's own inequality: none pulls.
+    """
+    root = linalg.cholesky(found.flexibility)
+
+    def carried(approach: float) -> Array:
+        return np.asarray(
+            optimize.nnls(root, linalg.solve_triangular(root.T, approach - found.gap, lower=True))[0]
+        )
+
+    high = force * float(found.flexibility.max()) + float(np.ptp(found.gap))
+    while carried(high).sum() < force:
+        high *= 2
+    approach = optimize.brentq(lambda d: float(carried(d).sum()) - force, 0.0, high, xtol=1e-12)
+    return float(approach), carried(float(approach))
+
+
+def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeModel | None:
+    """The linear pad reduced to one force a ridge, or None where there is none."""
+    from skincad.mechanics.tiers import linear
+
+    if design.skin.curvature_radius_y is not None or design.ridge.count == 1:
+        return None
+    try:
+        return linear.solve(pad_of(design), Request(force, parts=True), progress).parts
+    except (SizeError, ContactError):
+        return None
+
+
+def _fitted(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Springs:
+    carried = np.array([each.value for each in verdict.ridge_force], dtype=float)
+    approach = float(verdict.approach)
+    if model is None:
+        gap = crest_gaps(design)
+        flexibility = np.diag(1 / stiffnesses(design))
+    else:
+        gap = model.gap * model.unit
+        gap = gap - gap.min()
+        flexibility = _secant(model, carried)
+    loaded = carried > LEAST_SHARE * verdict.force / carried.size
+    wanted, has = (approach - gap)[loaded], (flexibility @ carried)[loaded]
+    flexibility = flexibility * float(carried[loaded] @ wanted / (carried[loaded] @ has))
+    miss = approach - gap - flexibility @ carried
+    flexibility[np.diag_indices_from(flexibility)] += np.where(
+        loaded, miss / np.where(loaded, carried, 1.0), 0.0
+    )
+    if np.linalg.eigvalsh(flexibility).min() <= 0:
+        if model is not None:  # ridges that take each other's load: then each on a spring of its own
+            return _fitted(design, verdict, None)
+        raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
+    return Springs(gap, flexibility, model is not None, verdict)
+
+
+def _secant(model: RidgeModel, carried: Array) -> Array:
+    """Flexibility `(n, n)` mm/N of a reduced pad, each ridge's own at the force `carried` `(n,)` N on it."""
+    per_force = model.unit / model.scale
+    found = model.coupling * per_force
+    for i, force in enumerate(carried):
+        at = max(force / model.scale, model.force[1])
+        found[i, i] = np.interp(at, model.force, model.indentation[i]) / at * per_force
+    return np.asarray((found + found.T) / 2)
+
+
+def _elsewhere(design: Design, found: Springs, force: float, progress: Progress | None) -> Elsewhere:
+    approach, shares = pressed(found, force)
+    other = check(design, force=force, tier=found.verdict.tier, progress=progress)
+    return Elsewhere(
+        force,
+        approach,
+        float(other.approach),
+        tuple(shares.tolist()),
+        tuple(float(each) for each in other.ridge_force),
+    )

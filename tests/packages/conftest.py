@@ -1,0 +1,32 @@
+"""Packages that several tests read: written once, without a film's response where nobody asks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import skincad
+from skincad.packages.package import Package
+
+DESIGNS = {
+    "straight": skincad.load_design("yamada-2002"),
+    "tilted": skincad.load_design("yamada-2002-tilted"),
+    "doubly curved": skincad.load_design("yamada-2002").with_(skin={"curvature_radius_y": 100.0}),
+    "few and steep": skincad.load_design("steep-fingertip"),
+}
+
+
+class Written:
+    """A package and the folder that it was written to."""
+
+    def __init__(self, found: Package, folder: Path) -> None:
+        self.found, self.folder = found, folder
+        skincad.write(found, folder)
+
+
+@pytest.fixture(scope="session", params=DESIGNS)
+def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Written:
+    """Each design for MuJoCo and URDF."""
+    found = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
+    return Written(found, tmp_path_factory.mktemp("package") / "p")
