@@ -27,18 +27,8 @@ def missing() -> str:
     return "" if shutil.which("ccx") else "CalculiX is not compared: apt-get install calculix-ccx"
 
 
-def approach(design: Design, mesh: Tetrahedra, force: float, start: float) -> float:
-    """Return the approach, mm, at a force, N: by a straight line through two approaches near `start`."""
-    near = [0.99 * start, 1.01 * start]
-    carried = [_pressed(design, mesh, each) for each in near]
-    return (
-        float(np.interp(force, carried, near))
-        if carried[0] <= force <= carried[1]
-        else float(near[0] + (force - carried[0]) * (near[1] - near[0]) / (carried[1] - carried[0]))
-    )
-
-
-def _pressed(design: Design, mesh: Tetrahedra, down: float) -> float:
+def pressed(design: Design, mesh: Tetrahedra, down: float) -> float:
+    """Return the plate's force, N, at an approach, mm. Points that were let go stay free."""
     crests = np.concatenate([rows for name, rows in mesh.surfaces.items() if name != "back"])
     gap = mesh.nodes[crests].max(axis=(0, 1))[2] - mesh.nodes[:, 2]
     middles = np.unique(crests[:, 3:])
@@ -53,9 +43,9 @@ def _pressed(design: Design, mesh: Tetrahedra, down: float) -> float:
 
 def _solved(design: Design, mesh: Tetrahedra, held: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """Forces on the held points, N, that move them by so much, mm."""
-    stuff = silicone(design)
+    stuff = silicone(design)  # CalculiX reads 20 letters of a number
     lines = ["*NODE, NSET=all"]
-    lines += [f"{i}, {x:.15g}, {y:.15g}, {z:.15g}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
+    lines += [f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
     lines.append("*ELEMENT, TYPE=C3D10, ELSET=skin")
     rows = (mesh.elements["skin"] + 1).tolist()
     lines += [", ".join(map(str, (i, *row))) for i, row in enumerate(rows, 1)]
@@ -64,7 +54,7 @@ def _solved(design: Design, mesh: Tetrahedra, held: np.ndarray, moved: np.ndarra
     lines += ["*SOLID SECTION, ELSET=skin, MATERIAL=silicone", "*BOUNDARY"]
     lines += [f"{n + 1}, 1, 3" for n in np.unique(mesh.surfaces["back"])]
     lines += ["*NSET, NSET=held", *(f"{n + 1}" for n in held), "*STEP", "*STATIC", "*BOUNDARY"]
-    lines += [f"{n + 1}, 3, 3, {z:.15g}" for n, z in zip(held, moved, strict=True)]
+    lines += [f"{n + 1}, 3, 3, {z:.12g}" for n, z in zip(held, moved, strict=True)]
     lines += ["*NODE PRINT, NSET=held", "RF", "*END STEP", ""]
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "a.inp").write_text("\n".join(lines))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -100,8 +101,11 @@ def test_gmsh_finds_positive_jacobians_and_the_volume(tmp_path: Path) -> None:
     )
     told = done.stdout + done.stderr
     assert "Error" not in told
-    volume = sum(pair[0] for pair in found.volumes.values())
-    assert f"{volume:.4f}"[:6] in told
+    least, evenness = (float(re.search(rf"{what}\s+=\s+(\S+?),", told)[1]) for what in ("minJ", "minJ/maxJ"))
+    assert least > 0
+    assert evenness == 1.0  # edges are straight
+    volume = float(re.search(r"Mesh volume .*: (\S+)", told)[1])
+    assert volume == pytest.approx(sum(pair[0] for pair in found.volumes.values()), rel=1e-5)
 
 
 def test_materials_say_what_each_region_is() -> None:
@@ -125,7 +129,10 @@ def test_empty_slots_are_voids() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(bool(ccx.missing()), reason=ccx.missing())
 def test_calculix_on_that_mesh_has_the_approach_of_the_check() -> None:
-    """3 % is the issue's. Small strain, no friction, free ends: what the solid tier solves."""
+    """Its force at the solid tier's approach: what that force is off, the approach at equal force is off by
+    less, for contact grows. 3 % is the issue's, measured 0.7 %. Small strain, no friction, free ends on
+    both sides.
+    """
     verdict = skincad.check(BARE, tier="solid")
-    approach = ccx.approach(BARE, tetrahedra(BARE), verdict.force, float(verdict.approach))
-    assert approach == pytest.approx(float(verdict.approach), rel=0.03)
+    force = ccx.pressed(BARE, tetrahedra(BARE), float(verdict.approach))
+    assert force == pytest.approx(verdict.force, rel=0.03)
