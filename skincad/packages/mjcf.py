@@ -23,6 +23,7 @@ STEP = 0.002  # s; MuJoCo's own default
 FRICTION = 1.0  # where contact.friction is not given; paper: about 4 N of weight at a static friction of 1.0
 GRAVITY = 9.81  # m/s2; the plate has the mass whose weight its force is, but no weight of its own
 IMPEDANCE = 0.97  # of a contact: above 0.99 it rattles on springs as stiff, at 0.9 it gives way by 3 %
+LEAST_DRAG = 0.01  # of the force, at that speed: without friction the plate would drift off
 SPEED = 2.0  # approaches a second, at which key "slide" ends: MuJoCo's cone lifts a plate that slides faster
 STICKS, SLIDES = 0.5, 1.2  # of what friction holds: the pulls of the keyframes
 SMALL = 1e-9  # of the largest; smaller coefficients of a spring are left out
@@ -57,11 +58,11 @@ def skin_xml(design: Design, weighs: Links, springs: Springs) -> str:
             *_assets(design),
             "  <worldbody>",
             '    <body name="carrier">',
-            _inertial(weighs.carrier, 6),
+            body_inertial(weighs.carrier, 6),
             '      <geom class="visual" mesh="carrier"/>',
             '      <geom class="collision" name="carrier" mesh="carrier-hull"/>',
             '      <body name="skin">',
-            _inertial(weighs.base, 8),
+            body_inertial(weighs.base, 8),
             '        <geom class="visual" mesh="skin"/>',
             '        <geom class="collision" name="skin" mesh="base-hull"/>',
             *_filling(weighs),
@@ -85,7 +86,7 @@ def scene_xml(design: Design, springs: Springs) -> str:
     carried = np.array([float(each) for each in springs.verdict.ridge_force])
     down = springs.flexibility @ carried * M
     mass = force / GRAVITY
-    drag = (SLIDES - 1) * holds / (SPEED * float(springs.verdict.approach) * M)
+    drag = max((SLIDES - 1) * holds, LEAST_DRAG * force) / (SPEED * float(springs.verdict.approach) * M)
     inertia = numbers([mass * float(half @ half) / 3] * 3)
     at = numbers([*down, float(springs.verdict.approach) * M, 0.0])
     start = numbers([0.0] * (down.size + 2))
@@ -149,7 +150,8 @@ def _assets(design: Design) -> Iterator[str]:
     yield "  </asset>"
 
 
-def _inertial(weight: Weight, indent: int) -> str:
+def body_inertial(weight: Weight, indent: int) -> str:
+    """Return a body's `inertial` element, in the design's axes."""
     i = weight.inertia * KG_M2
     full = numbers([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
     at = f'pos="{numbers(weight.centre * M)}" mass="{float(weight.mass * KG)!r}"'
@@ -159,7 +161,7 @@ def _inertial(weight: Weight, indent: int) -> str:
 def _filling(weighs: Links) -> Iterator[str]:
     if weighs.filling:
         yield '        <body name="filling">'
-        yield _inertial(weighs.filling, 10)
+        yield body_inertial(weighs.filling, 10)
         yield "        </body>"
 
 
@@ -168,7 +170,7 @@ def _ridges(design: Design, weighs: Links) -> Iterator[str]:
     for i, (weight, pose) in enumerate(zip(weighs.ridges, crests(design).poses, strict=True), 1):
         crest = numbers(pose[:, 3] * M)
         yield f'        <body name="ridge-{i}">'
-        yield _inertial(weight, 10)
+        yield body_inertial(weight, 10)
         yield f'          <joint class="ridge" name="ridge-{i}"/>'
         yield f'          <geom class="ridge" name="ridge-{i}" mesh="ridge-{i}"/>'
         yield f'          <site class="ridge" name="ridge-{i}" pos="{crest}" size="{numbers(size)}"/>'

@@ -96,7 +96,9 @@ def test_heights_are_those_of_rays_on_the_mesh(bent: float | None) -> None:
     from skincad.fabrication.meshes import mesh
     from skincad.solids.skin import skin_part
 
-    design = skincad.load_design("steep-fingertip").with_(skin={"curvature_radius_y": bent})
+    plain = skincad.load_design("steep-fingertip")
+    heights = [plain.ridge.height * share for share in (0.8, 1.0, 0.9)]  # left is not right
+    design = plain.with_(skin={"curvature_radius_y": bent}, ridge={"heights": heights})
     found, shape = height_map(design), mesh(skin_part(design), 1e-4)
     rng = np.random.default_rng(7)
     rows, columns = found.height.shape
