@@ -12,7 +12,6 @@ from skincad.base.bars import stage_bar
 from skincad.options import (
     DesignArgument,
     JsonOption,
-    OutOption,
     PrinterOption,
     SetOption,
     SiliconesOption,
@@ -35,13 +34,16 @@ def package(
     tier: TierOption = "auto",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
-    folder: OutOption = None,
+    folder: Annotated[
+        Path | None,
+        typer.Option("-o", metavar="DIR", help="The folder to write to; default: out/<name>/package."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Export the skin for other people's simulators.
 
     MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
-    each number rests on appear in the output folder; default: out/<name>/package.
+    each number rests on appear in the output folder.
     """
     from skincad.outputs.delivery import ready
     from skincad.outputs.packages import COMMAND

@@ -135,6 +135,7 @@ COMMANDS = [
     ["coupon", EVIL],
     ["coupon", "sla", "--silicone", EVIL],
     ["coupon", "sla", "--measured", EVIL],
+    ["package", "yamada-2002", "--for", EVIL],
     ["fit-material", EVIL],
     ["fit-material", "x.csv", "--design", EVIL],
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mujoco
 import pytest
 import yourdfpy
 
@@ -25,6 +26,8 @@ def test_a_strict_reader_takes_it(simulated: Written) -> None:
     assert robot.base_link == "carrier"
     total = sum(link.inertial.mass for link in robot.link_map.values())
     assert total == pytest.approx(weighs.mass * 1e-3, rel=1e-12)
+    model = mujoco.MjModel.from_xml_path(str(simulated.folder / "skin.urdf"))  # another strict reader
+    assert model.ngeom == 2 + design.ridge.count
     low, high = robot.collision_scene.bounds * 1e3
     assert high[2] == pytest.approx(simulated.found.surfaces["skin"].bounds[1, 2], abs=1e-3)
     assert high[0] - low[0] == pytest.approx(simulated.found.surfaces["carrier"].extents[0], rel=0.2)
