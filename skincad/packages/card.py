@@ -67,7 +67,7 @@ def _numbers(found: Package) -> Iterator[tuple[str, str, str]]:
     design, stuff = found.design, silicone(found.design)
     yield (
         f"mass {found.weighs.mass:.6g} g, centres and inertias",
-        f"the exact solids of skin.step and carrier.step; {stuff.density:g} kg/m3 of {stuff.name}, "
+        f"the exact solids of skin.step and carrier.step; {stuff.density / 1e3:g} g/cm3 of {stuff.name}, "
         f"{lid_process(design).density:g} g/cm3 of the carrier",
         "as designed; parts weigh what their silicone's batch weighs",
     )

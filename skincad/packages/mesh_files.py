@@ -17,10 +17,10 @@ from skincad.base.arrays import Array, Index
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import PVDF_DENSITY
-from skincad.packages.files import numbers
+from skincad.packages.files import exactly
 from skincad.packages.tetrahedra import Tetrahedra
 
-TRIANGLE, TETRAHEDRON = 9, 11  # Gmsh's numbers of second-order elements
+TRIANGLE, TETRAHEDRON = 9, 11  # Gmsh's exactly of second-order elements
 GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # Gmsh has the middle of edge 23 before that of 13
 VTK_TETRAHEDRON = 24
 REGIONS = ("skin", "film")
@@ -46,7 +46,7 @@ def _msh(mesh: Tetrahedra) -> Iterator[str]:
     count = len(mesh.nodes)
     yield f"$Nodes\n1 {count} 1 {count}\n3 1 0 {count}"
     yield from (str(i) for i in range(1, count + 1))
-    yield from (numbers(node) for node in mesh.nodes)
+    yield from (exactly(node) for node in mesh.nodes)
     yield "$EndNodes"
     blocks = [(2, tag, TRIANGLE, mesh.surfaces[name]) for tag, name in surfaces.items()]
     blocks += [(3, tag, TETRAHEDRON, mesh.elements[name][:, GMSH_ORDER]) for tag, name in volumes.items()]
@@ -63,7 +63,7 @@ def _msh(mesh: Tetrahedra) -> Iterator[str]:
 
 def _box(mesh: Tetrahedra, rows: Index) -> str:
     places = mesh.nodes[np.unique(rows)]
-    return numbers([*places.min(axis=0), *places.max(axis=0)])
+    return exactly([*places.min(axis=0), *places.max(axis=0)])
 
 
 def vtu(mesh: Tetrahedra) -> str:

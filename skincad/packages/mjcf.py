@@ -154,7 +154,7 @@ def body_inertial(weight: Weight, indent: int) -> str:
     """Return a body's `inertial` element, in the design's axes."""
     i = weight.inertia * KG_M2
     full = numbers([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
-    at = f'pos="{numbers(weight.centre * M)}" mass="{float(weight.mass * KG)!r}"'
+    at = f'pos="{numbers(weight.centre * M)}" mass="{numbers([weight.mass * KG])}"'
     return f'{" " * indent}<inertial {at} fullinertia="{full}"/>'
 
 

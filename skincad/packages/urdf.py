@@ -32,7 +32,8 @@ def _link(name: str, weight: Weight, seen: str | None = None, touched: str | Non
     yield "    <inertial>"
     yield f'      <origin xyz="{numbers(weight.centre * M)}" rpy="0 0 0"/>'
     yield f'      <mass value="{numbers([weight.mass * KG])}"/>'
-    yield "      <inertia " + " ".join(f'{axis}="{numbers([value])}"' for axis, value in axes.items()) + "/>"
+    words = zip(axes, numbers(axes.values()).split(), strict=True)
+    yield "      <inertia " + " ".join(f'{axis}="{value}"' for axis, value in words) + "/>"
     yield "    </inertial>"
     for kind, mesh in (("visual", seen), ("collision", touched)):
         if mesh:
