@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stress import film_stress as film_stress
     from skincad.mechanics.touching import check as check
     from skincad.outputs.delivery import write as write
-    from skincad.packages.package import package as package
+    from skincad.packages.packing import package as package
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
     from skincad.scenes.simulation import simulate as simulate
@@ -66,7 +66,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "load_study": "studies.study:load_study",
     "make": "fabrication.making:make",
     "mold_solids": "solids.mold:mold_solids",
-    "package": "packages.package:package",
+    "package": "packages.packing:package",
     "optimise": "studies.optimising:optimise",
     "section": "shape.cross_section:section",
     "simulate": "scenes.simulation:simulate",

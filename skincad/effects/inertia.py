@@ -54,11 +54,11 @@ class Inertia(Term):
 
         None where no load changes.
         """
-        from skincad.mechanics.dynamics.plate_ringing import Springs, rung, skin_mass
+        from skincad.mechanics.dynamics.plate_ringing import MasslessMarch, rung, skin_mass
 
         path, (down, across) = outline.path, outline.loads
         mass = skin_mass(outline.design)
-        springs = Springs(
+        springs = MasslessMarch(
             path.time, path.pressed.sum(axis=1), path.pulled.sum(axis=1), path.approach, path.travel
         )
         corners = np.array(outline.time_s)

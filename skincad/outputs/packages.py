@@ -17,7 +17,7 @@ from skincad.packages.card import card, markdown
 from skincad.packages.heights import HeightMap
 from skincad.packages.mesh_files import materials, msh, vtu
 from skincad.packages.mjcf import scene_xml, skin_xml
-from skincad.packages.package import Package
+from skincad.packages.packing import Package
 from skincad.packages.surfaces import glb, obj
 from skincad.packages.taxel_files import response_csv, taxels_csv, write_response, write_taxels
 from skincad.packages.urdf import skin_urdf

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
 MODELS = {
-    SMALL_STRAIN: "small strain",
-    CORRECTED: "finite strain in {} chosen steps, linear in between",
-    FINITE_STRAIN: "finite strain in each step",
+    SMALL_STRAIN: "Small strain",
+    CORRECTED: "Finite strain in {} chosen steps, linear in between",
+    FINITE_STRAIN: "Finite strain in each step",
 }
 MOST_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
@@ -50,7 +50,7 @@ def lines(found: Simulation) -> list[str]:
     by = MODELS[model_of(found.scene)].format(0 if chosen is None else len(chosen) - 1)
     energy = found.energy
     return [
-        f"{found.scene.name}: {end}; {by}.",
+        f"{found.scene.name}: {end}. {by}.",
         f"  slip           {_slips(found)}",
         *_felt_lines(found),
         f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ lost to "

@@ -15,7 +15,7 @@ from skincad.solids.layout import lid_process
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.response import FilmResponse
-    from skincad.packages.package import Package
+    from skincad.packages.packing import Package
 
 FRAME = "x across the ridges, y along them, z out of the skin; the skin's flat back is at z = 0"
 LICENCE = "to be stated by the skin's owner"

@@ -16,7 +16,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
-from skincad.effects.kinds import Law, Reader, RidgePath, Step
+from skincad.effects.kinds import Reader, RidgePath, Step
 from skincad.effects.omitted import Omitted
 from skincad.mechanics.contact.grip import Cone, Drive
 from skincad.mechanics.validity import material_warnings
@@ -24,7 +24,7 @@ from skincad.scenes.climb import Climbed, climb, differential
 from skincad.scenes.energy import energy
 from skincad.scenes.levels import Level
 from skincad.scenes.march import March
-from skincad.scenes.models import chosen_steps, cut_short, drifted, further, model_of
+from skincad.scenes.models import FINITE_STRAIN, chosen_steps, cut_short, drifted, further, model_of
 from skincad.scenes.omitted import MATTERS, omitted
 from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.readers import joined, read
@@ -217,12 +217,9 @@ def marched(
 def read_out(scene: Scene, found: Marched) -> Simulation:
     """Return what a scene's readers tell of a march: its own, or that of a scene which differs in its readers
     and its band alone (`marching` is the same)."""
-    laws = {
-        name: found.on.scene.effects[name]
-        for name, part in found.on.scene.parts.items()
-        if isinstance(part, Law)
-    }
-    return _told(replace(found.on, scene=scene.with_(effects=laws)), found.climbed, dict(found.seconds))
+    if model_of(scene) != model_of(found.on.scene):
+        scene = scene.with_(effects={FINITE_STRAIN: found.on.scene.effects[FINITE_STRAIN]})
+    return _told(replace(found.on, scene=scene), found.climbed, dict(found.seconds))
 
 
 def marching(scene: Scene) -> Scene:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.packages.package import Package
+from skincad.packages.packing import Package
 
 DESIGNS = {
     "straight": skincad.load_design("yamada-2002"),

@@ -273,7 +273,7 @@ def test_figures_are_there_of_each_kind_of_result() -> None:
         for path in (Path(skincad.__file__).parent / "outputs").glob("*.py")
         if "def figures(" in path.read_text("utf-8")
     }
-    without = {"coupons", "coupon_readings"}  # parts, forms and a table
+    without = {"coupons", "coupon_readings", "packages"}  # parts, forms, tables and meshes
     assert shown - without == {
         *("accuracies", "checks", "films", "fits", "gains", "makes", "optimisations", "simulations"),
         *("solutions", "sweeps"),

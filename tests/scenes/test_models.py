@@ -49,7 +49,7 @@ def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folde
     assert 3 < len(told["chosen_steps"]) < 20
     assert "finite_strain" not in {entry["effect"] for entry in told["left_out"]}
     assert lines(found)[0].endswith(
-        "finite strain in 13 chosen steps, linear in between.".replace(
+        "Finite strain in 13 chosen steps, linear in between.".replace(
             "13", str(len(told["chosen_steps"]) - 1)
         )
     )

@@ -282,8 +282,8 @@ class _Step:
         asked, slides = np.concatenate([self.m + closed, stuck]), np.flatnonzero(drag[closed])
         rows, points = self.skin.compliance[asked], matrix[: k + n, : k + n]
         points[...] = rows.take(asked, axis=1)
-        np.negative(points[:k, k:], out=points[:k, k:])
-        np.negative(points[k:, :k], out=points[k:, :k])
+        points[:k, k:] *= -1  # np.negative in place is wrong on one strided row (numpy 2.4)
+        points[k:, :k] *= -1
         if slides.size:
             dragged = rows.take(closed[slides], axis=1) * drag[closed[slides]]
             points[:k, slides] -= dragged[:k]

@@ -31,7 +31,7 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
-class Springs:
+class MasslessMarch:
     """A march without masses: at `time` `(n,)` s the forces `normal` and `pull`, N, and the plate's
     `approach` and `travel`, mm, `(n,)` each."""
 
@@ -61,7 +61,7 @@ class Rung:
     """At `time` `(k,)` s what masses add to the plate's `normal` force and `pull`, N `(k,)`, on `springs`;
     `period` s is that of the slowest ringing."""
 
-    springs: Springs
+    springs: MasslessMarch
     time: Array
     normal: Array
     pull: Array
@@ -91,7 +91,7 @@ class Rung:
 
 
 def rung(
-    springs: Springs, corners: Array, loads: tuple[Array, Array], driven: bool, mass: float
+    springs: MasslessMarch, corners: Array, loads: tuple[Array, Array], driven: bool, mass: float
 ) -> Rung | None:
     """Return how a plate of `mass` g rings on a skin of the same mass under a history of straight lines.
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad.inputs.material import silicone
-from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, TONNE, Springs, rung, skin_mass
+from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, TONNE, MasslessMarch, rung, skin_mass
 from skincad.mechanics.dynamics.reference import shear_frequency
 from skincad.mechanics.dynamics.ringing import RETARDATION
 from skincad.shape.cross_section import section
@@ -23,9 +23,9 @@ PULL = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
 STILL = np.zeros_like(CORNERS)
 
 
-def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = PULL) -> Springs:
+def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = PULL) -> MasslessMarch:
     down, along = np.interp(TIME, CORNERS, normal), np.interp(TIME, CORNERS, pull)
-    return Springs(TIME, down, along, down / DOWN, along / ALONG)
+    return MasslessMarch(TIME, down, along, down / DOWN, along / ALONG)
 
 
 def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -80,7 +80,7 @@ def test_nothing_rings_where_no_load_changes(normal: np.ndarray, pull: np.ndarra
 
 
 def test_corners_that_the_march_did_not_reach_do_not_count() -> None:
-    short = Springs(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
+    short = MasslessMarch(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
     found = rung(short, CORNERS, (NORMAL, PULL), False, MASS)
     assert found is not None
     assert found.time.max() <= short.time[-1]
@@ -90,7 +90,7 @@ def test_corners_that_the_march_did_not_reach_do_not_count() -> None:
 def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> None:
     quick = CORNERS * [1, 0.1, 1, 1, 1]
     normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, PULL)
-    on = Springs(TIME, normal, pull, normal / DOWN, pull / ALONG)
+    on = MasslessMarch(TIME, normal, pull, normal / DOWN, pull / ALONG)
     found = rung(on, quick, (3 * NORMAL, PULL), False, MASS)
     assert found is not None
     ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
