@@ -25,7 +25,7 @@ from skincad.scenes.march import March, march
 from tests.mechanics.designs import yamada
 
 NORMAL, COEFFICIENT = 1.2, 0.5
-PRESSED, PULLED = 12, 30
+PRESSED, PULLED = 8, 20
 
 
 def drives() -> list[Drive]:
