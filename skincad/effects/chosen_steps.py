@@ -93,17 +93,4 @@ class ChosenPad:
 
     def reading(self, before: HeldState, state: HeldState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
-        grip = state.grip
-        return Reading(
-            float(grip.normal.sum()),
-            float(grip.tangential.sum()),
-            grip.approach,
-            grip.travel,
-            grip.touches,
-            grip.slips,
-            state.films,
-            state.elastic,
-            state.dissipated,
-            grip.residual,
-            drift=state.drift,
-        )
+        return Reading.of(state.grip, state.films, state.elastic, state.dissipated, drift=state.drift)

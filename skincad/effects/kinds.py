@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkable
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.tables import Table
@@ -77,6 +77,13 @@ class Reading:
     viscous: float = 0.0
     work: float | None = None
     drift: Drift | None = None
+
+    @classmethod
+    def of(cls, grip: Grip, films: Array, elastic: float, dissipated: float, **more: Any) -> Self:
+        """Return what is told of a contact and of what goes with it; `more` by its name."""
+        normal, tangential = float(grip.normal.sum()), float(grip.tangential.sum())
+        plate = normal, tangential, grip.approach, grip.travel
+        return cls(*plate, grip.touches, grip.slips, films, elastic, dissipated, grip.residual, **more)
 
 
 @dataclass(frozen=True, eq=False)

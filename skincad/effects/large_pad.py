@@ -86,16 +86,6 @@ class LargePad:
 
     def reading(self, before: DraggedState, state: DraggedState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
-        grip = state.grip
-        return Reading(
-            float(grip.normal.sum()),
-            float(grip.tangential.sum()),
-            grip.approach,
-            grip.travel,
-            grip.touches,
-            grip.slips,
-            np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus,
-            self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit,
-            state.dissipated,
-            grip.residual,
-        )
+        films = np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus
+        elastic = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
+        return Reading.of(state.grip, films, elastic, state.dissipated)

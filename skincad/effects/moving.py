@@ -90,19 +90,13 @@ class MovingPad:
 
     def reading(self, before: Moved, state: Moved) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
-        grip, dynamics = state.grip, self.dynamics
-        return Reading(
-            float(grip.normal.sum()),
-            float(grip.tangential.sum()),
-            grip.approach,
-            grip.travel,
-            grip.touches,
-            grip.slips,
+        dynamics = self.dynamics
+        return Reading.of(
+            state.grip,
             dynamics.strips(state),
             dynamics.elastic(state),
             state.friction,
-            grip.residual,
-            dynamics.kinetic(state),
-            state.viscous,
-            state.work,
+            kinetic=dynamics.kinetic(state),
+            viscous=state.viscous,
+            work=state.work,
         )

@@ -142,16 +142,6 @@ class CondensedPad:
         turned = before.tangential * state.tangential < 0
         mean = np.where(turned, 1.0, 0.5) * state.tangential
         mean += np.where(turned, 0.0, 0.5) * before.tangential
-        return Reading(
-            float(state.normal.sum()),
-            float(state.tangential.sum()),
-            state.approach,
-            state.travel,
-            state.touches,
-            state.slips,
-            self.pad.strips @ force,
-            float(force @ self.pad.compliance @ force) / 2,
-            -float(mean @ state.slipped),
-            state.residual,
-            work=turning.work(self.pad, before, state) if before.angle or state.angle else None,
-        )
+        elastic, dissipated = float(force @ self.pad.compliance @ force) / 2, -float(mean @ state.slipped)
+        work = turning.work(self.pad, before, state) if before.angle or state.angle else None
+        return Reading.of(state, self.pad.strips @ force, elastic, dissipated, work=work)

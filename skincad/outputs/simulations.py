@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import RefusedError
-from skincad.base.estimate import Estimate
 from skincad.base.result import Writer
 from skincad.effects.kinds import Showing
 from skincad.outputs.delivery import picture
@@ -52,6 +51,7 @@ def lines(found: Simulation) -> list[str]:
     return [
         f"{found.scene.name}: {end}. {by}.",
         f"  slip           {_slips(found)}",
+        *_slip_error(found),
         *_felt_lines(found),
         f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ lost to "
         f"friction, {energy['imbalance']:.1e} of the work unaccounted for",
@@ -62,21 +62,34 @@ def lines(found: Simulation) -> list[str]:
 
 def _slips(found: Simulation) -> str:
     """From which step each ridge slips until the end."""
-    steps = {ridge: step for ridge, step in enumerate(found.slip_estimates, 1) if step.value is not None}
-    each = ", ".join(f"{ridge} from step {_whole(step)}" for ridge, step in steps.items())
+    steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
+    each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
     if found.gross_slip_step is not None:
-        end += f"; all of them from step {_whole(found.gross_slip_estimate)}"
+        end += f"; all of them from step {found.gross_slip_step}"
     touching = set(found.march.ridge[found.march.readings[-1].touches].tolist())
     clear = [str(ridge) for ridge in range(1, len(found.slip_steps) + 1) if ridge not in touching]
     apart = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
     return f"ridge {each}{end}{apart}" if steps else f"no ridge slips for good{apart}"
 
 
-def _whole(step: Estimate) -> str:
-    """A step with its error, in whole steps."""
-    error = "" if step.error is None else f" ± {math.ceil(round(step.error, 6))}"
-    return f"{step.value:.0f}{error}"
+def _slip_error(found: Simulation) -> list[str]:
+    """By how many steps a ridge's slip may be off at most; nothing where that is unknown."""
+    errors = [error for error in found.slip_step_errors if error is not None and error.total is not None]
+    if not errors:
+        return []
+    numbers = max((error.total or 0.0) - error.left_out for error in errors)
+    sources = (
+        "mesh, time step and chosen steps" if any(error.drift for error in errors) else "mesh and time step"
+    )
+    told = f"  its error      up to {_count(numbers)} from {sources}"
+    left_out = max(error.left_out for error in errors)
+    return [f"{told}, {_count(left_out)} from what is left out (notes)" if left_out else told]
+
+
+def _count(steps: float) -> str:
+    whole = math.ceil(round(steps, 6))
+    return f"{whole} step" + "s" * (whole != 1)
 
 
 def _felt_lines(found: Simulation) -> list[str]:
