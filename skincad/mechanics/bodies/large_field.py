@@ -51,16 +51,18 @@ class StripStress:
         """Return the derivative `(3 strips, n)` of `at` in a state by all condensed unknowns, what is inside
         the elements carried to their edges by the body's latest tangent."""
         total = self._totals(values)
-        inside = self.strip_of >= 0
-        size, *sums = total[self.strip_of].T
+        inside = np.flatnonzero(self.strip_of >= 0)
+        strip = self.strip_of[inside]  # strips share no unknown
+        size, *sums = total[strip].T
         whole = body.form.mat.CreateColVector()
-        volume, *parts = (self._assembled(slope) for slope in self.slopes)
+        load = whole.FV().NumPy()
+        volume, *parts = (self._assembled(slope)[inside] for slope in self.slopes)
         rows = np.zeros((len(total), len(parts), values.size))
-        strips = np.arange(len(total))[:, None]
         for j, part in enumerate(parts):
-            whole.FV().NumPy()[:] = np.where(inside, (part - volume * (sums[j] / size)) / size, 0.0)
+            load[:] = 0.0
+            load[inside] = (part - volume * (sums[j] / size)) / size
             whole.data += body.form.harmonic_extension_trans * whole
-            rows[:, j] = np.where(self.strip_of == strips, whole.FV().NumPy(), 0.0)  # strips share no unknown
+            rows[strip, j, inside] = load[inside]
         return rows.reshape(-1, values.size)
 
     def _totals(self, values: Array) -> Array:

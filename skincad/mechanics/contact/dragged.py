@@ -148,7 +148,8 @@ def moved(linear: Tangential, at: Tangent, push: Array) -> Array:
 def newton(
     pad: Dragged, before: DraggedState, drive: Drive, cone: Cone, guess: Array | None = None
 ) -> DraggedState:
-    """Return the equilibrium at a step's end, looked for from `guess` `(n,)` or from where the step begins.
+    """Return the equilibrium at a step's end, looked for from `guess` `(n,)`, or where that is None or turns
+    an element inside out from where the step begins.
 
     Raises ContactError where there is none to be found, and GrossSlip, whose `last` is the state that just
     slips, where friction cannot hold the tangential force.
@@ -162,6 +163,8 @@ def newton(
         return DraggedState(np.zeros_like(values), lifted, -before.values)
     unbalanced, last = body.residual(values), np.inf
     if not np.isfinite(unbalanced).all():
+        if guess is not None:
+            return newton(pad, before, drive, cone)
         raise ContactError("an element turns inside out")
     linear = pad.kept[0] if pad.kept else linearised(pad, values, unbalanced)
     for i in range(ITERATIONS):

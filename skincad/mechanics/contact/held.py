@@ -195,10 +195,9 @@ class HeldPad:
         pad, held = self.pad, after.held
         if not (pad.kept and pad.kept[0] is held.linear and held.state.values.any()):
             return None
-        body = pad.body
-        at = under(body, held.linear.matrix, body.residual(held.state.values))
-        ahead = held.state.values + moved(held.linear, at, pushed(pad, after.grip))
-        return ahead if np.isfinite(body.residual(ahead)).all() else None
+        # of an equilibrium, all that does not balance is the contact's
+        at = under(pad.body, held.linear.matrix, -pushed(pad, held.state.grip))
+        return held.state.values + moved(held.linear, at, pushed(pad, after.grip))
 
     def _missed(self, force: Array, true: Array) -> Array:
         """By how much the forces on each ridge are off `(ridges,)`, of what it bears."""
