@@ -35,6 +35,10 @@ class Condensed:
         moved[self.order] = self.factor.solve(load[self.order])
         return moved
 
+    def at_contact(self, load: Array) -> Array:
+        """Return `solve` of a load `(n,)` or loads `(n, loads)` at the contact unknowns alone `(k, ...)`."""
+        return np.asarray(self.factor.solve(load[self.order])[-len(self.flexibility) :])
+
 
 def fill_order(matrix: sparse.csr_matrix, interior: Index) -> Index:
     """Return `interior` in an order with little fill: minimum degree on the pattern.

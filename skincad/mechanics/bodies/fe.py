@@ -15,10 +15,15 @@ from scipy import sparse
 from skincad.base.arrays import Array, Index, Mask
 
 
+def shear_and_bulk(young: float, ratio: float) -> tuple[float, float]:
+    """Return the shear and the bulk modulus of a Young's modulus and a Poisson's ratio."""
+    return young / (2 * (1 + ratio)), young / (3 * (1 - 2 * ratio))
+
+
 def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
     """Return shear and bulk modulus as NGSolve's functions of a mesh's domains."""
-    shear = {name: e / (2 * (1 + nu)) for name, (e, nu) in materials.items()}
-    bulk = {name: e / (3 * (1 - 2 * nu)) for name, (e, nu) in materials.items()}
+    found = {name: shear_and_bulk(*each) for name, each in materials.items()}
+    shear, bulk = ({name: both[i] for name, both in found.items()} for i in (0, 1))
     return mesh.MaterialCF(shear), mesh.MaterialCF(bulk)
 
 

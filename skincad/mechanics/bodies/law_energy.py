@@ -33,15 +33,6 @@ SYMBOLS = Functions()
 NO_LAWS: Mapping[str, Rubber] = MappingProxyType({})
 
 
-def excess_of(laws: Mapping[str, Rubber], mesh: Any, h: Any) -> Any:
-    """Return `excess` by the laws of a mesh's domains; no density where there is no law."""
-    whole = ng.CF(0.0)
-    for law in dict.fromkeys(laws.values()):
-        here = {domain: 1.0 for domain, own in laws.items() if own == law}
-        whole += mesh.MaterialCF(here, default=0.0) * excess(law, h)
-    return whole
-
-
 def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     """Return the energy density beyond neo-Hooke's, in units of the law's own shear modulus, in terms of the
     displacement gradient `h[i, j]` of two dimensions. Infinite or nan where the law ends."""

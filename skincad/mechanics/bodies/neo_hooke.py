@@ -25,7 +25,7 @@ from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
 from skincad.mechanics.bodies.elements import Assembled, outlines, with_contact
 from skincad.mechanics.bodies.folding import fault, widest
-from skincad.mechanics.bodies.law_energy import NO_LAWS, excess_of
+from skincad.mechanics.bodies.law_energy import NO_LAWS, excess
 from skincad.mechanics.problem import ContactError
 
 PLANE = 2  # dimensions
@@ -110,14 +110,14 @@ def swelling(h: Any) -> Any:
     return h[0, 0] + h[1, 1] + h[2, 2] + minor(0, 1) + minor(0, 2) + minor(1, 2) + determinant
 
 
-def _small_strain_energy(h: Any, q: Any, shear: Any) -> Any:
-    """Return what a displacement gradient adds in the small-strain law, its pressure's own part apart."""
+def _small_strain_energy(h: Any, q: Any, shear: float, bulk: float) -> Any:
+    """Return the energy density of the small-strain law, as `strain_energy` does of the other."""
     strain, swell = ng.Sym(h), h[0, 0] + h[1, 1]
-    return shear * (ng.InnerProduct(strain, strain) - swell * swell / 3) + q * swell
+    return shear * (ng.InnerProduct(strain, strain) - swell * swell / 3) + q * swell - q * q / (2 * bulk)
 
 
 def _clamped_edges(mesh: Any, reach: float) -> Any:
-    """Return 1 on the triangles within `reach` times the height of the clamped boundary's ends, else 0."""
+    """Return the triangles within `reach` times the height of the clamped boundary's ends, as bits."""
     places = np.array([v.point for v in mesh.vertices])
     back: set[int] = set()
     others: set[int] = set()
@@ -127,9 +127,7 @@ def _clamped_edges(mesh: Any, reach: float) -> Any:
     near = np.zeros(len(places), dtype=bool)
     for end in back & others:
         near |= np.hypot(*(places - places[end]).T) <= reach * np.ptp(places[:, 1])
-    marks = ng.GridFunction(ng.L2(mesh, order=0))
-    marks.vec.FV().NumPy()[:] = [near[[v.nr for v in e.vertices]].all() for e in mesh.Elements(ng.VOL)]
-    return marks
+    return ng.BitArray([bool(near[[v.nr for v in e.vertices]].all()) for e in mesh.Elements(ng.VOL)])
 
 
 def body(
@@ -149,15 +147,17 @@ def body(
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     u, q = both.TrialFunction()
-    shear, bulk = fe.moduli(mesh, materials)
-    edge = _clamped_edges(mesh, CLAMPED_EDGE)
-    gradient = ng.Grad(u)
-    density = strain_energy((1 - edge) * gradient, q, shear, bulk, ng.log)
-    density += edge * _small_strain_energy(gradient, q, shear)
-    if laws:
-        density += shear * excess_of(laws, mesh, (1 - edge) * gradient)
+    gradient, edges = ng.Grad(u), _clamped_edges(mesh, CLAMPED_EDGE)
     form = ng.BilinearForm(both, symmetric=True, condense=True)
-    form += ng.Variation(density.Compile() * ng.dx)
+    for domain, each in materials.items():  # apart, as functions of place are dear to evaluate
+        shear, bulk = fe.shear_and_bulk(*each)
+        density = strain_energy(gradient, q, shear, bulk, ng.log)
+        if domain in laws:
+            density += shear * excess(laws[domain], gradient)
+        small = _small_strain_energy(gradient, q, shear, bulk)
+        for energy, where in ((density, ~edges), (small, edges)):  # ng.Variation would not keep to elements
+            inside = {"definedon": mesh.Materials(domain), "definedonelements": where}
+            form += ng.SymbolicEnergy(energy.Compile(), **inside)
     form.AssembleLinearization(ng.GridFunction(both).vec)
     system = with_contact(fe.as_csr(form.mat), mesh, both, order)
     rest = elements.even(system)

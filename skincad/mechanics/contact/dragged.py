@@ -169,7 +169,7 @@ def newton(
     linear = pad.kept[0] if pad.kept else linearised(pad, values, unbalanced)
     for i in range(ITERATIONS):
         at = under(body, linear.matrix, unbalanced)
-        ahead = values + moved(linear, at, np.zeros_like(values))
+        ahead = values[pad.contact] + linear.small.at_contact(-at.residual)
         contact, slipping = _contact(_seen(pad, linear, ahead), before.grip, drive, cone)
         push = pushed(pad, contact)
         values, unbalanced, share = _taken(body, values, moved(linear, at, push))
@@ -207,8 +207,9 @@ def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[G
 
 
 def _seen(pad: Dragged, linear: Tangential, ahead: Array) -> Compliant:
-    """The linearised body as the plate sees it; `ahead` `(n,)` is where it goes without contact forces."""
-    free = pad.rows @ ahead[pad.contact] * pad.unit
+    """The linearised body as the plate sees it; `ahead` `(k,)` is where its contact unknowns go without
+    contact forces."""
+    free = pad.rows @ ahead * pad.unit
     return Compliant(linear.compliance, pad.gap, free, linear.solved, pad.area)
 
 
