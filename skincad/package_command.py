@@ -19,7 +19,7 @@ from skincad.options import (
     deliver,
 )
 
-STAGES = 6  # of its bar
+STAGES = 26  # of its bar, about: those of the springs' checks among them
 
 
 def package(

@@ -80,10 +80,10 @@ def package(
     chosen = tuple(kind for kind in KINDS if not asked or kind in asked)
     watch, notes = Stopwatch(progress), list[str]()
     with watch.stage("springs"):
-        held = springs(design, tier) if "mujoco" in chosen else None
+        held = springs(design, tier, _untimed(progress)) if "mujoco" in chosen else None
     with watch.stage("response"):
         places = taxels(design) if "taxels" in chosen else None
-        felt = _response(design, notes) if "taxels" in chosen else None
+        felt = _response(design, notes, progress) if "taxels" in chosen else None
     with watch.stage("solids"):
         weighs = links(design)
     with watch.stage("surfaces"):
@@ -102,7 +102,12 @@ def package(
     )
 
 
-def _response(design: Design, notes: list[str]) -> FilmResponse | None:
+def _untimed(progress: Progress | None) -> Progress | None:
+    """Tell the stages of springs, but not the time left of each of their checks."""
+    return None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
+
+
+def _response(design: Design, notes: list[str], progress: Progress | None) -> FilmResponse | None:
     """The films' response, or a note of why there is none."""
     if design.film is None or design.film_state != "bonded":
         notes.append(NO_FILM)
@@ -112,4 +117,4 @@ def _response(design: Design, notes: list[str]) -> FilmResponse | None:
         return None
     from skincad.mechanics.film.response import film_response
 
-    return film_response(design)
+    return film_response(design, progress)

@@ -179,3 +179,14 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
     assert done.stderr.startswith(f"skincad: {words}")
     assert done.stderr.count("\n") == 1
     assert [*tmp_path.iterdir()] == []
+
+
+def test_progress_tells_each_check_of_the_springs() -> None:
+    told: list[tuple[str, float | None]] = []
+    design = skincad.load("steep-fingertip")
+    skincad.package(
+        design, "mujoco", tier="winkler", progress=lambda stage, left=None, /: told.append((stage, left))
+    )
+    assert told[0] == ("springs", None)
+    assert sum(stage.startswith("springs: winkler tier") for stage, _ in told) == 3  # at half and twice too
+    assert {left for _, left in told} == {None}  # of one check, not of the package
