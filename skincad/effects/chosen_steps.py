@@ -93,4 +93,6 @@ class ChosenPad:
 
     def reading(self, before: HeldState, state: HeldState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
-        return Reading.of(state.grip, state.films, state.elastic, state.dissipated, drift=state.drift)
+        return Reading.of(
+            state.grip, state.films, state.elastic, state.dissipated, drift=self.held.drift(state)
+        )

@@ -70,9 +70,13 @@ def slip_errors(
 
 
 def _drift(found: March) -> Array:
-    """The drift of each ridge's load by step `(steps + 1, ridges)`, relative; none without chosen steps."""
-    none = np.zeros(found.loads.shape[2])
-    return np.array([none if reading.drift is None else reading.drift.loads for reading in found.readings])
+    """By how much drift changes each ridge's share of friction that is used, by step `(steps + 1, ridges)`,
+    relative: of what the ridge bears along x, and along z. None without chosen steps, or contact."""
+    none = np.zeros_like(found.loads[0, :2])
+    drift = [none if reading.drift is None else reading.drift.forces for reading in found.readings]
+    borne = np.abs(found.loads[:, 1::-1])  # along x, then z
+    share = np.divide(drift, borne, out=np.zeros_like(borne), where=borne > 0)
+    return np.asarray(share.sum(axis=1))
 
 
 def step_ms(march: March) -> float:

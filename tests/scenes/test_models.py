@@ -10,10 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact import held
 from skincad.outputs.simulations import lines
 from skincad.scenes import models
-from skincad.scenes.scene import Scene
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import march
+from skincad.scenes.on_mesh import piece_for
+from skincad.scenes.scene import Scene, load_scene
+from skincad.scenes.signals import slips_of
 from skincad.scenes.simulation import Simulation, marched, read_out, simulate
 from tests.small_scene import small_scene
 
@@ -84,6 +89,39 @@ def test_it_holds_against_finite_strain_in_each_step(folder: Path) -> None:
     for one, other, slip in zip(found.slip_steps, each.slip_steps, found.slip_step_errors, strict=True):
         assert slip is not None
         assert abs((one or 0) - (other or common)) <= (slip.total or 0) - slip.left_out + 1
+
+
+@pytest.mark.slow
+def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -> None:
+    """Nine ridges, pulled by 0.4 of the normal force, at which nothing folds before all slip (0.5 does).
+
+    Stress, slips and leads of all ridges within what mesh, time step and drift are told to change.
+    """
+    pull = [0.0, 0.0, 1.36, 1.36, 1.04, 1.28, 1.6]  # 0.4 of the scene's own
+    weaker = [f"history.tangential_force_N={pull}", "effects.friction.coefficient=0.4"]
+    found = simulate(load_scene("yamada-2002-slip", [*weaker, "history.steps=110"]), tol=0.05)
+    assert found.as_json()["tier"] == "corrected"
+    judge = load_scene("yamada-2002-slip", [*weaker, "history.steps=220", "effects.finite_strain={}"])
+    piece, times = piece_for(judge, {}), judge.history.times
+    mesh = triangles(piece.pad, default_sizes(piece.pad, 2 * LEVELS[0].fineness))
+    pad = judge.law.marched(piece, mesh, LEVELS[0].order, True, judge.terms)
+    true = march(pad, times, judge.history.drives(), judge.terms)
+    slips = slips_of(true.readings, true.ridge, judge.design.ridge.count)
+    assert true.stopped == "gross slip"
+    assert found.gross_slip_step is not None
+    assert slips.gross is not None
+    films = true.column("films")[::2, :, 0]
+    for ridge, error in found.stress_errors.items():
+        one, other = found.raw[ridge], films[:, 2 * ridge - 2] - films[:, 2 * ridge - 1]
+        common = min(one.size, other.size)
+        assert common >= 109
+        assert np.abs(one[:common] - other[:common]).max() <= (error.total or 0) - error.left_out
+    step, rounding = 1e3 * times[2], 1e-9  # ms
+    for one, other, error in zip(found.slip_steps, slips.steps, found.slip_errors.leads, strict=True):
+        assert (one is None) == (other is None)
+        if one is not None and other is not None:
+            lead, known = (found.gross_slip_step - one) * step, 1e3 * (times[slips.gross] - times[other])
+            assert abs(lead - known) <= (error.total or 0) - error.left_out + rounding
 
 
 def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:

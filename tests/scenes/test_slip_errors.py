@@ -11,6 +11,7 @@ import pytest
 
 from skincad.effects.kinds import Reading
 from skincad.mechanics.contact.grip import Cone
+from skincad.mechanics.contact.held import Drift
 from skincad.outputs.simulations import lines
 from skincad.scenes import on_mesh
 from skincad.scenes.march import INTERRUPTED, March, march
@@ -103,6 +104,20 @@ def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
     assert errors.gross.mesh == pytest.approx(2.0)
     assert errors.leads[0].mesh == pytest.approx(4.0)
     assert errors.slips[0].time_step is None
+
+
+def test_drift_counts_by_what_it_is_of_each_force_at_the_slip() -> None:
+    """0.1 of 2 N of pull and 0.2 of 4 N pressed change the share of friction that is used by 0.05 + 0.05."""
+    found, none = two_ridges(100, 100), np.zeros((2, 2))
+    drift = Drift(np.array([[0.1, 0.0], [0.2, 0.0]]), np.zeros((0, 3)))
+    loads = np.ones((101, 3, 2))
+    loads[:, :2, 0] = np.stack([np.full(101, 4.0), np.linspace(0.0, -2.0, 101)], axis=1)
+    for each, of_slip in ((drift, 10.0 * (1 - 1 / 1.1)), (Drift(none, drift.films), 0.0)):
+        readings = tuple(replace(reading, drift=each) for reading in found.readings)
+        told = replace(found, readings=readings, loads=loads)
+        errors = slip_errors(told, slips_of(readings, found.ridge, 2), Refined(), 0.0, False, COULOMB)
+        assert errors.slips[0].drift == pytest.approx(of_slip, abs=0.11)  # a step of 0.1 ms
+        assert errors.slips[1].drift == 0.0
 
 
 @cache
