@@ -35,6 +35,8 @@ def test_an_indefinite_matrix_is_condensed_and_its_signs_counted(seed: int) -> N
     found = condense.factorise(sparse.csr_matrix(whole), np.arange(12), 4)
     assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
     assert (int((found.pivots[:-4] < 0).sum()), int((found.pivots < 0).sum())) == (0, 2)
+    loads = np.arange(24.0).reshape(12, 2)
+    assert found.at_contact(loads) == pytest.approx(np.linalg.solve(whole, loads)[-4:], rel=1e-9)
     with pytest.raises(ContactError, match="not positive definite"):
         condense.condense(sparse.csr_matrix(whole), np.arange(8), np.arange(8, 12))
 

@@ -40,6 +40,18 @@ def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -
     assert found.iterations > second.iterations
 
 
+def test_a_guess_that_turns_an_element_inside_out_is_not_taken() -> None:
+    what = three()[1]
+    first = newton(what, unloaded(what), Drive(0.2, 0.0), CONE)
+    inside_out = 50 * np.random.default_rng(1).standard_normal(first.values.size)
+    assert not np.isfinite(what.body.residual(inside_out)).all()
+    what.kept.clear()
+    wanted = newton(what, first, Drive(0.4, 0.0), CONE)
+    what.kept.clear()
+    found = newton(what, first, Drive(0.4, 0.0), CONE, inside_out)
+    assert (found.values == wanted.values).all()
+
+
 def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.MonkeyPatch) -> None:
     """Newton is made to fail under every tangential force: the travel finds the same state.
 
