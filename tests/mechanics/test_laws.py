@@ -83,6 +83,25 @@ def test_a_scene_without_friction_is_the_tiers_state() -> None:
     assert found * 1.00003 < approach[1] < approach[2] * 0.999  # without the slots, without the law
 
 
+@pytest.mark.parametrize(
+    ("law", "gradient"),
+    [(None, (-1.2, 0.1)), (NEO, (-1.2, 0.1)), (Gent(mu=1.0, j_m=2.0), (3.0, -0.7))],
+    ids=["inside out", "a law inside out", "beyond a law's end"],
+)
+def test_where_there_is_no_energy_there_is_no_residual(
+    law: Rubber | None, gradient: tuple[float, float]
+) -> None:
+    """A number would let Newton go on from a state that is none."""
+    pad = pad_of(reference().with_(ridge={"count": 1}, skin={"width": 3.0}))
+    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
+    body = neo_hooke.body(mesh, 2, pad.materials, {"skin": law} if law else {})
+    what = replace(whole(pad, 0.25), body=body)
+    for share, finite in ((0.1, True), (1.0, False)):
+        state = affine(what, share * np.diag(gradient), 0.0)
+        assert np.isfinite(body.energy(state)) == finite
+        assert np.isfinite(body.residual(state)).all() == finite
+
+
 def test_real_strips_stay_neo_hookean() -> None:
     pad = replace(pad_of(yamada()), law=NEO)
     assert pad.strips

@@ -148,6 +148,9 @@ def body(
     both = space * ng.L2(mesh, order=order - 1)
     u, q = both.TrialFunction()
     gradient, edges = ng.Grad(u), _clamped_edges(mesh, CLAMPED_EDGE)
+    # A factor with a derivative, 0: times an energy that is not a number it leaves no number in the residual
+    # either, which a logarithm's own derivative, 1 / J, would
+    one = ng.Parameter(1.0)
     form = ng.BilinearForm(both, symmetric=True, condense=True)
     for domain, each in materials.items():  # apart, as functions of place are dear to evaluate
         shear, bulk = fe.shear_and_bulk(*each)
@@ -157,7 +160,7 @@ def body(
         small = _small_strain_energy(gradient, q, shear, bulk)
         for energy, where in ((density, ~edges), (small, edges)):  # ng.Variation would not keep to elements
             inside = {"definedon": mesh.Materials(domain), "definedonelements": where}
-            form += ng.SymbolicEnergy(energy.Compile(), **inside)
+            form += ng.SymbolicEnergy((one * energy).Compile(), **inside)
     form.AssembleLinearization(ng.GridFunction(both).vec)
     system = with_contact(fe.as_csr(form.mat), mesh, both, order)
     rest = elements.even(system)
