@@ -28,7 +28,7 @@ from skincad.scenes.scene import Scene
 
 SMALL_STRAIN, CORRECTED, FINITE_STRAIN = "small_strain", "corrected", "finite_strain"
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
-DRIFTS = "between chosen steps the differential stress drifts by {:.1e} of its largest"
+DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
 # What a scene in chosen steps may take, in condensations of small strain's two meshes, and each step of
 # finite strain by a chosen one; as of bench/table_leads.py
 DEAR, DEARER = 40.0, 1.0

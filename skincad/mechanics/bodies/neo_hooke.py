@@ -54,7 +54,8 @@ class NeoHookeBody:
     odd_contact: int
 
     def residual(self, state: Array) -> Array:
-        """Return the energy's derivative `(n,)` by all unknowns, clamped ones included."""
+        """Return the energy's derivative `(n,)` by all unknowns, clamped ones included; not finite where
+        there is no energy, as in an element that is turned inside out."""
         found = _vector(self, state).CreateVector()
         self.form.Apply(_vector(self, state), found)
         return np.array(found.FV().NumPy())

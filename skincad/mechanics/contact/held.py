@@ -42,7 +42,7 @@ from skincad.mechanics.problem import ContactError
 # strain in each of 110 steps, by 14 chosen ones; 0.4 % by 33 at 1 / 30
 STRIDE = 1 / 12
 # What earlier chosen steps missed stays in points that stick: a ridge's forces are off by up to 1.6 times
-# what the last one missed (95 % of 45 slips: the first 8 scenes of bench/table_leads.py's seed 1, and
+# what the last one missed (in 95 % of 40 slips: the first 8 scenes of bench/table_leads.py's seed 1, and
 # yamada-2002-slip at friction 0.4)
 STAYS = 2.0
 AGAIN = 0.9  # of the forces at which no equilibrium was found; below both of them it is looked for again
