@@ -68,10 +68,15 @@ def run(arguments: list[str]) -> int:
 def _parameters(command: Any, arguments: list[str]) -> dict[str, str]:
     """What a person calls the parameters of the subcommand that was asked for, by their names in Python."""
     asked = next((command.commands[each] for each in arguments if each in command.commands), command)
-    return {
-        each.name: max(each.opts, key=len) if each.opts[0].startswith("-") else each.metavar or each.name
-        for each in asked.params
-    }
+    written = [word.partition("=")[0] for word in arguments]
+
+    def called(parameter: Any) -> str:
+        if not parameter.opts[0].startswith("-"):
+            return str(parameter.metavar or parameter.name)
+        flags = sorted(parameter.opts, key=len, reverse=True)
+        return str(next((flag for flag in flags if flag in written), flags[0]))
+
+    return {parameter.name: called(parameter) for parameter in asked.params}
 
 
 def _by_flag(failure: InputError, flags: dict[str, str]) -> InputError:

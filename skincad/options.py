@@ -63,6 +63,7 @@ BudgetOption = Annotated[
 TierOption = Annotated[
     str,
     typer.Option(
+        "--model",
         "--tier",
         help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
         "solid-finite-strain; auto: the cheapest that meets --tol or settles the verdict.",

@@ -11,6 +11,8 @@ from numbers import Real
 
 from skincad.base.errors import UnclearError
 
+ROUGH = 0.25  # of its value: an error beyond it is better read as a range
+
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -78,6 +80,16 @@ class Estimate:
     def as_json(self) -> dict[str, float | None]:
         """Return `{"value", "error"}`; the unit is the key's suffix."""
         return {"value": self.value, "error": self.error}
+
+    def span(self, lowest: float = 0.0) -> str:
+        """Return a rough number as `70 to 890 EUR`: where the error is more than ROUGH of the value, and from
+        `lowest` on; else as `str` does."""
+        if self.value is None or self.error is None or self.error <= ROUGH * abs(self.value):
+            return str(self)
+        low, high = max(lowest, self.value - self.error), self.value + self.error
+        digits = 1 - math.floor(math.log10(max(abs(low), abs(high))))
+        places = max(0, digits)
+        return f"{round(low, digits):.{places}f} to {round(high, digits):.{places}f} {self.unit}"
 
     def __str__(self) -> str:
         if self.value is None:

@@ -100,9 +100,9 @@ def lines(design: Design, found: tuple[ProcessEstimate, ...]) -> list[str]:
 def _line(each: ProcessEstimate, process: Process) -> str:
     count = f"{len(each.parts)} part" + "s" * (len(each.parts) != 1)
     on = f" on {each.plates} plate" + "s" * (each.plates != 1) if each.plates else ""
-    what = f"{each.mass} of material" if each.plates else f"{each.mass} of stock"
+    what = f"{each.mass.span()} of {'material' if each.plates else 'stock'}"
     prices = f"{process.price:g} EUR/kg and {process.rate:g} EUR/h"
-    return f"By {each.process}, {count}{on}: {what}, {each.time}, {each.cost} at {prices}."
+    return f"By {each.process}, {count}{on}: {what}, {each.time.span()}, {each.cost.span()} at {prices}."
 
 
 def _of_process(

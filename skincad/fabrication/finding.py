@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -28,3 +30,13 @@ class Finding:
         if not unit and {self.measured, self.limit} == {0.0, 1.0}:  # yes or no, as `where` says
             numbers = ""
         return f"{self.severity}: {self.rule}: {self.where}{numbers}; {self.remedy}"
+
+
+def counted(findings: Iterable[Finding]) -> str:
+    """Return how many errors and warnings there are, as "no errors, 1 warning"."""
+    count = Counter(finding.severity for finding in findings)
+    words = []
+    for severity in ("error", "warning"):
+        number = count[severity]
+        words.append(f"{number or 'no'} {severity}{'s' * (number != 1)}")
+    return ", ".join(words)

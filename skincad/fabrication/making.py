@@ -144,6 +144,11 @@ class MakeResult(Result):
         warning."""
         return passes(self.check, self.findings, self.strict)
 
+    @property
+    def summary(self) -> str:
+        """What was checked and what came out, as "mold: no errors, 1 warning; contact: not checked"."""
+        return summary(self.check, self.findings)
+
     def built(self) -> Job:
         """Return the solids and meshes; raises RefusedError for a copy."""
         if self.job is None:
@@ -159,6 +164,7 @@ class MakeResult(Result):
             "name": self.name,
             "revision": self.revision,
             "passed": self.passed,
+            "summary": self.summary,
             "preview": self.preview,
             "parts": [part.as_json() for part in self.parts],
             "cavity_volume_mm3": self.cavity_volume,
@@ -189,8 +195,9 @@ def make(
     `preview` makes meshes and findings alone: no check, nothing measured on the meshes, and no exact solid,
     nor the files that show one, unless `solids` asks for them.
     `scenes` are what `simulate` found of this skin: `load_scene(name, skin=design)`; the report shows them.
-    `passed` is false when ridges don't touch, a part is not valid, watertight or free, or (with `strict`) any
-    finding is a warning. Raises InputError for bad input, KernelError for a bad solid.
+    `passed` is false when ridges don't surely touch, a part is not valid, watertight or free, or (with
+    `strict`) any finding is a warning; `summary` says what was checked. Raises InputError for bad input,
+    KernelError for a bad solid.
     """
     from skincad.fabrication.mounting import mounted
 
@@ -221,6 +228,13 @@ def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bo
     bad = {"error", "warning"} if strict else {"error"}
     touching = check is None or check.passed
     return touching and not any(finding.severity in bad for finding in findings)
+
+
+def summary(check: ContactCheck | None, findings: tuple[Finding, ...]) -> str:
+    """Return what was checked of a mold and its skin, and what came out."""
+    from skincad.fabrication.finding import counted
+
+    return f"mold: {counted(findings)}; contact: {check.verdict if check else 'not checked'}"
 
 
 def _check_asked(checked: bool, tier: str, budget: float | None) -> None:

@@ -10,7 +10,7 @@ from skincad.fabrication.bond_steps import kit, made_ready, released_where
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.estimates import ProcessEstimate, lines
 from skincad.fabrication.fasteners import cover_screws, dowels, end_screws
-from skincad.fabrication.finding import Finding
+from skincad.fabrication.finding import Finding, counted
 from skincad.fabrication.first_steps import prepared
 from skincad.fabrication.inspection import Inspection
 from skincad.fabrication.inspection_form import inspection_lines
@@ -65,9 +65,9 @@ def casting_sheet(
     """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job,
     `inspected` what to measure on the skin, `estimates` what each process takes."""
     material = silicone(design)
-    summary = (
-        "All checks passed." if passed else "**NOT PASSED: read the findings below before you make it.**"
-    )
+    summary = f"Mold: {counted(findings)}."
+    if not passed:
+        summary = f"**Not ready to be made: read all of this line, and Watch below.** {summary}"
     lines = [
         f"# Casting sheet: {entitled(design)}",
         "",

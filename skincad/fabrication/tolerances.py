@@ -22,7 +22,7 @@ from skincad.solids.roles import CAVITIES, PartRole
 from skincad.solids.shrinkage import shrinkage
 from skincad.solids.threads import METRIC
 
-UNCHECKED = "Grooves: made without the check, so neither their limits nor a yield are known."
+UNCHECKED = "Grooves: made without the check, so their limits are not known."
 
 
 CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
@@ -30,11 +30,9 @@ CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
 
 class Judged(NamedTuple):
     """What the check says of the mold's crests: by how much each may be lower alone until the
-    verdict's margin is used up, mm (empty where it has none), and as words the share of parts that pass,
-    with its error."""
+    verdict's margin is used up, mm (empty where it has none)."""
 
     drops: tuple[float, ...]
-    passing: str
 
 
 def general_tolerance(design: Design, part: Part) -> str:
@@ -168,6 +166,4 @@ def _crests(design: Design, part: Part, judged: Judged | None) -> list[str]:
         rows.append(
             f"Grooves: the check leaves no margin, or has none to say; the process's sigma is {sigma}."
         )
-    if judged.passing:
-        rows.append(f"Yield {judged.passing}: the share of skins whose ridges all touch, at that sigma.")
     return rows

@@ -212,8 +212,8 @@ class Desk:
         if kind == "stage":
             self._answer("making", making=f"Making {asked[1]}: {what[0]} ...")
         elif kind == "made":
-            passed, _, written = what
-            self._answer("making", making=f"{'Passed' if passed else 'FAILED a check'}: {written}")
+            summary, _, written = what
+            self._answer("making", making=f"{summary}: {written}")
         elif kind in ("refused", "failed"):
             self._answer("making", making=f"Nothing was made: {what}")
 

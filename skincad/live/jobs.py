@@ -71,7 +71,7 @@ def made(asked: tuple[Design, Path], tell: Tell) -> None:
     ready(folder, COMMAND, names(design))
     found = make(design, progress=stage)
     written = write(found, folder, progress=stage)
-    tell("made", (found.passed, str(found), str(written)))
+    tell("made", (found.summary, str(found), str(written)))
 
 
 def warmed() -> None:

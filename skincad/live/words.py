@@ -64,7 +64,7 @@ def verdict_html(desk: Desk) -> str:
         note = "the verdict of <code>skincad check</code>" if last else "better models follow"
         tier = NAMES.get(told.tier, f"{told.tier} tier")
         words = f"<b>{escape(checks.verdict(told))}</b><br>By the {tier}; {note}."
-        headline = _box(GREEN if told.passed else RED, words)
+        headline = _box({"passes": GREEN, "fails": RED}.get(told.verdict, AMBER), words)
     else:
         headline = _box(AMBER, escape(told or "..."))
     stage = f"<div style='color:{GREY}'>{escape(answers.stage)} ...</div>" if answers.stage else ""

@@ -196,6 +196,7 @@ class Climb:
         refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
         left = None if request.budget is None else request.budget - (self._spent() - started)
         found = self.friction.on(name, found, left, beside("friction", self.design) * self._speed())
+        found = found.consistent(self.force)
         bounds = self._bounds(name, found)
         self.known[name] = known = with_model(found, bounds, self.force)
         verdict = self._verdict(name, known, bounds)
@@ -218,7 +219,6 @@ class Climb:
         following = found.next_tier
         return replace(
             found,
-            passed=found.passed and not beyond,
             beyond=beyond,
             deformed=self.done["linear"].deformed if "linear" in self.done else (),
             manufacture=None if beyond else made,
@@ -249,13 +249,10 @@ class Climb:
         design, force, small = self.design, self.force, is_small_strain(name)
         beyond = (small and beyond_small_strain(design, force, found)) or self._fault(name, found)
         warnings = (*found.warnings, *self.notes, *(strain_warnings(design, found) if small else ()))
-        upper, ridges = found.all_touch_force.upper, design.ridge.count
-        passed = found.touching == ridges and upper is not None and upper <= force and not beyond
         return ContactCheck(
             design.name,
-            passed,
             force,
-            ridges,
+            design.ridge.count,
             found.touching,
             found.all_touch_force,
             found.approach,

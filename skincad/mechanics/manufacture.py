@@ -23,7 +23,7 @@ BATCHES = 8  # Latin hypercubes, independent of each other: their spread is the 
 # 8 x 256 already come as near to the share of 100 000 parts as 10 000 drawn at random (rms 0.1 to 0.7 %, 0.03
 # to 0.5 %); of two crests alone, that decide by their difference, as 4000 at random
 BATCH_PARTS, MANY = 512, 32
-STUDENT = 2.36  # spreads of a mean of 8, 95 %
+STUDENT, NORMAL = 2.36, 1.96  # spreads that hold 95 %: of a mean of 8, and of a known spread
 SEED = 20021  # fixed, so that the same design has the same yield
 MODEL_MISCLASSIFIES = 0.02  # share, measured against the condensed model in test_manufacture.py
 SCALED_MISCLASSIFIES = 0.06  # share, where a better tier has scaled the force; by the condensed solid, there
@@ -57,17 +57,15 @@ def _manufacture(
     drops, moduli = _parts(spread, unit, count)
     scaled = asked * spread.modulus[1] / moduli
     passing = _passing(model, drops, scaled)
-    both, parts = float(passing.mean()), moduli.size
-    crests = float(_passing(model, drops, np.full(parts, asked)).mean())
+    both = float(passing.mean())
+    crests = float(_passing(model, drops, np.full(moduli.size, asked)).mean())
     material = float((scaled >= own).mean())
-    batches = passing.reshape(BATCHES, -1).mean(axis=1)
-    spread_of_batches = STUDENT * float(batches.std(ddof=1)) / math.sqrt(BATCHES)
-    error = max(spread_of_batches, 3 / parts)  # at least what none that fails of so many leaves open, 95 %
+    worst, best = _at_other_thresholds(model, drops, scaled, passing, unsure and unsure / threshold)
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED else SCALED_MISCLASSIFIES
-    error += wrong * 4 * both * (1 - both)
-    error += _by_threshold(model, drops, scaled, unsure and unsure / threshold, both)
+    low, high = _end(worst, -wrong), _end(best, wrong)
     return Manufacture(
-        Estimate(both, error, "1"),
+        Estimate(both, max(both - low, high - both), "1"),
+        (low, high),
         tuple(float(s) for s in _crest_slopes(model, own) * scale / unit / softer),
         threshold / spread.modulus[1],
         _largest(spread, both, crests, material) if threshold <= force else _nominal(threshold, force),
@@ -93,13 +91,33 @@ def all_touch(model: RidgeModel, drops: Array, guess: float) -> Array:
     return high
 
 
-def _by_threshold(model: RidgeModel, drops: Array, force: Array, unsure: float, both: float) -> float:
-    """By how much the share changes, at most, where the threshold is larger or smaller by a part `unsure`."""
+def _at_other_thresholds(
+    model: RidgeModel, drops: Array, force: Array, passing: Mask, unsure: float
+) -> tuple[Mask, Mask]:
+    """Which parts pass `(parts,)` where the threshold is larger, and smaller, by a part `unsure`."""
     if unsure == 0.0:
-        return 0.0
-    shares = [_passing(model, drops, force / (1 + unsure)).mean()]
-    shares.append(_passing(model, drops, force / (1 - unsure)).mean() if unsure < 1 else 1.0)
-    return max(abs(float(share) - both) for share in shares)
+        return passing, passing
+    worst = _passing(model, drops, force / (1 + unsure))
+    return worst, _passing(model, drops, force / (1 - unsure)) if unsure < 1 else np.ones_like(passing)
+
+
+def _end(passing: Mask, wrong: float) -> float:
+    """An end of the interval of the share that passes: the upper one where `wrong` is positive.
+
+    `wrong` is the share of parts that the model misjudges where half of them pass. The sample's part is
+    Wilson's score interval (J. Am. Stat. Assoc. 22 (1927) 209), which ends at 0 and 1. It counts as many
+    parts as, drawn at random, would scatter like these hypercubes.
+    """
+    share, parts = float(passing.mean()), float(passing.size)
+    batches = passing.reshape(BATCHES, -1).mean(axis=1)
+    variance = float(batches.var(ddof=1)) / BATCHES * (STUDENT / NORMAL) ** 2
+    if variance:
+        parts = max(parts, share * (1 - share) / variance)
+    share += 4 * wrong * share * (1 - share)
+    middle = share + NORMAL**2 / (2 * parts)
+    half = NORMAL * math.sqrt(share * (1 - share) / parts + (NORMAL / (2 * parts)) ** 2)
+    end = (middle + math.copysign(half, wrong)) / (1 + NORMAL**2 / parts)
+    return min(max(end, 0.0), 1.0)  # against rounding alone
 
 
 def _nominal(threshold: float, force: float) -> str:

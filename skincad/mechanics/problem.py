@@ -18,6 +18,7 @@ from skincad.shape.curves import Loop, Point, Segment
 
 FLAT = Plate()
 FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
+SAME_SHARE = 1e-3  # relative: ridges whose forces differ by less, as a mirrored pair's, touch together
 PVDF_DENSITY = 1780.0  # kg/m3; source: data sheets
 
 
@@ -115,13 +116,15 @@ class RidgeModel:
 
 @dataclass(frozen=True)
 class Manufacture:
-    """Share of parts in which all ridges touch at the asked force, and what it hangs on.
+    """Share of parts in which all ridges touch at the asked force, and its sensitivities.
 
+    `interval` is from which share to which the error of model and sample reaches, within 0 and 1.
     `crest_sensitivity` `(ridges,)` is the change of the all-touch force per lowering of each crest, N/mm;
     `modulus_sensitivity` its change with E, N/MPa. `largest` names the larger loss and what mends it.
     """
 
     passing: Estimate
+    interval: tuple[float, float]
     crest_sensitivity: tuple[float, ...]
     modulus_sensitivity: float
     largest: str
@@ -183,6 +186,32 @@ class Answer:
     parts: RidgeModel | None = None
     took: float = 0.0
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False, repr=False)
+
+    def consistent(self, force: float) -> Answer:
+        """Return the answer with ridge forces and `touching` that agree with its all-touch force.
+
+        A model that corrects another changes both apart, so near the threshold they may contradict each
+        other. The all-touch force is the better one: ridges that must touch get an equal part of the load
+        beyond it, ridges that must not get none. Errors cover what is moved.
+        """
+        needed, shares = self.all_touch_force.value, [share.value or 0.0 for share in self.ridge_force]
+        lowest = min(shares)
+        if needed is None or len(shares) == 1 or (lowest > 0) == (needed <= force):
+            return self
+        late = [share <= lowest * (1 + SAME_SHARE) for share in shares]
+        others = math.fsum(share for share, is_late in zip(shares, late, strict=True) if not is_late)
+        if not others:
+            return self
+        load = max(0.0, force - needed) / len(shares)
+        scale = (force - load * sum(late)) / others
+        changed = [load if is_late else share * scale for share, is_late in zip(shares, late, strict=True)]
+        moved = max(abs(new - old) for new, old in zip(changed, shares, strict=True))
+        ridge_force = tuple(
+            replace(old, value=new, error=None if old.error is None else max(old.error, moved))
+            for old, new in zip(self.ridge_force, changed, strict=True)
+        )
+        touching = len(shares) - (sum(late) if needed > force else 0)
+        return replace(self, touching=touching, ridge_force=ridge_force)
 
     def widened(self, threshold: float, approach: float, share: float) -> Answer:
         """Return the answer with larger errors: by parts of F9 and of the approach, and by `share` N."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, DeformedPiece, Manufacture
+
+Verdict = Literal["passes", "fails", "undecided"]
 
 
 class AskedTier(NamedTuple):
@@ -44,7 +46,7 @@ class Change:
 
 @dataclass(frozen=True, repr=False)
 class ContactCheck(Result):
-    """The verdict at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
+    """The check at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
 
     Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
     model's, by effect. `residual` is the largest relative violation of contact and equilibrium. `climbed`
@@ -53,7 +55,6 @@ class ContactCheck(Result):
 
     shown_by = "skincad.outputs.checks"
     name: str
-    passed: bool
     force: float
     ridges: int
     touching: int
@@ -78,6 +79,42 @@ class ContactCheck(Result):
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False)  # by the linear tier, if it solved
 
     @property
+    def verdict(self) -> Verdict:
+        """`undecided` where the asked force lies within the all-touch force's interval, or where the model's
+        range ends before it."""
+        needed, all_touch = self.all_touch_force, self.touching == self.ridges
+        if self.beyond:
+            return "undecided"
+        if needed.upper is not None and needed.upper <= self.force and all_touch:
+            return "passes"
+        if needed.value is None and not all_touch:
+            return "fails"
+        return "fails" if needed.lower is not None and needed.lower > self.force else "undecided"
+
+    @property
+    def passed(self) -> bool:
+        """Whether all ridges touch for sure: an undecided check has not passed."""
+        return self.verdict == "passes"
+
+    @property
+    def next_step(self) -> str:
+        """What may decide an undecided check, as a sentence; "" where it is decided."""
+        if self.verdict != "undecided":
+            return ""
+        if self.next_tier:
+            model, seconds = self.next_tier
+            return f"`--model {model}` (about {seconds:.2g} s) may decide."
+        if self.beyond:
+            return "take a force within the model's range."
+        if any(FRICTION_DECIDES in warning for warning in self.warnings):
+            return "give contact.friction: without friction's error it is decided."
+        upper, lower = self.all_touch_force.upper, self.all_touch_force.lower
+        if upper is None or lower is None:
+            return "no model here gives the force an error."
+        below = f" and fails below {lower:.3g} N" if lower > 0 else ""
+        return f"no model here leaves out less. The design passes from {upper:.3g} N{below}."
+
+    @property
     def margin(self) -> float | None:
         """Newtons from the pessimistic end of the all-touch force to the asked one; negative where failed."""
         upper = self.all_touch_force.upper
@@ -93,6 +130,8 @@ class ContactCheck(Result):
         return {
             "name": self.name,
             "passed": self.passed,
+            "verdict": self.verdict,
+            "next_step": self.next_step or None,
             "force_N": self.force,
             "plate": self.plate,
             "friction": self.friction,
@@ -132,14 +171,18 @@ class ContactCheck(Result):
     def _manufacture(self) -> dict[str, Any]:
         made = self.manufacture
         if made is None:
-            return {"yield": None}
+            return {"yield": None, "yield_interval": None}
         return {
             "yield": made.passing.value,
             "yield_error": made.passing.error,
+            "yield_interval": list(made.interval),
             "crest_sensitivity_N_per_mm": list(made.crest_sensitivity),
             "modulus_sensitivity_N_per_MPa": made.modulus_sensitivity,
             "yield_largest_loss": made.largest,
         }
+
+
+FRICTION_DECIDES = "the verdict depends on friction, which is not known"
 
 
 def relative_error(found: ContactCheck, spared: float) -> float:
@@ -169,7 +212,7 @@ def with_open_friction(found: ContactCheck) -> ContactCheck:
     known = replace(force, error=(force.error or 0.0) - part[0] * (force.value or 0.0))
     if not decided(replace(found, all_touch_force=known)):
         return found
-    words = "the verdict hangs on friction, which is not known: give contact.friction"
+    words = f"{FRICTION_DECIDES}: give contact.friction"
     return replace(found, warnings=(*found.warnings, words))
 
 
@@ -178,7 +221,7 @@ def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> Contac
     large."""
     if isinstance(refusal, InputError) and refusal.key == "force":
         beyond = f"the force {refusal.rule} (according to the {name} tier)"
-        return replace(found, passed=False, beyond=beyond, next_tier=None, manufacture=None)
+        return replace(found, beyond=beyond, next_tier=None, manufacture=None)
     words = f"the {name} tier, which leaves out less, cannot judge this: {refusal}"
     return replace(found, warnings=(*found.warnings, words), next_tier=None)
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
 
 COMMAND = "check"
+NARROW_SHARE = 0.1  # of all parts: a yield's interval as narrow is shown to a tenth of a percent
+WIDEST_SHARE = 0.8  # a yield's interval that is wider says nothing
 UNCHECKED = "Not checked whether all ridges touch."  # what a job says that leaves the check out
 
 
@@ -22,19 +24,22 @@ def verdict(check: ContactCheck) -> str:
     needed, plate = check.all_touch_force, f"a {check.plate} plate at {check.force:g} N"
     every = "both ridges" if check.ridges == 2 else f"all {check.ridges} ridges"
     if check.beyond:
-        return f"NO VERDICT: {check.beyond}."
+        return f"UNDECIDED: {check.beyond}."
     if check.ridges == 1:
         return f"Passes: the one ridge touches a {check.plate} plate at any force."
     if check.passed:
         return f"Passes: {every} touch {plate}; they already do at {needed}."
-    if needed.value is not None and check.touching == check.ridges:
-        return f"FAILS narrowly: {every} touch {plate}, but they need {needed}, which may be more."
-    some = f"FAILS: {check.touching} of {check.ridges} ridges touch {plate}"
-    return (
-        f"{some}; the force that all need is beyond the model's range."
-        if needed.value is None
-        else f"{some}; all need {needed}."
-    )
+    some = f"{check.touching} of {check.ridges} ridges touch {plate}"
+    if check.verdict == "fails":
+        need = (
+            "the force that all need is beyond the model's range"
+            if needed.value is None
+            else f"all need {needed}"
+        )
+        return f"FAILS: {some}; {need}."
+    if check.touching < check.ridges:
+        return f"UNDECIDED: {some}. All need {needed}, which may be less."
+    return f"UNDECIDED: {some}, but the force they need is {needed}."
 
 
 def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
@@ -63,6 +68,7 @@ def verdict_lines(check: ContactCheck) -> list[str]:
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [
         verdict(check),
+        *([f"Next: {check.next_step}"] if check.next_step else []),
         *_margin_lines(check),
         f"  approach       {check.approach}",
         f"  ridge forces   {shares} (± {error:.1g}) N",
@@ -80,8 +86,9 @@ def _margin_lines(check: ContactCheck) -> list[str]:
     value = check.all_touch_force.value or 0.0
     parts += [f"{part.threshold * value:.2g} N for leaving out {part.effect}" for part in check.left_out]
     upper = check.all_touch_force.upper or 0.0
+    applied = f"{check.force:g} N applied, up to {upper:.2f} N needed"
     return [
-        f"  margin         {check.margin:.2f} N: {check.force:g} N less the {upper:.2f} N needed at most",
+        f"  margin         {check.margin:.2f} N in the worst case ({applied})",
         f"  error          {', '.join(parts)}",
     ]
 
@@ -92,28 +99,43 @@ def _model_lines(check: ContactCheck) -> list[str]:
         f"  tried first    {asked.tier}: {asked.all_touch_force}, {asked.seconds:.2f} s"
         for asked in check.climbed
     ]
-    if check.next_tier:
+    if check.next_tier and not check.next_step:
         tier, seconds = check.next_tier
-        lines.append(f"  finer          --tier {tier} would take about {seconds:.2g} s more")
+        lines.append(f"  more accurate  --model {tier}, about {seconds:.2g} s more")
     return lines
 
 
 def passing_share(check: ContactCheck) -> str:
-    """Return the share of parts that pass with its error, in percent; "" where it is not known."""
+    """Return the share of parts that pass with its interval, as "90 % (80 to 93 %)"; "" without a yield.
+
+    Where the interval holds nearly everything the share is unknown.
+    """
     passing = check.manufacture.passing if check.manufacture else None
-    if passing is None or passing.value is None or passing.error is None:
+    if check.manufacture is None or passing is None or passing.value is None or passing.error is None:
         return ""
-    return f"{passing.value:.1%} (± {passing.error:.1%})"
+    low, high = check.manufacture.interval
+    places = 1 if high - low < NARROW_SHARE else 0
+    ends = f"{percent(low, places, math.floor)} to {percent(high, places, math.ceil)} %"
+    if high - low > WIDEST_SHARE:
+        return f"unknown ({ends} are possible)"
+    return f"{100 * passing.value:.{places}f} % ({ends})"
+
+
+def percent(share: float, places: int, to: Callable[[float], int]) -> str:
+    """Return a share in percent, rounded away from the middle of its interval."""
+    steps = 10**places
+    return f"{to(round(100 * share * steps, 6)) / steps:g}"
 
 
 def _manufacture_lines(check: ContactCheck) -> list[str]:
     made, share = check.manufacture, passing_share(check)
     if made is None or not share:
         return []
-    loss = f"most are lost by {made.largest}" if made.largest else "none of those sampled fails"
+    lost = f"most are lost by {made.largest}" if made.largest else "none of those sampled fails"
+    told = share if share.startswith("unknown") else f"{share} of parts pass; {lost}"
     crests = "  ".join(f"{slope / 100:+.2g}" for slope in made.crest_sensitivity)
     return [
-        f"  yield          {share} of parts pass; {loss}",
+        f"  yield          {told}",
         f"  crests         0.01 mm lower, each changes the force needed by {crests} N",
     ]
 

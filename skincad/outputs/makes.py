@@ -29,7 +29,7 @@ def lines(result: MakeResult) -> list[str]:
         "Parts:",
         *map(_part_line, result.parts),
         *(str(finding) for finding in result.findings),
-        f"{result.name}: {'passed' if result.passed else 'FAILED'}",
+        f"{result.name}: {result.summary}",
         *(checks.advice_lines(result.check) if result.check else []),
     ]
 
@@ -52,6 +52,7 @@ def manifest(result: MakeResult) -> dict[str, Any]:
     return {
         "name": result.name,
         "passed": result.passed,
+        "summary": result.summary,
         "all_touch_force_N": result.check and result.check.all_touch_force.as_json(),
         "processes": [each.as_json() for each in result.estimates],
         "findings": [finding.as_json() for finding in result.findings],

@@ -11,6 +11,7 @@ from html import escape
 from typing import TYPE_CHECKING, cast
 
 from skincad.base.version import __version__
+from skincad.fabrication.finding import counted
 from skincad.fabrication.making import Job, passes
 from skincad.inputs.catalog import entitled, load_design, read_table, template_names
 from skincad.inputs.design import Design
@@ -119,9 +120,7 @@ def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
     """Name, passed or failed, verdict, and what the page holds."""
     passed = passes(job.check, job.findings, strict=False)
     verdict = checks.verdict(job.check) if job.check else checks.UNCHECKED
-    word = "passed" if passed else "FAILED"
-    if passed and job.check is None:
-        word = "passed, unchecked"
+    outcome = ("passed" if job.check else "unchecked") if passed else "failed"
     links = {
         "pictures": "Pictures",
         "verdict": "Verdict",
@@ -137,8 +136,9 @@ def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
     by = f"Revision {job.design.revision}, made with skincad {__version__} by"
     contents = "".join(f'<a href="#{escape(key)}">{escape(text)}</a> ' for key, text in links.items())
     return (
-        f"<h1>{escape(entitled(job.design))}: {escape(word)}</h1>\n"
-        f'<p class="{"passed" if passed else "failed"}">{escape(verdict)}</p>\n'
+        f"<h1>{escape(entitled(job.design))}: skin and mold</h1>\n"
+        f'<p class="{outcome}">{escape(verdict)} '
+        f"Mold: {escape(counted(job.findings))}.</p>\n"
         f"{paragraph(_rests_on(job.check)) if job.check else ''}"
         f"{command_line(made, by)}<nav>{contents}</nav>\n"
     )

@@ -12,6 +12,7 @@ from skincad.mechanics.sensitivity import sensitivities
 from skincad.mechanics.tiers import winkler
 from skincad.mechanics.tiers.table import TIERS, below
 from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs.checks import passing_share
 from skincad.pictures.canvas import svg
 from skincad.pictures.check_figures import ridge_force_figure
 from skincad.pictures.markup import command_line, figure, heading, paragraph, table
@@ -101,9 +102,8 @@ def yield_section(job: Job, check: ContactCheck, command: str) -> str:
         why = "There is none: it needs a verdict by a meshed model on more than one ridge."
         return head + paragraph(why) + command_line(command)
     low, now, high = spread.modulus
-    error = made.passing.error or 0.0
     rows = [
-        ("parts that pass", f"{made.passing.value:.1%} ± {error:.1%}"),
+        ("parts that pass", passing_share(check)),
         ("crests, one against another", f"normal, sigma {spread.crest_sigma:g} mm by {spread.process}"),
         ("modulus of a batch", f"uniform from {low:g} to {high:g} MPa; nominal {now:g} MPa"),
         ("most are lost by", made.largest or "nothing: none of those sampled fails"),

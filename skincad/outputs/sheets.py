@@ -54,7 +54,7 @@ def sheet_of(job: Job, name: str) -> Sheet:
 def _judged(job: Job) -> Judged | None:
     if job.check is None:
         return None
-    return Judged(checks.allowed_drops(job.check), checks.passing_share(job.check))
+    return Judged(checks.allowed_drops(job.check))
 
 
 def _text(text: str, path: Path) -> None:

@@ -223,7 +223,9 @@ def test_a_modulus_that_scatters_more_than_the_crests_is_the_larger_loss() -> No
     assert made.largest.startswith("the modulus (0.4 to 1.6 MPa)")
     sure = manufacture(springs, 2.0, 0.6, Spread("sla", 1e-4, (0.7, 0.8, 0.9)))
     assert (sure.passing.value, sure.largest) == (1.0, "")
-    assert sure.passing.error == pytest.approx(3 / 4096, rel=1e-9)  # none of 4096
+    lowest = 1 / (1 + 1.96**2 / 4096)  # Wilson's interval where none of 4096 fails
+    assert sure.passing.error == pytest.approx(1 - lowest, rel=1e-9)
+    assert sure.interval == pytest.approx((lowest, 1.0), rel=1e-12)
 
 
 def test_a_better_tiers_misjudged_share_is_what_was_measured_and_little_more() -> None:
@@ -237,13 +239,14 @@ def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float)
     """Two ridges that touch from 0.6 N on, asked for 0.75 N; at a threshold of up to 1.08 N none does."""
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.8, 0.8, 0.8))
     made = manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
-    worse, sure = (
-        manufacture(springs, 0.75 / (1 + more), 0.6, spread).passing.value or 0.0 for more in (unsure, 0.0)
+    worst, sure, best = (
+        manufacture(springs, 0.75 / (1 + more), 0.6, spread) for more in (unsure, 0.0, -unsure)
     )
-    assert made.passing.value == sure
-    own = manufacture(springs, 0.75, 0.6, spread).passing.error or 0.0
-    assert (made.passing.error or 0.0) - own >= sure - worse
-    assert (made.passing.error or 0.0) - own <= max(sure - worse, 1.0 - sure) + 1e-12
+    assert made.passing.value == sure.passing.value
+    assert made.interval == (worst.interval[0], best.interval[1])
+    low, high = made.interval
+    assert 0 <= low <= (worst.passing.value or 0.0) <= (best.passing.value or 0.0) <= high <= 1
+    assert made.passing.error == max((sure.passing.value or 0.0) - low, high - (sure.passing.value or 0.0))
 
 
 def test_a_design_that_needs_more_than_asked_is_told_so_and_not_to_refine_its_mold() -> None:

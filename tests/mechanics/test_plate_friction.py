@@ -143,7 +143,7 @@ def test_no_tier_is_climbed_for_what_friction_leaves_open(
     monkeypatch.setitem(LEFT, "friction", 0.03)
     found = check(load("yamada-2002"), force=4.0)
     assert found.tier == tier
-    words = "the verdict hangs on friction, which is not known: give contact.friction"
+    words = "the verdict depends on friction, which is not known: give contact.friction"
     assert (words in found.warnings) == hangs
 
 

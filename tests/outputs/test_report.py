@@ -22,6 +22,7 @@ from skincad.fabrication.making import Job
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs import makes, report_scenes
+from skincad.outputs.checks import passing_share
 from skincad.outputs.report import report, suggested_scene
 from skincad.scenes.simulation import Simulation
 from skincad.solids.mold import mold
@@ -166,7 +167,7 @@ def test_the_verdict_its_error_and_what_it_rests_on(checked: Job) -> None:
         str(check.all_touch_force),
         f"{check.unknowns} unknowns",
         *(f"leaving out {part.effect}" for part in check.left_out),
-        f"{check.manufacture.passing.value:.1%}",
+        passing_share(check),
         "skin.curvature_radius",
         skincad.__version__,
     ):
@@ -196,9 +197,9 @@ def test_every_kind_of_design_has_a_report(name: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"beyond": "it is crushed", "passed": False, "manufacture": None}, "NO VERDICT: it is crushed."),
-        ({"all_touch_force": Estimate(None, None, "N"), "touching": 3, "passed": False}, "beyond the model"),
-        ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": (), "passed": True}, "already do at 0 N"),
+        ({"beyond": "it is crushed", "manufacture": None}, "UNDECIDED: it is crushed."),
+        ({"all_touch_force": Estimate(None, None, "N"), "touching": 3}, "beyond the model"),
+        ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": ()}, "already do at 0 N"),
     ],
 )
 def test_verdicts_without_numbers_are_told(checked: Job, changes: dict[str, Any], says: str) -> None:
