@@ -99,20 +99,27 @@ class ContactCheck(Result):
     @property
     def next_step(self) -> str:
         """What may decide an undecided check, as a sentence; "" where it is decided."""
-        if self.verdict != "undecided":
-            return ""
-        if self.next_tier:
-            model, seconds = self.next_tier
-            return f"`--model {model}` (about {seconds:.2g} s) may decide."
-        if self.beyond:
-            return "take a force within the model's range."
+        if self.verdict != "undecided" or self.beyond:
+            return "take a force within the model's range." if self.beyond else ""
+        by_friction, by_both = self._lasting
         if any(FRICTION_DECIDES in warning for warning in self.warnings):
             return "give contact.friction: without friction's error it is decided."
-        upper, lower = self.all_touch_force.upper, self.all_touch_force.lower
-        if upper is None or lower is None:
-            return "no model here gives the force an error."
+        if self.next_tier and not lost(self, by_both):
+            model, seconds = self.next_tier
+            return f"`--model {model}` (about {seconds:.2g} s) may decide."
+        if by_friction and not lost(self, by_both - by_friction):
+            return "give contact.friction: its error alone leaves this open."
+        lower, upper = self.all_touch_force.lower or 0.0, self.all_touch_force.upper
+        passes = "" if upper is None else f" The design passes from {upper:.3g} N"
         below = f" and fails below {lower:.3g} N" if lower > 0 else ""
-        return f"no model here leaves out less. The design passes from {upper:.3g} N{below}."
+        return f"no model here can decide it.{passes}{below}{passes and '.'}"
+
+    @property
+    def _lasting(self) -> tuple[float, float]:
+        """Relative errors of the all-touch force that no better model takes away: of friction, and with that
+        along y. The closed form leaves out both, and better models don't."""
+        parts = {part.effect: part.threshold for part in self.left_out if self.tier != "winkler"}
+        return parts.get(FRICTION, 0.0), parts.get(FRICTION, 0.0) + parts.get(ALONG, 0.0)
 
     @property
     def margin(self) -> float | None:

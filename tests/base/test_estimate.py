@@ -81,3 +81,17 @@ def test_its_text() -> None:
     assert str(Estimate(2.6412, 0.217, "N")) == "2.64 ± 0.22 N"
     assert str(Estimate(2.6412, None, "N")) == "2.641 N"
     assert str(NONE) == "none"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "words"),
+    [
+        (479.0, 411.0, "70 to 890 EUR"),
+        (40.0, 90.0, "0 to 130 EUR"),
+        (12.3, 1.0, "12.3 ± 1.0 EUR"),
+        (0.5, 0.4, "0.10 to 0.90 EUR"),
+        (0.0, 0.0, "0 EUR"),
+    ],
+)
+def test_a_rough_number_is_read_as_a_range(value: float, error: float, words: str) -> None:
+    assert Estimate(value, error, "EUR").span() == words

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -42,6 +43,9 @@ def test_without_a_check_the_findings_alone_decide(small: Design, unchecked: Mak
 
 def test_everything_says_that_nobody_asked(unchecked: MakeResult, tmp_path: Path) -> None:
     assert str(unchecked).startswith("Not checked whether all ridges touch.")
+    ending = r"plain-ridges: mold: no errors, \w+ warnings?; contact: not checked$"
+    assert re.search(ending, str(unchecked), re.M)
+    assert unchecked.as_json()["summary"] == unchecked.summary
     assert unchecked.as_json()["check"] is None
     skincad.write(unchecked, tmp_path / "made", formats=["md", "html"])
     for name in ("casting-sheet.md", "casting-sheet.html"):

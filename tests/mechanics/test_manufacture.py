@@ -249,6 +249,24 @@ def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float)
     assert made.passing.error == max((sure.passing.value or 0.0) - low, high - (sure.passing.value or 0.0))
 
 
+def test_a_yield_and_its_interval_lie_inside_0_to_100_percent() -> None:
+    """Random pairs of ridges, asked for half to twice what they need, known to 0 to 150 %."""
+    dice = np.random.default_rng(7)
+    for _ in range(60):
+        gap, unit, scale = dice.uniform(0.05, 0.5), dice.uniform(0.2, 2.0), dice.uniform(0.5, 5.0)
+        needed = gap * scale
+        spread = Spread(
+            "sla", 10 ** dice.uniform(-4, 0), (dice.uniform(0.3, 0.8), 0.8, dice.uniform(0.8, 2.0))
+        )
+        unsure = dice.choice([0.0, 1.0]) * needed * dice.uniform(0, 1.5)
+        made = manufacture(
+            two_springs(gap, unit, scale), needed * dice.uniform(0.5, 2), needed, spread, unsure
+        )
+        low, high = made.interval
+        assert 0 <= low <= (made.passing.value or 0.0) <= high <= 1
+        assert low < high  # a sample leaves something open
+
+
 def test_a_design_that_needs_more_than_asked_is_told_so_and_not_to_refine_its_mold() -> None:
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.4, 0.8, 1.6))
     made = manufacture(springs, 0.4, 0.6, spread)

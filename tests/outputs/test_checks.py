@@ -56,10 +56,13 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
 def test_an_undecided_check_says_what_may_decide_it(passed: ContactCheck) -> None:
     unclear = replace(passed, all_touch_force=Estimate(4.8, 0.5, "N"))
     assert lines(unclear)[1].startswith("Next: `--model corrected` (about ")
-    last = replace(unclear, next_tier=None)
-    expected = "Next: no model here leaves out less. The design passes from 5.3 N and fails below 4.3 N."
+    last = replace(unclear, next_tier=None, left_out=())
+    expected = "Next: no model here can decide it. The design passes from 5.3 N and fails below 4.3 N."
     assert lines(last)[1] == expected
     assert unclear.as_json()["next_step"] == unclear.next_step
+    friction = tuple(replace(part, effect="friction", threshold=0.1) for part in passed.left_out[:1])
+    lasting = replace(unclear, all_touch_force=Estimate(4.9, 0.6, "N"), left_out=friction)
+    assert lines(lasting)[1] == "Next: give contact.friction: its error alone leaves this open."
     for decided in (passed, replace(passed, all_touch_force=Estimate(6.0, 0.5, "N"))):
         assert decided.next_step == ""
         assert not any(line.startswith("Next") for line in lines(decided))

@@ -169,7 +169,7 @@ def test_the_verdict_does_not_wait_for_advice(printed: list[str]) -> None:
     *verdict, why = first.splitlines()
     assert verdict[0].startswith(("FAILS", "UNDECIDED"))
     assert any("ridge forces" in line for line in verdict)
-    assert ("contact: " in verdict[-1]) == ("Parts:" in verdict)  # all that `make` says
+    assert any("contact: " in line for line in verdict) == ("Parts:" in verdict)  # all that `make` says
     assert why.startswith("  cause          the lowest crest")
     assert second == "  would pass     ridge.levelling 0 -> 0.5 alone\n"
     assert later == [""] * 3
