@@ -67,7 +67,7 @@ def casting_sheet(
     material = silicone(design)
     summary = f"Mold: {counted(findings)}."
     if not passed:
-        summary = f"**Not ready to be made: read all of this line, and Watch below.** {summary}"
+        summary = f"**Don't make it yet.** {summary}"
     lines = [
         f"# Casting sheet: {entitled(design)}",
         "",

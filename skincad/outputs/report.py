@@ -120,7 +120,9 @@ def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
     """Name, passed or failed, verdict, and what the page holds."""
     passed = passes(job.check, job.findings, strict=False)
     verdict = checks.verdict(job.check) if job.check else checks.UNCHECKED
-    outcome = ("passed" if job.check else "unchecked") if passed else "failed"
+    undecided = job.check is None or job.check.verdict == "undecided"
+    sound = all(finding.severity != "error" for finding in job.findings)
+    outcome = "open" if undecided and sound else "passed" if passed else "failed"
     links = {
         "pictures": "Pictures",
         "verdict": "Verdict",

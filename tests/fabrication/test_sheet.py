@@ -87,7 +87,7 @@ def test_bolts_and_pins_are_long_and_short_enough(yamada: Design) -> None:
 
 def test_a_failed_job_says_so_at_the_top(yamada: Design) -> None:
     text = casting_sheet(yamada, mold(yamada), [], "Passes.", False)
-    assert text.splitlines()[2].startswith("**Not ready to be made")
+    assert text.splitlines()[2].startswith("**Don't make it yet.** Mold: no errors")
 
 
 def test_without_slots_there_is_no_word_of_shims() -> None:
