@@ -22,8 +22,8 @@ _USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[2]
 
 
 def main() -> None:
-    """Run the command line and exit: 0 done, 1 a check failed, 2 bad input, 3 a resource ran out or skincad
-    itself failed, 130 interrupted, 143 terminated."""
+    """Run the command line and exit: 0 done, 1 a check failed or stayed undecided, 2 bad input, 3 a resource
+    ran out or skincad itself failed, 130 interrupted, 143 terminated."""
     arguments = sys.argv[1:] or ["--help"]
     try:
         status = run(arguments)
