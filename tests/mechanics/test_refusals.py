@@ -233,4 +233,5 @@ def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int
     )
     made = manufacture(springs, 0.5 * ridges, 1e-9, Spread("sla", 1e-3, (0.8, 0.8, 0.8)))
     assert made.passing.value == 1.0
-    assert made.passing.error == pytest.approx(3 / parts, rel=1e-9)  # what none that fails leaves open, 95 %
+    # Wilson's score interval at 95 % if none of n fails: 1 - z^2 / (n + z^2)
+    assert made.passing.error == pytest.approx(1.96**2 / (parts + 1.96**2), rel=1e-9)

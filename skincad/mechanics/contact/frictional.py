@@ -79,9 +79,9 @@ def _lifted(skin: Compliant, before: Grip, drive: Drive) -> Grip:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """What one choice of sets leads to: forces, plate, gaps `w` and slips `moved`, all `(m,)`; `rounded` are
-    the gaps with closed points' too, 0 but for rounding; `unborne` is what the forces miss of a plate's with
-    mass, relative."""
+    """What one choice of sets leads to: forces, plate, gaps `w`, slips `moved` and displacements `x` by the
+    forces, all `(m,)`; `rounded` are the gaps with closed points' too, 0 but for rounding; `unborne` is what
+    the forces miss of a plate's with mass, relative."""
 
     p: Array
     t: Array
@@ -89,6 +89,7 @@ class _Trial:
     s: float
     w: Array
     rounded: Array
+    x: Array
     moved: Array
     unborne: float
 
@@ -252,13 +253,14 @@ class _Step:
         rounded = self.gap - d + self.zz @ p - self.zx @ t
         w = rounded.copy()
         w[closed] = 0.0
-        place = self.xx @ t - self.xz @ p - self.home
+        x = self.xx @ t - self.xz @ p
+        place = x - self.home
         if not given:
             travel = float(found[-1]) if inert is None else travel + float(found[-1])
         elif self.drive.travel is None and inert is None:
             travel = self._least_travel(place, closed, all_slip)
         moved = place - travel
-        return _Trial(p, t, d, travel, w, rounded, moved, self._unborne(p, t, found[k + n :]))
+        return _Trial(p, t, d, travel, w, rounded, x, moved, self._unborne(p, t, found[k + n :]))
 
     def _unborne(self, p: Array, t: Array, ahead: Array) -> float:
         """What the plate's equations miss; `ahead` is what it is beyond its `inert` place."""
@@ -366,8 +368,8 @@ class _Step:
                 f"contact and friction are satisfied only to {residual:.1e}, not to {ACCEPTED:g}"
             )
         stuck = status == STICK
-        # what does not stick sits where it is now
-        anchor = np.where(stuck, self.before.anchor, trial.moved + self.before.anchor)
+        # what does not stick sits where it is now; counted from its last anchor, rounding would add up
+        anchor = np.where(stuck, self.before.anchor, trial.x + self.skin.free[: self.m] - trial.s)
         slipped = np.where(status >= RIGHT, trial.moved, 0.0)
         p, t = np.maximum(trial.p, 0.0), trial.t
         gross, angle = bool(all_slip), self.drive.angle
