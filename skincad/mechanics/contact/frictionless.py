@@ -91,9 +91,13 @@ def press(
 
 
 def _first_approach(flexibility: Flexibility, gap: Array, force: float) -> float:
-    """A stiff guess of the approach: few points to start from, so that the sweeps mostly add."""
+    """A stiff guess of the approach: few points to start from, so that the sweeps mostly add.
+
+    A flexibility that is not definite may have a negative mean; the lowest point touches all the same.
+    """
     one = np.ones(flexibility.shape[0])
-    return min(float(np.ptp(gap)), 0.5 * force * float(np.mean(flexibility @ one)) / one.size)
+    guess = 0.5 * force * float(np.mean(flexibility @ one)) / one.size
+    return min(float(np.ptp(gap)), max(guess, 0.0))
 
 
 def _length(gap: Array, approach: float) -> float:

@@ -147,12 +147,17 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     found = half_widths(design, line, approach, float(touched.sum()), last)
     missed = found.threshold * threshold
     missed += (1 + found.threshold) * (float(line_forces(design, last + unlevel(design)).sum()) - threshold)
-    others = (line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer))
+    reached = found.approach * approach
+    others = [line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer)]
+    for moved in _step_moved(design):
+        others += [line_forces(moved, _approach(moved, force, f), f) for f in (1, found.stiffer, found.softer)]
+        missed = max(missed, (1 + found.threshold) * all_touch_force(moved) - threshold)
+        reached = max(reached, (1 + found.approach) * _approach(moved, force) - approach)
     error = share_error(found, shares, tuple(others))
     return Answer(
         int(np.count_nonzero(shares > 0)),
         Estimate(threshold, missed, "N"),
-        Estimate(approach, found.approach * approach, "mm"),
+        Estimate(approach, reached, "mm"),
         tuple(Estimate(float(f), error, "N") for f in shares),
         gaps.size,
         abs(float(shares.sum()) / force - 1),
@@ -160,6 +165,16 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         tuple(_left_out(design, approach)),
         fault=_beyond(design, min(approach, last or approach)) if doubly else "",
     )
+
+
+def _step_moved(design: Design) -> Iterator[Design]:
+    """Yield the design with a plate's step moved by half a tip either way: a tip that the edge meets touches
+    with its lower part alone then, or with its higher part alone. A spring knows only one of them."""
+    plate = design.contact.plate
+    if plate.shape == "step":
+        for aside in (-design.ridge.tip_width / 2, design.ridge.tip_width / 2):
+            moved = plate.model_copy(update={"position": plate.position + aside})
+            yield design.model_copy(update={"contact": design.contact.model_copy(update={"plate": moved})})
 
 
 def _left_out(design: Design, approach: float) -> Iterator[str]:
