@@ -154,7 +154,7 @@ def check(
             help="With --stress: tangential force; default: a quarter of the normal one.",
         ),
     ] = None,
-    advice: AdviceOption = True,
+    advice: AdviceOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Say whether all ridges touch a plate.
@@ -190,8 +190,8 @@ def check(
                 draw(staging)
     if not as_json:
         say(str(found) if films is None else f"{found}\n{films}\n  picture        {stress}")
-    if advice and budget is None and measured is None:
-        found = advised(design, found, as_json)
+    if measured is None:
+        found = advised(design, found, advice, budget, as_json)
     if as_json:
         show(found.as_json() | (films.as_json() if films else {}), True, "")
     raise typer.Exit(0 if found.passed else 1)

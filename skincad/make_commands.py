@@ -63,7 +63,7 @@ def make(
         ),
     ] = False,
     opened: OpenOption = False,
-    advice: AdviceOption = True,
+    advice: AdviceOption = None,
     scenes: ScenesOption = [],  # noqa: B006
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
@@ -101,8 +101,8 @@ def make(
         deliver(found, False, written)
     if opened:
         _open(target)
-    if advice and found.check is not None and budget is None:
-        found = replace(found, check=advised(design, found.check, as_json))
+    if found.check is not None:
+        found = replace(found, check=advised(design, found.check, advice, budget, as_json))
     if as_json:
         deliver(found, True, written)
     raise typer.Exit(0 if found.passed else 1)
@@ -158,13 +158,21 @@ def _open(folder: Path) -> None:
         typer.echo(f"skincad: no browser answers; open {page}", err=True)
 
 
-def advised(design: Design, found: ContactCheck, quiet: bool) -> ContactCheck:
-    """Return a verdict with its advice, each line of which is printed when it is known, unless `quiet`."""
-    from skincad.outputs.checks import advice_lines
-    from skincad.studies.advice import advising
+def advised(
+    design: Design, found: ContactCheck, advice: bool | None, budget: float | None, quiet: bool
+) -> ContactCheck:
+    """Return a check with its advice, each line of which is printed when it is known, unless `quiet`.
 
+    `advice` None stops in time, or leaves it out where the check had a budget.
+    """
+    from skincad.outputs.checks import advice_lines
+    from skincad.studies.advice import advising, patience
+
+    if advice is False or (advice is None and budget is not None):
+        return found
+    limit = None if advice else patience(found)
     told, printed = found, 0
-    for told in one_by_one(ADVICE_STAGES, partial(advising, design, found)):
+    for told in one_by_one(ADVICE_STAGES, partial(advising, design, found, budget=limit)):
         lines = advice_lines(told)[printed:]
         printed += len(lines)
         if lines and not quiet:

@@ -70,8 +70,13 @@ TierOption = Annotated[
     ),
 ]
 AdviceOption = Annotated[
-    bool,
-    typer.Option("--advice/--no-advice", help="Look for changes with which a design that fails would pass."),
+    bool | None,
+    typer.Option(
+        "--advice/--no-advice",
+        help="Look for changes with which a design that fails would pass. Default: for as long as the check "
+        "took, or 10 s; --advice takes as long as it needs.",
+        show_default=False,
+    ),
 ]
 ScenesOption = Annotated[
     list[str],

@@ -81,10 +81,10 @@ class Estimate:
         """Return `{"value", "error"}`; the unit is the key's suffix."""
         return {"value": self.value, "error": self.error}
 
-    def span(self, lowest: float = 0.0) -> str:
-        """Return a rough number as `70 to 890 EUR`: where the error is more than ROUGH of the value, and from
+    def span(self, lowest: float = 0.0, rough: float = ROUGH) -> str:
+        """Return a rough number as `70 to 890 EUR`: where the error is more than `rough` of it, and from
         `lowest` on; else as `str` does."""
-        if self.value is None or self.error is None or self.error <= ROUGH * abs(self.value):
+        if self.value is None or self.error is None or self.error <= rough * abs(self.value):
             return str(self)
         low, high = max(lowest, self.value - self.error), self.value + self.error
         digits = 1 - math.floor(math.log10(max(abs(low), abs(high))))

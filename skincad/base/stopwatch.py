@@ -29,6 +29,11 @@ def clock(seconds: float) -> str:
     return f"{minutes}:{rest:02d}"
 
 
+def about(seconds: float) -> str:
+    """Return an expected time with two digits: 168 as "170 s"."""
+    return f"{float(f'{seconds:.2g}'):g} s"
+
+
 @dataclass
 class Stopwatch:
     """Collects seconds by stage; `progress` is told each stage's name as it begins."""

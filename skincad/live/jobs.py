@@ -34,14 +34,14 @@ class Signals:
 def judged(design: Design, tell: Tell) -> None:
     """Tell each tier's verdict, then the last one as `skincad check` has it, its advice as it is found."""
     from skincad.mechanics.touching import check
-    from skincad.studies.advice import advising
+    from skincad.studies.advice import advising, patience
 
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
     found = check(design, progress=stage, told=lambda verdict: tell("tier", verdict))
     tell("verdict", found)
-    for more in advising(design, found, stage):
+    for more in advising(design, found, stage, patience(found)):
         tell("verdict", more)
 
 

@@ -10,7 +10,7 @@ from time import perf_counter
 from skincad.base.climbing import overrun
 from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.stopwatch import Progress, about
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
@@ -63,6 +63,9 @@ LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
 # of an asked tolerance, what `auto` leaves to the mesh, and where the model leaves nothing out
 MESH_SHARE, LAST_SHARE = 0.3, 0.5
 FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
+# s; where neither tolerance nor budget are given, no model is begun that would end later
+PATIENCE = 120.0
+LARGE = 12.0  # s of the linear model by its law: such a pad starts on the coarsest mesh, as with a budget
 Told = Callable[[ContactCheck], object]  # is given each tier's verdict as it is known
 
 
@@ -91,30 +94,40 @@ class Climb:
         """Climb until the error is met, the verdict clear or the budget used."""
         request = Request(self.force, None, None, self.drops, parts=not self.drops)
         name = self.tiers[self._start(tol)]
-        if budget is not None and name != "winkler":
+        large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE
+        if name != "winkler" and (budget is not None or large):
             return self._within(request, tol, budget)
         return self._climbed(name, request, tol, budget)
 
-    def _within(self, request: Request, tol: float | None, budget: float) -> ContactCheck:
-        """Climb from the linear tier where it fits into the budget; the closed form is the least there is."""
+    def _within(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
+        """Climb from the linear tier where it fits into the budget, or PATIENCE; the closed form is the least
+        there is."""
+        limit = PATIENCE if budget is None else budget
         least = self.tiers[0] == "winkler"
         name = "linear" if "linear" in self.tiers else self.tiers[0]
         load(name)  # the library's import is no part of the budget
         self.began = perf_counter()
         try:
-            if least and name == "linear" and expected(name, self.design, set()) > HOPELESS * budget:
+            if least and name == "linear" and expected(name, self.design, set()) > HOPELESS * limit:
                 raise LateError(expected(name, self.design, set()))
-            return self._climbed(name, replace(request, must_fit=least), tol, budget)
+            return self._climbed(name, replace(request, must_fit=least, budget=limit), tol, budget)
         except LateError as late:
             found = self._tier("winkler", replace(request, tol=FINEST))
-            words = f"the linear tier would take about {late.seconds:.2g} s of the budget of {budget:g} s"
+            words = f"the linear tier would take about {about(late.seconds)} of the budget of {limit:g} s"
+            if budget is None:
+                words = (
+                    f"the linear tier would take about {about(late.seconds)}, and without --budget a check "
+                    f"takes about {PATIENCE:g} s at most"
+                )
             found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
             return with_shortfall(found, tol, 0.0)
 
     def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
         found: ContactCheck | None = None
+        limit = budget if budget is not None or tol is not None else PATIENCE
         while True:
-            left = None if budget is None else max(budget - self._spent() - self._yield(), LEAST)
+            timed = limit is not None and request.budget is not None  # by a budget, or as the pad is large
+            left = max(limit - self._spent() - self._yield(), LEAST) if limit and timed else None
             try:
                 found = self._tier(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
             except (InputError, RefusedError) as refusal:
@@ -122,7 +135,8 @@ class Climb:
                 if found is None:
                     raise
                 later = self.tiers[self.tiers.index(name) + 1 :]
-                if later and budget is None and isinstance(refusal, InputError) and refusal.key == "force":
+                by_force = isinstance(refusal, InputError) and refusal.key == "force"
+                if later and budget is None and by_force and self._ends(later[0]) <= (limit or math.inf):
                     name = later[0]  # a plane model's limit need not be the solid's
                     continue
                 found = before_refusal(found, name, refusal)
@@ -130,7 +144,7 @@ class Climb:
             enough = budget is None and self._settled(found) if tol is None else self._met(found, tol)
             if found.next_tier is None or (not outgrown(self.design, found) and (found.beyond or enough)):
                 break
-            if budget is not None and self._spent() + found.next_tier[1] > budget:
+            if limit is not None and self._spent() + found.next_tier[1] > limit:
                 break
             name, request = found.next_tier[0], replace(request, must_fit=False)
         found = unasked_left_out(self._with_yield(found))
@@ -178,6 +192,10 @@ class Climb:
     def _settled(self, found: ContactCheck) -> bool:
         """Whether the verdict is clear, or what no tier takes away keeps it open in any case."""
         return decided(found) or lost(found, self.friction.stays(found.left_out))
+
+    def _ends(self, name: str) -> float:
+        """Seconds from the check's beginning to the end of a model that is begun now."""
+        return self._spent() + self._seconds(name)
 
     def _spent(self) -> float:
         return perf_counter() - self.began
@@ -314,6 +332,11 @@ class Climb:
 def outgrown(design: Design, found: ContactCheck) -> bool:
     """Whether a tier for small strains has found that they are not: a better one has to say what then."""
     return is_small_strain(found.tier) and (bool(found.beyond) or strained(design, found))
+
+
+def _law_seconds(name: str, design: Design) -> float:
+    """Return the seconds of a model by its law alone: the same on every machine."""
+    return TIERS[name].law.at(TIERS[name].size(design))
 
 
 def mesh_tolerance(name: str, tol: float | None) -> float:

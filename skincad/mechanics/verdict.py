@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
+from skincad.base.stopwatch import about
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import FLOOR, Answer, DeformedPiece, Manufacture
 
@@ -27,21 +28,34 @@ class AskedTier(NamedTuple):
 @dataclass(frozen=True)
 class Change:
     """One key's value `before` and `after`, with which the design passes: all ridges touch from
-    `all_touch_force` on."""
+    `all_touch_force` on.
+
+    The verdict's own model has checked it; if not, `model` is the cheaper one that it is estimated with.
+    """
 
     key: str
-    before: float
-    after: float
+    before: float | str
+    after: float | str
     all_touch_force: Estimate
+    model: str = ""
 
     def __str__(self) -> str:
         """As `skin.curvature_radius 60 -> 76`."""
-        return f"{self.key} {self.before:g} -> {self.after:g}"
+        before, after = (
+            value if isinstance(value, str) else f"{value:g}" for value in (self.before, self.after)
+        )
+        return f"{self.key} {before} -> {after}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the change as in `--json`."""
-        force = self.all_touch_force.as_json()
-        return {"key": self.key, "before": self.before, "after": self.after, "all_touch_force_N": force}
+        return {
+            "key": self.key,
+            "before": self.before,
+            "after": self.after,
+            "all_touch_force_N": self.all_touch_force.as_json(),
+            "checked": not self.model,
+            "estimated_with": self.model or None,
+        }
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,6 +89,8 @@ class ContactCheck(Result):
     tipping: float = 0.0  # what the most loaded ridge bears of the force at which it tips over
     cause: str = ""  # why it fails, where that was asked
     changes: tuple[Change, ...] | None = None  # single ones with which it would pass; None: not looked for
+    advice_notes: tuple[str, ...] = ()  # what the search for changes could not do
+    hurried: bool = False  # whether that search took cheaper models to end in time
     friction: float | None = None  # the plate's coefficient; None where it is not known
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False)  # by the linear tier, if it solved
 
@@ -106,7 +122,7 @@ class ContactCheck(Result):
             return "give contact.friction: without friction's error it is decided."
         if self.next_tier and not lost(self, by_both):
             model, seconds = self.next_tier
-            return f"`--model {model}` (about {seconds:.2g} s) may decide."
+            return f"`--model {model}` (about {about(seconds)}) may decide."
         if by_friction and not lost(self, by_both - by_friction):
             return "give contact.friction: its error alone leaves this open."
         lower, upper = self.all_touch_force.lower or 0.0, self.all_touch_force.upper
@@ -172,7 +188,9 @@ class ContactCheck(Result):
             "beyond_range": self.beyond or None,
             "tipping": self.tipping,
             "cause": self.cause or None,
-            "changes": None if self.changes is None else [change.as_json() for change in self.changes],
+            "changes": [change.as_json() for change in self.changes or ()],
+            "changes_searched": None if self.changes is None else "partial" if self.hurried else "complete",
+            "advice_notes": list(self.advice_notes),
         }
 
     def _manufacture(self) -> dict[str, Any]:

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from skincad.base.estimate import Estimate
 from skincad.base.result import Writer
+from skincad.base.stopwatch import about
 from skincad.mechanics.verdict import ContactCheck
 
 if TYPE_CHECKING:
@@ -21,7 +23,7 @@ UNCHECKED = "Not checked whether all ridges touch."  # what a job says that leav
 
 def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
-    needed, plate = check.all_touch_force, f"a {check.plate} plate at {check.force:g} N"
+    needed, plate = _shown(check.all_touch_force), f"a {check.plate} plate at {check.force:g} N"
     every = "both ridges" if check.ridges == 2 else f"all {check.ridges} ridges"
     if check.beyond:
         return f"UNDECIDED: {check.beyond}."
@@ -33,13 +35,18 @@ def verdict(check: ContactCheck) -> str:
     if check.verdict == "fails":
         need = (
             "the force that all need is beyond the model's range"
-            if needed.value is None
+            if check.all_touch_force.value is None
             else f"all need {needed}"
         )
         return f"FAILS: {some}; {need}."
     if check.touching < check.ridges:
         return f"UNDECIDED: {some}. All need {needed}, which may be less."
     return f"UNDECIDED: {some}, but the force they need is {needed}."
+
+
+def _shown(positive: Estimate) -> str:
+    """Return a number that can't be below 0: as a range where its error reaches that far."""
+    return positive.span(rough=1.0)
 
 
 def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
@@ -70,7 +77,7 @@ def verdict_lines(check: ContactCheck) -> list[str]:
         verdict(check),
         *([f"Next: {check.next_step}"] if check.next_step else []),
         *_margin_lines(check),
-        f"  approach       {check.approach}",
+        f"  approach       {_shown(check.approach)}",
         f"  ridge forces   {shares} (± {error:.1g}) N",
         *_model_lines(check),
         *_manufacture_lines(check),
@@ -96,12 +103,12 @@ def _margin_lines(check: ContactCheck) -> list[str]:
 def _model_lines(check: ContactCheck) -> list[str]:
     lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
     lines += [
-        f"  tried first    {asked.tier}: {asked.all_touch_force}, {asked.seconds:.2f} s"
+        f"  tried first    {asked.tier}: {_shown(asked.all_touch_force)}, {asked.seconds:.2f} s"
         for asked in check.climbed
     ]
     if check.next_tier and not check.next_step:
         tier, seconds = check.next_tier
-        lines.append(f"  more accurate  --model {tier}, about {seconds:.2g} s more")
+        lines.append(f"  more accurate  --model {tier}, about {about(seconds)} more")
     return lines
 
 
@@ -142,11 +149,16 @@ def _manufacture_lines(check: ContactCheck) -> list[str]:
 
 def advice_lines(check: ContactCheck) -> list[str]:
     """Return why the design fails and what would pass, as far as it is known: more only adds lines."""
-    changes = [f"{change} alone" for change in check.changes or ()]
+    lines = [f"  cause          {check.cause}"] if check.cause else []
+    for change in check.changes or ():
+        lines += [
+            f"  may pass       {change} alone, estimated with the {change.model} model"
+            if change.model
+            else f"  would pass     {change} alone"
+        ]
     if check.changes == ():
-        changes = ["no single change that was tried"]
-    causes = [f"  cause          {check.cause}"] if check.cause else []
-    return causes + [f"  would pass     {change}" for change in changes]
+        lines += ["  would pass     no single change that was tried"]
+    return lines + [f"  note           {note}" for note in check.advice_notes]
 
 
 def manifest(check: ContactCheck) -> dict[str, Any]:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from bench.campaign.random_designs import drawn
-from skincad import InputError, RefusedError, check
+from skincad import InputError, RefusedError, check, load
+from skincad.mechanics import climb
 from skincad.mechanics.verdict import ContactCheck
 
 NEAR = 0.03  # relative: how far the applied forces lie from the one that is needed
@@ -63,3 +64,26 @@ def test_verdicts_near_the_needed_force_agree_with_themselves(model: str, member
     """Before, a corrected count contradicted its force: "4 of 6 touch at 2.49 N; all need 2.44 N"."""
     for found in near_the_needed_force(model, members):
         consistent(found)
+
+
+def test_without_tolerance_or_budget_no_late_model_is_begun(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An undecided check names the next model and its time; with a tolerance it takes the time it needs."""
+    monkeypatch.setattr(climb, "PATIENCE", 0.0)
+    design = load("plain-ridges", ["contact.force=3.0"])
+    early = check(design)
+    assert (early.tier, early.verdict) == ("linear", "undecided")
+    assert early.next_step.startswith("`--model corrected` (about ")
+    assert check(design, tol=0.3).tier != "linear"
+
+
+def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """999 ridges had no answer in 250 s. Here every pad is large, and there is no time."""
+    monkeypatch.setattr(climb, "PATIENCE", 1e-6)
+    monkeypatch.setattr(climb, "LARGE", 0.0)
+    verdict = check(load("plain-ridges", ["contact.force=3.0"]))
+    assert verdict.tier == "winkler"
+    assert any("without --budget a check takes about" in note for note in verdict.warnings)
+    assert verdict.next_tier is not None
+    assert verdict.next_tier[0] == "linear"

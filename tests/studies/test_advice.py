@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from skincad.base.errors import InputError
 from skincad.cli import run
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.inputs.silicone import silicones
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.outputs.checks import advice_lines, lines, verdict_lines
 from skincad.studies.advice import LEVERS, advise, advising, cause
@@ -77,6 +79,67 @@ def test_the_modulus_keeps_its_range() -> None:
     (softer,) = (c for c in changes(wide) if c.key == "material.young_modulus")
     after = silicone(changed(wide, {softer.key: softer.after})).young_modulus  # type: ignore[arg-type]
     assert (after.low / after.value, after.high / after.value) == pytest.approx((0.75, 1.5))
+
+
+def named(force: float) -> Design:
+    """Of dragon-skin-30, 0.8 MPa, and half as curved: 2.04 N at most by the closed form."""
+    return skincad.load("plain-ridges").with_(skin={"curvature_radius": 120.0}, contact={"force": force})
+
+
+@pytest.mark.parametrize("force", [0.6, 1.0, 1.9])
+def test_a_named_silicone_is_changed_to_another_one(force: float) -> None:
+    """Nobody sells 0.034 MPa. The hardest silicone that passes is named, and the next harder one fails."""
+    (change,) = (c for c in changes(named(force)) if c.key.startswith("material."))
+    assert (change.key, change.before) == ("material.name", "dragon-skin-30")
+    moduli = {name: row.young_modulus.value for name, row in silicones().items()}
+    harder = [name for name, modulus in moduli.items() if moduli[str(change.after)] < modulus < 0.8]
+    for name, passes in [(change.after, True), *((name, False) for name in harder)]:
+        # 0.95, the aim: a silicone within 5 % of the limit is left out
+        verdict = check(changed(named(force), {"material.name": name}), tier="winkler")  # type: ignore[arg-type]
+        assert (verdict.all_touch_force.upper or 0.0) <= (force if passes else math.inf)
+        assert passes or (verdict.all_touch_force.upper or 0.0) > 0.95 * force
+    assert str(change) == f"material.name dragon-skin-30 -> {change.after}"
+
+
+def test_that_no_silicone_is_soft_enough_is_a_note() -> None:
+    advised = advise(named(0.05), check(named(0.05), tier="winkler"))
+    assert not any(change.key.startswith("material.") for change in advised.changes or ())
+    (note,) = advised.advice_notes
+    assert note.startswith("no silicone in the list was found soft enough: it takes about 0.0")
+    assert advice_lines(advised)[-1] == f"  note           {note}"
+    assert advised.as_json()["advice_notes"] == [note]
+
+
+def test_a_silicone_that_strains_too_much_is_not_called_too_hard() -> None:
+    """ecoflex-00-50 is soft enough, but the closed form's range ends before the strain that it needs."""
+    design = skincad.load("plain-ridges").with_(contact={"force": 1.0})
+    (note,) = advise(design, check(design, tier="winkler")).advice_notes
+    assert note.startswith(
+        "it takes about 0.18 MPa; the winkler model can't confirm that the design passes with"
+    )
+
+
+def test_advice_in_no_time_is_estimated_and_says_so() -> None:
+    """With a budget of 0 s each change is the closed form's, scaled by the verdict's all-touch force."""
+    verdict = check(plain(2.0), tier="linear", tol=0.05)
+    advised = advise(plain(2.0), verdict, budget=0.0)
+    assert {change.model for change in advised.changes or ()} == {"winkler"}
+    assert all((change.all_touch_force.upper or 0.0) <= 2.0 for change in advised.changes or ())
+    data = advised.as_json()
+    assert data["changes_searched"] == "partial"
+    assert [change["checked"] for change in data["changes"]] == [False] * len(advised.changes or ())
+    *_, first, last = advice_lines(advised)
+    assert first.startswith("  may pass       ")
+    assert first.endswith(" alone, estimated with the winkler model")
+    assert last.startswith("  note           to end within 0 s, ridge.levelling, skin.curvature_radius")
+    whole = advise(plain(2.0), check(plain(2.0), tier="winkler"), budget=1e6)
+    assert whole.as_json()["changes_searched"] == "complete"
+    assert all(change.model == "" for change in whole.changes or ())
+
+
+def test_changes_are_a_list_in_json_always() -> None:
+    verdict = check(plain(8.0), tier="winkler")
+    assert (verdict.as_json()["changes"], verdict.as_json()["changes_searched"]) == ([], None)
 
 
 def test_heights_of_ones_own_are_not_levelled_as_well() -> None:

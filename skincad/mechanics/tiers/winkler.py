@@ -150,7 +150,9 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     reached = found.approach * approach
     others = [line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer)]
     for moved in _step_moved(design):
-        others += [line_forces(moved, _approach(moved, force, f), f) for f in (1, found.stiffer, found.softer)]
+        others += [
+            line_forces(moved, _approach(moved, force, f), f) for f in (1, found.stiffer, found.softer)
+        ]
         missed = max(missed, (1 + found.threshold) * all_touch_force(moved) - threshold)
         reached = max(reached, (1 + found.approach) * _approach(moved, force) - approach)
     error = share_error(found, shares, tuple(others))

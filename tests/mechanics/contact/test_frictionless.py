@@ -99,3 +99,12 @@ def test_sweeps_that_settle_on_nothing_are_refused(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(contact, "SWEEPS", 1)
     with pytest.raises(ContactError, match="does not settle"):
         press(flexibility, gap, 0.5, np.ones(60, bool), definite=False)
+
+
+def test_a_flexibility_that_is_not_definite_starts_from_the_lowest_point() -> None:
+    """Two ridges that bend sideways push each other up: the first guess of the approach is negative. Before,
+    no point touched then. By hand the lower one carries all, and the other opens by 3 + 1."""
+    state = press(np.array([[1.0, -3.0], [-3.0, 1.0]]), np.array([0.0, 10.0]), 1.0, definite=False)
+    assert state.force == pytest.approx([1.0, 0.0])
+    assert state.approach == pytest.approx(1.0)
+    assert state.gap == pytest.approx([0.0, 10.0 - 4.0])

@@ -120,7 +120,9 @@ def on_a_step(seed: int) -> Design:
         "height": height * math.exp(dice.uniform(math.log(0.01), math.log(0.8))),
         "position": crest - design.ridge.tip_width * dice.uniform(-0.55, 0.55),
     }
-    return design.with_(skin={"curvature_radius_y": None}, contact={"plate": step, "force": dice.uniform(1, 20)})
+    return design.with_(
+        skin={"curvature_radius_y": None}, contact={"plate": step, "force": dice.uniform(1, 20)}
+    )
 
 
 def missed_on_steps(seeds: Iterable[int]) -> Array:
