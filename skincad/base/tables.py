@@ -124,6 +124,14 @@ def _kinds(annotation: Any) -> Iterator[Any]:
         yield from _kinds(inner)
 
 
+def no_entry(key: str, entries: int = 0) -> InputError:
+    """Return the error of a key whose last part is no entry, from 1, of its list of so many."""
+    if entries:
+        return InputError(key, f"must name one of the list's {entries} entries, from 1 to {entries}")
+    whole = key.rpartition(".")[0]
+    return InputError(key, f"there is no list {whole} yet", remedy=f"give the whole list first: {whole}=[...]")
+
+
 def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
     """Return the unit of the field at this path, or "" where it has none."""
     inner: type[BaseModel] = model
@@ -155,6 +163,9 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     if error["type"] == "missing":
         return InputError(key, "is missing", remedy=f"give {key} a value")
     if isinstance(given, dict):
+        entry = next(iter(given), "")
+        if error["type"] in ("list_type", "tuple_type") and str(entry).isdecimal():
+            return no_entry(f"{key}.{entry}")
         given = "a table"
     if error["type"] == "string_pattern_mismatch":
         return InputError(key, f"must be {model.model_fields[path[-1]].description}", given)
@@ -164,6 +175,8 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     rule = re.sub("^(Input|String|List|Tuple) should", "must", error["msg"]).partition(" after validation")[0]
     rule = rule.replace("a valid integer", "an integer").replace("valid ", "").replace("a tuple", "a list")
     unit = "" if "too_" in error["type"] else unit_of(model, path)  # a length has none
+    if error["type"] == "int_type" and isinstance(given, float) and given.is_integer():
+        return InputError(key, f"{rule}, got {given}", remedy=f"write {given:.0f}")  # 9.0 is not to read 9
     return InputError(key, rule + (f" ({unit})" if unit else ""), given)
 
 
