@@ -129,7 +129,9 @@ def no_entry(key: str, entries: int = 0) -> InputError:
     if entries:
         return InputError(key, f"must name one of the list's {entries} entries, from 1 to {entries}")
     whole = key.rpartition(".")[0]
-    return InputError(key, f"there is no list {whole} yet", remedy=f"give the whole list first: {whole}=[...]")
+    return InputError(
+        key, f"there is no list {whole} yet", remedy=f"give the whole list first: {whole}=[...]"
+    )
 
 
 def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
@@ -154,7 +156,7 @@ def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
 
 def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     path = tuple(str(p) for p in error["loc"])
-    key, given = ".".join(path), error.get("input")
+    key = ".".join(path)
     cause = error.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
         return cause.under(key)
@@ -162,6 +164,11 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
         return _unknown_key(model, path)
     if error["type"] == "missing":
         return InputError(key, "is missing", remedy=f"give {key} a value")
+    return _wrong_value(model, path, error)
+
+
+def _wrong_value(model: type[BaseModel], path: tuple[str, ...], error: ErrorDetails) -> InputError:
+    key, given = ".".join(path), error.get("input")
     if isinstance(given, dict):
         entry = next(iter(given), "")
         if error["type"] in ("list_type", "tuple_type") and str(entry).isdecimal():

@@ -77,7 +77,9 @@ def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:
             "ridge.count",
             f"at most {most} ridges of this pitch and root fit on skin.width",
             ridge.count,
-            "take fewer ridges, a smaller pitch or a wider skin" if most else "take a wider skin or a smaller root",
+            "take fewer ridges, a smaller pitch or a wider skin"
+            if most
+            else "take a wider skin or a smaller root",
         )
 
 

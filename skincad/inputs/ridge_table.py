@@ -81,7 +81,9 @@ class Ridge(Table):
     @model_validator(mode="after")
     def _pitched(self) -> Self:
         if self.pitch is None and self.count > 1:
-            raise InputError("pitch", "is missing", remedy="give ridge.pitch a value; only one ridge needs none")
+            raise InputError(
+                "pitch", "is missing", remedy="give ridge.pitch a value; only one ridge needs none"
+            )
         return self
 
     @model_validator(mode="after")
