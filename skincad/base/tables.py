@@ -182,7 +182,7 @@ def _wrong_value(model: type[BaseModel], path: tuple[str, ...], error: ErrorDeta
     rule = re.sub("^(Input|String|List|Tuple) should", "must", error["msg"]).partition(" after validation")[0]
     rule = rule.replace("a valid integer", "an integer").replace("valid ", "").replace("a tuple", "a list")
     unit = "" if "too_" in error["type"] else unit_of(model, path)  # a length has none
-    if error["type"] == "int_type" and isinstance(given, float) and given.is_integer():
+    if error["type"] == "int_type" and isinstance(given, float) and given.is_integer() and abs(given) < 1e9:
         return InputError(key, f"{rule}, got {given}", remedy=f"write {given:.0f}")  # 9.0 is not to read 9
     return InputError(key, rule + (f" ({unit})" if unit else ""), given)
 
