@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import redirect_stdout
+from html import escape
 from io import StringIO
 from time import perf_counter
 from traceback import print_exc
@@ -108,7 +109,7 @@ class Page:
                     self.desk.came = came
                     call(*arguments)
             except Exception as failure:  # no click may end a page
-                self._tell(self._state, f"<b>{type(failure).__name__}</b>: {failure}")
+                self._tell(self._state, f"<b>{type(failure).__name__}</b>: {escape(str(failure))}")
                 print_exc(file=sys.stderr)
 
         return called
