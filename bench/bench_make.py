@@ -17,7 +17,11 @@ def run(code: str, *arguments: str) -> tuple[float, str]:
     """Return a Python process's wall time, s, and what it printed."""
     begin = perf_counter()
     done = subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=3600,
     )
     return perf_counter() - begin, done.stdout
 

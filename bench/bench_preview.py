@@ -26,7 +26,7 @@ def main(design: str = "yamada-2002", rounds: str = "3") -> None:
             for name, words in COMMANDS.items():
                 asked = [word.format(design=design, folder=folder) for word in words]
                 began = perf_counter()
-                subprocess.run([sys.executable, *asked], capture_output=True, check=False)
+                subprocess.run([sys.executable, *asked], capture_output=True, check=False, timeout=3600)
                 taken[name].append(perf_counter() - began)
     base = median(taken["import cadquery"])
     for name, seconds in taken.items():

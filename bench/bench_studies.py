@@ -50,7 +50,7 @@ def main() -> None:
     count = parser.parse_args().count
     command = [sys.executable, "-m", "skincad", "check", DESIGN, "--tier", "linear", "--no-advice", "--json"]
     began = perf_counter()
-    subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
+    subprocess.run(command, check=False, stdout=subprocess.DEVNULL, timeout=3600)
     alone = perf_counter() - began
     one, two = swept(count, 1), swept(count, 2)
     print(f"{count} linear evaluations: {one:.1f} s by one worker, {two:.1f} s by two: {two / one:.2f}")

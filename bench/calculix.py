@@ -275,7 +275,9 @@ def _children() -> float:
 def run_program(command: list[str], folder: Path) -> str:
     """Return what a program prints, run in the folder on one processor; raise RuntimeError where it fails."""
     settings = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run(command, cwd=folder, env=settings, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=folder, env=settings, capture_output=True, text=True, check=False, timeout=3600
+    )
     if done.returncode:
         raise RuntimeError(f"{command[0]} failed: {done.stdout[-2000:]}{done.stderr[-500:]}")
     return done.stdout

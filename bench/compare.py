@@ -34,11 +34,13 @@ def tree(revision: str) -> Iterator[Path]:
         return
     with tempfile.TemporaryDirectory() as folder:
         git = ["git", "-C", str(HERE), "worktree"]
-        subprocess.run([*git, "add", "--quiet", "--detach", f"{folder}/tree", revision], check=True)
+        subprocess.run(
+            [*git, "add", "--quiet", "--detach", f"{folder}/tree", revision], check=True, timeout=3600
+        )
         try:
             yield Path(folder) / "tree"
         finally:
-            subprocess.run([*git, "remove", "--force", f"{folder}/tree"], check=True)
+            subprocess.run([*git, "remove", "--force", f"{folder}/tree"], check=True, timeout=3600)
 
 
 def jobs(trees: Sequence[Path], only: str | None, names: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -54,7 +56,9 @@ def run(checkout: Path, folder: Path, command: str, name: str) -> None:
     folder.mkdir(parents=True)
     words = [sys.executable, "-m", "skincad", command, name, "--json", "-o", "out"]
     environment = {**os.environ, "PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        words, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=3600
+    )
     told = {"status": done.returncode, "printed": json.loads(done.stdout) if done.stdout else done.stderr}
     (folder / "run.json").write_text(json.dumps(told), encoding="utf-8")
 

@@ -109,6 +109,7 @@ def recorded(tree: Path, kept: Path, texts: Path) -> Covered:
             env={**os.environ, "PYTHONPATH": str(tree), "COVERAGE_FILE": str(data)},
             check=False,  # a test that fails sees nothing
             stdout=subprocess.DEVNULL,
+            timeout=14400,
         )
     found = CoverageData(str(data))
     found.read()

@@ -67,6 +67,7 @@ def alone(function: Callable[..., dict[str, Any]], *arguments: object) -> dict[s
         text=True,
         check=False,
         env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        timeout=3600,
     )
     if done.returncode:
         raise RuntimeError(done.stderr[-2000:])

@@ -70,7 +70,7 @@ def drawn(tree: Path, pattern: str, seed: int, number: int) -> list[tuple[Mutant
 def copy(tree: Path, target: Path) -> None:
     """Copy what git tracks of a tree, and what it doesn't ignore."""
     words = ["git", "-C", str(tree), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-    names = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    names = subprocess.run(words, capture_output=True, text=True, check=True, timeout=3600).stdout
     for name in filter(None, names.split("\0")):
         if (tree / name).is_file():
             (target / name).parent.mkdir(parents=True, exist_ok=True)
@@ -110,7 +110,7 @@ def verdict(tree: Path, tests: Sequence[str], limit: float | None) -> str | None
         said, _ = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
+        process.communicate(timeout=60)
         return "too long"
     if process.returncode == 0 and " passed" in said:  # not all skipped or deselected
         return None

@@ -3,12 +3,18 @@
 >>> design = skincad.load_design("yamada-2002")
 >>> skincad.check(design).passed
 True
+>>> skincad.check("yamada-2002").passed
+True
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from inspect import isfunction, signature, unwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from skincad.base.version import __version__ as __version__
 
@@ -17,32 +23,36 @@ if TYPE_CHECKING:
     from skincad.base.errors import RefusedError as RefusedError
     from skincad.base.errors import UnclearError as UnclearError
     from skincad.base.estimate import Estimate as Estimate
-    from skincad.circuit.bode import gain as gain
+    from skincad.circuit.bode import gain as _gain
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
-    from skincad.fabrication.making import make as make
+    from skincad.fabrication.making import make as _make
     from skincad.inputs.catalog import load as load
     from skincad.inputs.catalog import load_design as load_design
     from skincad.inputs.catalog import template_names as template_names
     from skincad.inputs.design import Design as Design
-    from skincad.ladders.climbing import accuracy as accuracy
+    from skincad.ladders.climbing import accuracy as _accuracy
     from skincad.material.fit import fit_material as fit_material
-    from skincad.mechanics.film.stress import film_stress as film_stress
-    from skincad.mechanics.touching import check as check
+    from skincad.mechanics.film.stress import film_stress as _film_stress
+    from skincad.mechanics.touching import check as _check
     from skincad.outputs.delivery import write as write
-    from skincad.packages.packing import package as package
+    from skincad.packages.packing import package as _package
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
-    from skincad.scenes.simulation import simulate as simulate
-    from skincad.shape.cross_section import section as section
-    from skincad.solids.mold import mold_solids as mold_solids
-    from skincad.solids.skin import skin_solid as skin_solid
-    from skincad.studies.advice import advise as advise
-    from skincad.studies.optimising import optimise as optimise
-    from skincad.studies.solving import solve as solve
+    from skincad.scenes.simulation import simulate as _simulate
+    from skincad.shape.cross_section import Section
+    from skincad.solids.mold import mold_solids as _mold_solids
+    from skincad.solids.skin import skin_solid as _skin_solid
+    from skincad.studies.advice import advise as _advise
+    from skincad.studies.optimising import optimise as _optimise
+    from skincad.studies.solving import solve as _solve
     from skincad.studies.study import Study as Study
     from skincad.studies.study import load_study as load_study
-    from skincad.studies.sweeping import sweep as sweep
+    from skincad.studies.sweeping import sweep as _sweep
+
+S = TypeVar("S")
+R = TypeVar("R")
+P = ParamSpec("P")
 
 _HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
     "Circuit": "circuit.model:Circuit",
@@ -79,13 +89,66 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 
 
+# by the name of a public function's argument: what loads it where a name or a path is given instead
+_LOADERS = {
+    "design": "inputs.catalog:load_design",
+    "scene": "scenes.scene:load_scene",
+    "circuit": "circuit.model:load_circuit",
+    "subject": "studies.subject:load_subject",
+    "study": "studies.study:load_study",
+}
+
+
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name not in _HOMES:
         raise AttributeError(f"module 'skincad' has no attribute '{name}'")
-    module, _, thing = _HOMES[name].partition(":")
-    globals()[name] = found = getattr(import_module(f"skincad.{module}"), thing)
-    return found
+    thing = _imported(_HOMES[name])
+    globals()[name] = by_name(thing) if isfunction(unwrap(thing)) else thing
+    return globals()[name]
+
+
+def _imported(home: str) -> Any:
+    module, _, thing = home.partition(":")
+    return getattr(import_module(f"skincad.{module}"), thing)
+
+
+def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S | str | Path, P], R]:
+    """Return a function that also takes a template's name or a TOML file in the place of what it is about."""
+    form = signature(function)
+    loaded = [name for name in form.parameters if name in _LOADERS]
+    if not loaded:
+        return function  # type: ignore[return-value]  # it has no such place
+
+    @wraps(function)
+    def call(*given: Any, **named: Any) -> R:
+        arguments = form.bind(*given, **named)
+        for name in loaded:
+            if isinstance(source := arguments.arguments.get(name), str | Path):
+                arguments.arguments[name] = _imported(_LOADERS[name])(source)
+        return function(*arguments.args, **arguments.kwargs)
+
+    call.__module__ = __name__  # where pickle finds it
+    return call
+
+
+if TYPE_CHECKING:
+    accuracy = by_name(_accuracy)
+    advise = by_name(_advise)
+    check = by_name(_check)
+    film_stress = by_name(_film_stress)
+    gain = by_name(_gain)
+    make = by_name(_make)
+    mold_solids = by_name(_mold_solids)
+    optimise = by_name(_optimise)
+    package = by_name(_package)
+    simulate = by_name(_simulate)
+    skin_solid = by_name(_skin_solid)
+    solve = by_name(_solve)
+    sweep = by_name(_sweep)
+
+    def section(design: Design | str | Path) -> Section:
+        """Return the design's section: a cache hides what it takes from type checkers."""
 
 
 def __dir__() -> list[str]:

@@ -256,6 +256,11 @@ def simulate(
     Only the effects that the scene names are computed. Signals as CSV and a picture appear in the output
     folder; Ctrl-C keeps what is done by then.
     """
+    from skincad.inputs.catalog import setting_key
+
+    for key, option, given in (("readout.steps", "at", at), ("readout.frames", "gif", gif)):
+        if given and key in map(setting_key, settings):
+            raise InputError(option, f"gives {key}, and --set does too", remedy="leave one of them out")
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
     try:
         scene = skincad.load_scene(source, [*settings, *drawn], silicones=silicones)
@@ -343,7 +348,7 @@ def fit_material(
     ] = None,
     copy: Annotated[
         Path | None,
-        typer.Option("-o", metavar="FILE", help="Write a copy of the design with modulus and law."),
+        typer.Option("-o", "--out", metavar="FILE", help="Write a copy of the design with modulus and law."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

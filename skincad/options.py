@@ -54,7 +54,8 @@ SiliconesOption = Annotated[
     typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones, a lab.toml."),
 ]
 OutOption = Annotated[
-    Path | None, typer.Option("-o", metavar="DIR", help="The folder to write to; default: out/<name>.")
+    Path | None,
+    typer.Option("-o", "--out", metavar="DIR", help="The folder to write to; default: out/<name>."),
 ]
 BudgetOption = Annotated[
     float | None,

@@ -36,7 +36,9 @@ def package(
     silicones: SiliconesOption = None,
     folder: Annotated[
         Path | None,
-        typer.Option("-o", metavar="DIR", help="The folder to write to; default: out/<name>/package."),
+        typer.Option(
+            "-o", "--out", metavar="DIR", help="The folder to write to; default: out/<name>/package."
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

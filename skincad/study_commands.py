@@ -76,7 +76,8 @@ def solve(
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     copy: Annotated[
-        Path | None, typer.Option("-o", metavar="FILE", help="Write the first solution as a TOML file.")
+        Path | None,
+        typer.Option("-o", "--out", metavar="FILE", help="Write the first solution as a TOML file."),
     ] = None,
     picture: Annotated[
         Path | None,

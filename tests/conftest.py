@@ -12,12 +12,14 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import IO
 
 import pytest
 import typer
@@ -26,6 +28,7 @@ import skincad
 from skincad.fabrication.making import MakeResult, PartReport
 from skincad.inputs.design import Design
 from skincad.outputs.delivery import Written
+from tests.processes import LIMIT
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -107,10 +110,22 @@ def made(yamada: Design, tmp_path_factory: pytest.TempPathFactory) -> Made:
     shared = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
     left = shared / "made.pickle"
     with (shared / "made.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        _wait_for(lock)
         if not left.exists():
             left.write_bytes(pickle.dumps(files_into(yamada, shared / "made" / "yamada-2002")))
     return pickle.loads(left.read_bytes())
+
+
+def _wait_for(lock: IO[str]) -> None:
+    """Lock a file once no other worker has it."""
+    deadline = time.monotonic() + LIMIT
+    while True:
+        try:
+            return fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.05)
 
 
 def pytest_configure() -> None:

@@ -17,7 +17,12 @@ def small_scene(folder: Path, name: str, *overrides: str) -> Scene:
     """A template's scene on the small skin, both written to `folder`."""
     (folder / "small.toml").write_text(small_skin(template_text("yamada-2002")))
     (folder / "scene.toml").write_text(template_text(name, "scenes"))
-    return load_scene(folder / "scene.toml", ["skin=small.toml", *overrides])
+    return load_scene(folder / "scene.toml", last_of_each("skin=small.toml", *overrides))
+
+
+def last_of_each(*settings: str) -> list[str]:
+    """Settings, of those of one key the last: skincad takes a key once."""
+    return list({text.partition("=")[0]: text for text in settings}.values())
 
 
 # a third of the ridges: about a third of the force

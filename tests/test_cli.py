@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import run_skincad, skincad_process
+from tests.processes import started
 
 CHECK_KEYS = {
     "name",
@@ -165,6 +166,7 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path, kind: str) -> Non
     done = subprocess.run(
         [sys.executable, "-m", "skincad", "make", "plain-ridges", *ONE_RIDGE, "-o", "here", "--format", kind],
         cwd=tmp_path, preexec_fn=small_disk, capture_output=True, text=True, check=False,
+        timeout=300,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr
     assert done.stderr.startswith("skincad: -o: ")
@@ -175,16 +177,15 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path, kind: str) -> Non
 
 @pytest.mark.slow
 def test_ctrl_c_exits_with_130_and_leaves_no_half_result(tmp_path: Path) -> None:
-    running = subprocess.Popen(
-        [sys.executable, "-c", "from skincad.cli import main; main()", "make", "yamada-2002", *ONE_RIDGE],
-        cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    deadline = time.monotonic() + 60
-    staging = "out/yamada-2002/.skincad-make-*/new"
-    while not list(tmp_path.glob(staging)) and time.monotonic() < deadline and running.poll() is None:
-        time.sleep(0.01)
-    running.send_signal(signal.SIGINT)
-    out, err = running.communicate(timeout=60)
+    words = [sys.executable, "-c", "from skincad.cli import main; main()", "make", "yamada-2002", *ONE_RIDGE]
+    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with started(words, cwd=tmp_path, **pipes) as running:
+        deadline = time.monotonic() + 60
+        staging = "out/yamada-2002/.skincad-make-*/new"
+        while not list(tmp_path.glob(staging)) and time.monotonic() < deadline and running.poll() is None:
+            time.sleep(0.01)
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=60)
     assert (running.returncode, out) == (130, ""), err
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())

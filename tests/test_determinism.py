@@ -61,7 +61,9 @@ def test_same_bytes_on_one_thread_and_on_two(job: str, tmp_path: Path) -> None:
 def other_version() -> str:
     program = "import numpy; print(numpy.__version__)"
     environment = {**os.environ, "PYTHONPATH": FIRST}
-    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, check=True, timeout=300
+    )
     return done.stdout.decode().strip()
 
 

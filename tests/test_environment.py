@@ -47,6 +47,7 @@ def written(folder: Path, **environment: str) -> dict[str, bytes]:
         capture_output=True,
         text=True,
         check=False,
+        timeout=300,
     )
     assert done.returncode == 0, done.stderr
     return contents(folder)

@@ -26,6 +26,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.base.outfolder import checked_folder, replaced
 from tests.conftest import run_skincad
+from tests.processes import started
 
 JOBS = {
     "make": ("make", "plain-ridges", "--format", "stl", "--set", "ridge.count=1", "--set", "skin.width=3.0"),
@@ -48,6 +49,7 @@ LOADED = {  # what a job imports and what takes long to import
     "simulate": ("skincad.scenes.simulation", "skincad.mechanics.tiers.linear", "skincad.pictures.canvas"),
     "circuit": ("skincad.circuit.bode", "skincad.pictures.circuit_figures"),
 }
+QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 TIMED = {"simulate.json"}  # tells how long the run took
 
 Contents = dict[str, str]
@@ -70,12 +72,6 @@ def _hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def started(job: str, other: bool, cwd: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        command(job, other), cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-
-
 @cache
 def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
     """What an undisturbed run leaves, and how many seconds it takes."""
@@ -83,7 +79,8 @@ def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
 
     with tempfile.TemporaryDirectory() as folder:
         began = time.monotonic()
-        assert started(job, other, Path(folder)).wait(timeout=300) in (0, 1)
+        with started(command(job, other), cwd=Path(folder), **QUIET) as running:
+            assert running.wait(timeout=300) in (0, 1)
         seconds = time.monotonic() - began
         return tuple(sorted(contents(Path(folder) / "here").items())), seconds
 
@@ -119,8 +116,9 @@ Ran = Callable[[bool, Path, float | None], int]
 def forking(job: str) -> Iterator[Ran]:
     """Run the job in a child of a process that has imported all of it, and kill it after so many seconds:
     a status. The libraries' seconds, in which nothing is written, are spent once."""
-    with subprocess.Popen(
+    with started(
         [sys.executable, "-c", FORKING, *LOADED[job]],
+        limit=800.0,  # of all runs of a slow test
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -210,7 +208,12 @@ OLD, NEW = {OLD}, {NEW}
 
 def run_program(program: str, folder: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", KILL + program], cwd=folder, capture_output=True, text=True, check=False
+        [sys.executable, "-c", KILL + program],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
     )
     assert done.returncode == 0, done.stderr
 
@@ -298,6 +301,7 @@ def test_what_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
             [sys.executable, "-c", "from pathlib import Path\nfrom skincad.base.outfolder import replaced\n"
              "with replaced(Path('here')) as two: (two / 'b').write_text('two')"],
             cwd=tmp_path, check=False,
+            timeout=300,
         )  # fmt: skip
         assert done.returncode == 0
         assert (one / "a").read_text() == "one"
@@ -309,8 +313,9 @@ def test_two_runs_into_one_folder_at_once(tmp_path: Path) -> None:
     """Both start together, twice: one of the two results is there, whole, and nothing beside it."""
     results = [dict(whole("circuit", other)[0]) for other in (False, True)]
     for _ in range(2):
-        runs = [started("circuit", other, tmp_path) for other in (False, True)]
-        assert [run.wait(timeout=300) for run in runs] == [0, 0]
+        one, two = (started(command("circuit", other), cwd=tmp_path, **QUIET) for other in (False, True))
+        with one as first, two as second:
+            assert [run.wait(timeout=300) for run in (first, second)] == [0, 0]
         assert contents(tmp_path / "here") in results
         assert [p.name for p in tmp_path.iterdir()] == ["here"]
         assert not list((tmp_path / "here").glob(".*"))
@@ -351,6 +356,7 @@ def test_a_full_disk(job: str, tmp_path: Path) -> None:
         command(job, True),
         cwd=tmp_path, capture_output=True, text=True, check=False,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000)),
+        timeout=300,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr
     assert done.stderr.count("\n") == 1
@@ -391,15 +397,16 @@ def test_ctrl_c(job: str, tmp_path: Path) -> None:
     long = command(job, True) + (["--set", "history.steps=200000"] if job == "simulate" else [])
     if job == "make":  # all files take seconds; STL alone is there before a signal is
         long = [word for word in long if word not in ("--format", "stl")]
-    running = subprocess.Popen(long, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     busy: Callable[[], bool] = lambda: bool(list(tmp_path.glob("here/.skincad-*")))  # noqa: E731
-    deadline = time.monotonic() + 60
-    while job == "make" and not busy() and running.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.01)
-    if job == "simulate":
-        time.sleep(2.5 * whole("simulate", True)[1])  # in the march: imports and meshing are over
-    running.send_signal(signal.SIGINT)
-    _, err = running.communicate(timeout=120)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with started(long, cwd=tmp_path, **pipes) as running:
+        deadline = time.monotonic() + 60
+        while job == "make" and not busy() and running.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.01)
+        if job == "simulate":
+            time.sleep(2.5 * whole("simulate", True)[1])  # in the march: imports and meshing are over
+        running.send_signal(signal.SIGINT)
+        _, err = running.communicate(timeout=120)
     assert running.returncode == 130, err
     assert "Traceback" not in err
     assert [p.name for p in tmp_path.iterdir()] == ["here"]

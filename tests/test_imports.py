@@ -26,7 +26,9 @@ def loaded_after(*steps: str) -> list[set[str]]:
     """The libraries loaded after each step of one process."""
     tell = "\nprint(*{m.split('.')[0] for m in sys.modules})\n"
     program = "import sys\n" + tell.join((*steps, ""))
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=300
+    )
     assert done.returncode == 0, done.stderr
     return [set(line.split()) for line in done.stdout.splitlines()]
 

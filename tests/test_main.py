@@ -20,6 +20,7 @@ from skincad import cli
 from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.outputs.delivery import ready
 from skincad.outputs.newfile import write_new
+from tests.processes import started
 
 # no library that takes long to load: advice is sought with scipy
 CHECK = "check plain-ridges --tier winkler --no-advice"
@@ -237,7 +238,12 @@ def test_a_kernel_that_does_not_load_for_another_reason_is_no_missing_library(tm
     for words, kind in (("initialization failed", "ImportError"), ("libGL.so.1: " + MISSING, "InputError")):
         (broken / "__init__.py").write_text(f"raise ImportError({words!r})")
         done = subprocess.run(
-            [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False
+            [sys.executable, "-c", program],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
         )
         assert kind in done.stderr.splitlines()[-1]
         assert ("apt-get" in done.stderr) == (kind == "InputError")
@@ -356,6 +362,7 @@ def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_pat
         done = subprocess.run(
             [sys.executable, "-c", text, *command.split()],
             cwd=tmp_path, capture_output=True, text=True, check=False,
+            timeout=300,
         )  # fmt: skip
         assert_ended(done.returncode, done.stdout, done.stderr, signum, tmp_path)
 
@@ -370,15 +377,14 @@ def test_signals_at_random_moments(command: str, times: int, tmp_path: Path) -> 
     text = AT.replace("== AT", "== 'skincad.cli'").replace("SEND", "os.write(2, b'.')")
     for i in range(times):
         signum = (signal.SIGINT, signal.SIGTERM)[i % 2]
-        running = subprocess.Popen(
-            [sys.executable, "-c", text, *command.split(), "-o", f"{i}"],
-            cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
-        assert running.stderr is not None
-        assert running.stderr.read(1) == "."
-        time.sleep(dice.uniform(0.0, 3.0))
-        running.send_signal(signum)
-        out, err = running.communicate(timeout=300)
+        words = [sys.executable, "-c", text, *command.split(), "-o", f"{i}"]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        with started(words, cwd=tmp_path, **pipes) as running:
+            assert running.stderr is not None
+            assert running.stderr.read(1) == "."
+            time.sleep(dice.uniform(0.0, 3.0))
+            running.send_signal(signum)
+            out, err = running.communicate(timeout=300)
         if running.returncode == 0:  # it was faster: a whole result
             assert (tmp_path / f"{i}").is_dir()
             assert not list(tmp_path.glob(".*"))
@@ -394,5 +400,6 @@ def test_a_signal_that_was_ignored_stays_so(tmp_path: Path) -> None:
         [sys.executable, "-c", text, "templates"],
         cwd=tmp_path, capture_output=True, check=False,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+        timeout=300,
     )  # fmt: skip
     assert done.returncode == 0

@@ -26,6 +26,7 @@ import typer
 import skincad
 from skincad.commands import app
 from tests.conftest import run_skincad
+from tests.processes import started
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -67,7 +68,7 @@ def goes_on_until_ctrl_c(arguments: list[str], folder: Path) -> int:
     """Run what does not end by itself, interrupt it once it has said something, return its status."""
     line = [sys.executable, "-m", "skincad", *arguments]
     quiet = {**os.environ, "BROWSER": "true"}  # opens nothing
-    with subprocess.Popen(line, cwd=folder, env=quiet, stdout=subprocess.PIPE, text=True) as process:
+    with started(line, cwd=folder, env=quiet, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline()
         process.send_signal(signal.SIGINT)

@@ -42,7 +42,7 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
     """
     try:
         real = Path(os.path.realpath(folder))
-        if Path.cwd().is_relative_to(real):
+        if _working_in(real):
             raise InputError("folder", f"{folder} is the folder you are in", remedy="name one below it")
         there = next(path for path in (real, *real.parents) if os.path.lexists(path))
         if there == real:
@@ -93,6 +93,14 @@ def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None
         with suppress(OSError):  # not empty: there is a result, or another run
             for path in made:
                 path.rmdir()
+
+
+def _working_in(folder: Path) -> bool:
+    """Whether the working directory is this folder or lies in it; one that was deleted lies nowhere."""
+    try:
+        return Path.cwd().is_relative_to(folder)
+    except FileNotFoundError:
+        return False
 
 
 def _try_to_write(folder: Path, command: str) -> None:

@@ -124,6 +124,16 @@ def _kinds(annotation: Any) -> Iterator[Any]:
         yield from _kinds(inner)
 
 
+def no_entry(key: str, entries: int = 0) -> InputError:
+    """Return the error of a key whose last part is no entry, from 1, of its list of so many."""
+    if entries:
+        return InputError(key, f"must name one of the list's {entries} entries, from 1 to {entries}")
+    whole = key.rpartition(".")[0]
+    return InputError(
+        key, f"there is no list {whole} yet", remedy=f"give the whole list first: {whole}=[...]"
+    )
+
+
 def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
     """Return the unit of the field at this path, or "" where it has none."""
     inner: type[BaseModel] = model
@@ -146,7 +156,7 @@ def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
 
 def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     path = tuple(str(p) for p in error["loc"])
-    key, given = ".".join(path), error.get("input")
+    key = ".".join(path)
     cause = error.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
         return cause.under(key)
@@ -154,7 +164,15 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
         return _unknown_key(model, path)
     if error["type"] == "missing":
         return InputError(key, "is missing", remedy=f"give {key} a value")
+    return _wrong_value(model, path, error)
+
+
+def _wrong_value(model: type[BaseModel], path: tuple[str, ...], error: ErrorDetails) -> InputError:
+    key, given = ".".join(path), error.get("input")
     if isinstance(given, dict):
+        entry = next(iter(given), "")
+        if error["type"] in ("list_type", "tuple_type") and str(entry).isdecimal():
+            return no_entry(f"{key}.{entry}")
         given = "a table"
     if error["type"] == "string_pattern_mismatch":
         return InputError(key, f"must be {model.model_fields[path[-1]].description}", given)
@@ -164,6 +182,8 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     rule = re.sub("^(Input|String|List|Tuple) should", "must", error["msg"]).partition(" after validation")[0]
     rule = rule.replace("a valid integer", "an integer").replace("valid ", "").replace("a tuple", "a list")
     unit = "" if "too_" in error["type"] else unit_of(model, path)  # a length has none
+    if error["type"] == "int_type" and isinstance(given, float) and given.is_integer() and abs(given) < 1e9:
+        return InputError(key, f"{rule}, got {given}", remedy=f"write {given:.0f}")  # 9.0 is not to read 9
     return InputError(key, rule + (f" ({unit})" if unit else ""), given)
 
 

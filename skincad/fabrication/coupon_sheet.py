@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from skincad.base.plain import markdown_text
 from skincad.fabrication.coupon_kit import CouponKit
 from skincad.fabrication.sheet import DEAD_VOLUME, mixing
 from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, form
@@ -56,7 +57,7 @@ def read_command(kit: CouponKit) -> str:
 def coupon_sheet(kit: CouponKit) -> str:
     """Return the sheet as Markdown."""
     lines = [
-        f"# Coupon sheet: {kit.name}, {kit.silicone.name}",
+        f"# Coupon sheet: {kit.name}, {markdown_text(kit.silicone.name)}",
         "",
         "Make these parts once on your own machine, and measure them. What they say replaces the assumptions "
         "about the process and the silicone. Do it anew after a change of machine, resin, exposure or batch.",
@@ -146,7 +147,9 @@ def _cast(kit: CouponKit) -> list[str]:
         )
     return _section(
         "Cast bars and pad",
-        f"{material.name}: " + ", ".join(f"{grams:.3g} g for {name}" for name, grams in taken.items()) + ". "
+        f"{markdown_text(material.name)}: "
+        + ", ".join(f"{grams:.3g} g for {name}" for name, grams in taken.items())
+        + ". "
         f"With {DEAD_VOLUME:g} g more for the cup: {parts}. {times}",
         steps=(
             f"Clean and dry both molds, put release agent on them and wipe it thin.{sealed}",

@@ -79,7 +79,7 @@ def offset_of(design: Design) -> float:
 
 def _span(design: Design) -> float:
     """Return how far it is from the first crest to the last, by the distance of the ledge's two sides."""
-    return (design.ridge.count - 1) * design.ridge.pitch / design.skin.width
+    return (design.ridge.count - 1) * design.ridge.spacing / design.skin.width
 
 
 def layers_say(design: Design, closed: ClosedMold, crests: Crests) -> tuple[str, ...]:

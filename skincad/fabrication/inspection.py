@@ -97,7 +97,7 @@ def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measur
         rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
         how = f"microscope, from crest 1 to crest {ridge.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
-        rows.append(_across("mean pitch", ridge.pitch, 2 * body.tolerance / spans, tool, crests, how))
+        rows.append(_across("mean pitch", ridge.spacing, 2 * body.tolerance / spans, tool, crests, how))
     what, end_to_end = _length(design)
     how = "callipers, lightly"
     near = walls_close(design, body)

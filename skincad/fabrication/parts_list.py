@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from skincad.base.plain import csv_text
 from skincad.base.version import __version__
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
@@ -60,12 +59,9 @@ def parts_list(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstim
 
 def parts_csv(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
     """Return the parts list as CSV, after a comment with the design's name and revision."""
-    text = io.StringIO()
-    text.write(f"# {entitled(design)}, revision {design.revision}, skincad {__version__}; mm\n")
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow((*HEADS, *ESTIMATED))
-    rows.writerows((number, *item) for number, item in enumerate(parts_list(design, closed, estimates), 1))
-    return text.getvalue()
+    rows = [(number, *item) for number, item in enumerate(parts_list(design, closed, estimates), 1)]
+    comment = f"{entitled(design)}, revision {design.revision}, skincad {__version__}; mm"
+    return csv_text([(*HEADS, *ESTIMATED), *rows], [comment])
 
 
 def _made(design: Design, closed: ClosedMold, estimates: dict[str, PartEstimate]) -> Iterator[Item]:

@@ -117,7 +117,7 @@ def teeth(case: Case) -> list[Feature]:
         free = [min(pair) for pair in pairwise(design.heights)]
         first = free.index(max(free)) + 1
         which = f"the roots of ridges {first} and {first + 1}" if design.uneven else "two ridges' roots"
-        return [Feature(f"tooth between {which}", ridge.pitch - ridge.root_width, max(free))]
+        return [Feature(f"tooth between {which}", ridge.spacing - ridge.root_width, max(free))]
     return [_comb_tooth(case.design)] if case.part.role is PartRole.COMB else []
 
 

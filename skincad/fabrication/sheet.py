@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from skincad.base.plain import markdown_text
 from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
 from skincad.fabrication.bond_steps import kit, made_ready, released_where
@@ -200,8 +201,8 @@ def _mix(material: Silicone, volume: float) -> list[str]:
     return [
         "## Silicone",
         "",
-        f"{material.name}, {material.density:g} kg/m³; the mold takes {volume / 1000:.4g} cm³, "
-        f"{grams:.4g} g.",
+        f"{markdown_text(material.name)}, {material.density:g} kg/m³; the mold takes "
+        f"{volume / 1000:.4g} cm³, {grams:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
         times,
         "",
@@ -267,7 +268,7 @@ def _open(design: Design, back: str) -> list[str]:
 
 
 def _findings(closed: ClosedMold, findings: list[Finding]) -> list[str]:
-    notes = [f"- {finding}" for finding in findings]
+    notes = [f"- {markdown_text(str(finding))}" for finding in findings]
     if perforated(closed):
         notes.append("- The carrier is held by rivets of silicone: give it a light pull test before use.")
     return ["## Watch", "", *notes, ""]

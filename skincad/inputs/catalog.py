@@ -5,7 +5,9 @@ A file is read as data only: no code, at most `LARGEST_FILE` bytes, no path insi
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,6 +15,7 @@ from pydantic import BaseModel
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
+from skincad.base.tables import no_entry
 from skincad.inputs.design import Design, drop_dependents, drop_replaced, renamed_material
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import templates_folder
@@ -31,6 +34,12 @@ _WORDS = {
     "silicones": ("a table of silicones", "--silicones (in Python silicones=...)"),
     "printer": ("a table of processes", "--printer (in Python printer=...)"),
 }
+# a quoted text, or a decimal point with the digits beside it
+_DECIMAL = re.compile(
+    r""""(?:[^"\\]|\\.)*"|'[^']*'|"""
+    r"(?<![\w.])(?=\.?\d)(?P<whole>\d*)\.(?P<decimals>\d*)(?=([eE][+-]?\d+)?(?![\w.]))",
+    re.ASCII,
+)
 # the tables that only files of a kind have, by which one that was given to another's command is known
 _MARKS: dict[Kind, set[str]] = {
     "designs": {"ridge", "slot", "material", "mold", "contact"},
@@ -190,28 +199,52 @@ def _read_file(path: Path, name: str) -> dict[str, Any]:
 
 
 def overridden(data: dict[str, Any], settings: list[str] | tuple[str, ...]) -> dict[str, Any]:
-    """Return the tables with `key=value` texts applied in order; the input stays as it is."""
+    """Return the tables with `key=value` texts applied in order; the input stays as it is.
+
+    A number at a key's end counts a list's entries from 1. Raises InputError for a key that is given twice.
+    """
     result = _copied(data)
+    named = set[str]()
     for text in settings:
-        path, equals, value = text.partition("=")
-        keys = [k.strip() for k in path.split(".")]
+        name, (_, equals, value) = setting_key(text), text.partition("=")
+        keys = name.split(".")
         if not equals or not all(keys) or len(keys) > MOST_PARTS:
             raise InputError("settings", "must be table.key=value", text, "as in ridge.height=0.6")
+        if name in named:
+            raise InputError("settings", f"must give {name} once", text, "leave one of them out")
+        named.add(name)
         table = result
-        for key in keys[:-1]:
-            table = table.setdefault(key, {})
-            if not isinstance(table, dict):
+        for depth, key in enumerate(keys[:-1], 2):
+            inner = table.setdefault(key, {})
+            if isinstance(inner, list | tuple) and depth == len(keys) and keys[-1].isdecimal():
+                table[key] = _with_entry(inner, name, _toml_value(value.strip()))
+                break
+            if not isinstance(inner, dict):
                 raise InputError("settings", f"{key} is a value, not a table", text)
-        if value.strip() == "none":
-            table.pop(keys[-1], None)
-            drop_dependents(result, path.strip())
+            table = inner
         else:
+            if value.strip() == "none":
+                table.pop(keys[-1], None)
+                drop_dependents(result, name)
+                continue
             table[keys[-1]] = _toml_value(value.strip())
             if keys[:-1] == ["ridge"]:
                 drop_replaced(result, {keys[-1]})
-    named = {text.partition("=")[0].strip() for text in settings}
     renamed_material(result, {key.removeprefix("material.") for key in named if key.startswith("material.")})
     return result
+
+
+def _with_entry(entries: Sequence[Any], key: str, value: Any) -> list[Any]:
+    """A list with the entry that the key's last part counts from 1 changed."""
+    places = [str(place) for place in range(1, len(entries) + 1)]
+    if (place := key.rpartition(".")[2]) not in places:
+        raise no_entry(key, len(entries))
+    return [value if here == place else entry for here, entry in zip(places, entries, strict=True)]
+
+
+def setting_key(text: str) -> str:
+    """Return the key that a `key=value` text sets, without spaces."""
+    return ".".join(part.strip() for part in text.partition("=")[0].split("."))
 
 
 def _copied(table: dict[str, Any]) -> dict[str, Any]:
@@ -219,10 +252,17 @@ def _copied(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def _toml_value(text: str) -> Any:
-    """The value that a TOML would have here; a text that is none stands for itself."""
+    """The value that a TOML would have here, or has with its decimals completed, as .02; a text that is none
+    stands for itself."""
     if "\n" in text or "\r" in text:
         raise InputError("settings", "must be one line", text)
-    try:
-        return tables_of(f"value = {text}", "settings")["value"]
-    except InputError:
-        return text
+    for written in (text, _DECIMAL.sub(_completed, text)):
+        with suppress(InputError):
+            return tables_of(f"value = {written}", "settings")["value"]
+    return text
+
+
+def _completed(part: re.Match[str]) -> str:
+    """A decimal with the zero that TOML wants beside its point; a quoted text as it is."""
+    whole, decimals = part["whole"], part["decimals"]
+    return part[0] if whole is None else f"{whole or '0'}.{decimals or '0'}"

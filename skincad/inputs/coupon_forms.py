@@ -9,6 +9,7 @@ from typing import NamedTuple
 from skincad.base.arrays import Array
 from skincad.base.columns import LARGEST_FILE, SEPARATORS, read_columns
 from skincad.base.errors import InputError
+from skincad.base.plain import csv_text
 from skincad.base.reading import text_of
 
 NOTCH_FORM, CREST_FORM = "notches.csv", "crests.csv"
@@ -36,8 +37,7 @@ class CrestForm(NamedTuple):
 
 def form(columns: Sequence[str], rows: Iterable[Sequence[str]], notes: Iterable[str] = ()) -> str:
     """Return a form as CSV: notes behind #, the columns' names, rows whose empty cells are to be filled."""
-    lines = [*(f"# {note}" for note in notes), *(",".join(row) for row in (columns, *rows))]
-    return "\n".join(lines) + "\n"
+    return csv_text([columns, *rows], notes)
 
 
 def read_notches(folder: Path) -> NotchForm | None:

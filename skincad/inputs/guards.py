@@ -70,14 +70,16 @@ def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:
     reach = abs(lean(skin, ridge, 1)) + half_root / skin.curvature_radius
     if reach >= side:
         more = (
-            2 * (side * skin.curvature_radius - half_root) / ridge.pitch
+            2 * (side * skin.curvature_radius - half_root) / ridge.spacing
         )  # infinite where there is no pitch
-        most = 0 if more < -1 else int(min(more, MOST)) + 1
+        most = max(0, math.ceil(min(more, MOST)))
         yield InputError(
             "ridge.count",
             f"at most {most} ridges of this pitch and root fit on skin.width",
             ridge.count,
-            "take fewer ridges, a smaller pitch or a wider skin",
+            "take fewer ridges, a smaller pitch or a wider skin"
+            if most
+            else "take a wider skin or a smaller root",
         )
 
 
@@ -106,9 +108,9 @@ def revolved(skin: Skin) -> Iterator[InputError]:
 
 def profile(ridge: Ridge) -> Iterator[InputError]:
     """Yield widths, fillets and a crown that make no ridge."""
-    if ridge.root_width >= ridge.pitch:
+    if ridge.root_width >= ridge.spacing:
         yield InputError(
-            "ridge.root_width", f"must be less than {ridge.pitch:g} mm (ridge.pitch)", ridge.root_width
+            "ridge.root_width", f"must be less than {ridge.spacing:g} mm (ridge.pitch)", ridge.root_width
         )
     if ridge.tip_width > ridge.root_width:
         yield InputError(

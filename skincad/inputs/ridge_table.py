@@ -31,11 +31,20 @@ class Ridge(Table):
     """The ridges, alike but for their heights, each on its own normal of the base circle."""
 
     model_config = ConfigDict(
-        json_schema_extra={"oneOf": [{"required": ["height"]}, {"required": ["heights"]}]}
+        json_schema_extra={
+            "oneOf": [{"required": ["height"]}, {"required": ["heights"]}],
+            "anyOf": [{"required": ["pitch"]}, {"properties": {"count": {"const": 1}}}],
+        }
     )
 
     count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
-    pitch: float = quantity("mm", "axis to axis along the base circle", gt=0.0, le=100.0)
+    pitch: float | None = quantity(
+        "mm",
+        "axis to axis along the base circle; of one ridge not needed",
+        gt=0.0,
+        le=100.0,
+        default=None,
+    )
     height: float | None = quantity(
         "mm", "base circle to the crown's summit, of every ridge", gt=0.0, le=HIGHEST, default=None
     )
@@ -61,6 +70,22 @@ class Ridge(Table):
     tip_fillet: float = quantity("mm", "radius between flank and crown", ge=0.0, le=20.0, default=0.0)
     root_fillet: float = quantity("mm", "radius between flank and base circle", ge=0.0, le=20.0, default=0.0)
 
+    @property
+    def spacing(self) -> float:
+        """The pitch, mm; of one ridge that is given none, twice its root with both fillets.
+
+        There it is no distance, but a length for what scales with ridges, as the mesh files' chords.
+        """
+        return 2 * (self.root_width + 2 * self.root_fillet) if self.pitch is None else self.pitch
+
+    @model_validator(mode="after")
+    def _pitched(self) -> Self:
+        if self.pitch is None and self.count > 1:
+            raise InputError(
+                "pitch", "is missing", remedy="give ridge.pitch a value; only one ridge needs none"
+            )
+        return self
+
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
         if self.heights is None:
@@ -82,7 +107,7 @@ class Ridge(Table):
 
 def lean(skin: Skin, ridge: Ridge, number: int) -> float:
     """Return the angle in rad between a ridge's axis and z; ridges count from 1 at the smallest x."""
-    return (number - (ridge.count + 1) / 2) * ridge.pitch / skin.curvature_radius
+    return (number - (ridge.count + 1) / 2) * ridge.spacing / skin.curvature_radius
 
 
 @lru_cache(maxsize=32)

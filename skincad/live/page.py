@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import redirect_stdout
+from html import escape
 from io import StringIO
 from time import perf_counter
 from traceback import print_exc
@@ -19,6 +20,7 @@ import viser
 from skincad.inputs.design import Design
 from skincad.live.board import board_of
 from skincad.live.desk import Desk
+from skincad.live.guard import own_pages_only
 from skincad.live.history import Drawn
 from skincad.live.panel import Panel
 from skincad.live.session import Edited
@@ -35,7 +37,7 @@ class Page:
     """A desk's page on a server that listens at `host` and `port`."""
 
     def __init__(self, subject: Edited, source: str, host: str, port: int) -> None:
-        with redirect_stdout(StringIO()):  # viser's own banner
+        with redirect_stdout(StringIO()), own_pages_only(host):  # without viser's own banner
             self.server = viser.ViserServer(host, port, label=f"skincad live: {subject.name}", verbose=False)
         self.desk = Desk(subject, source, self._changed)
         self._pieces: dict[str, Any] = {}
@@ -108,7 +110,7 @@ class Page:
                     self.desk.came = came
                     call(*arguments)
             except Exception as failure:  # no click may end a page
-                self._tell(self._state, f"<b>{type(failure).__name__}</b>: {failure}")
+                self._tell(self._state, f"<b>{type(failure).__name__}</b>: {escape(str(failure))}")
                 print_exc(file=sys.stderr)
 
         return called

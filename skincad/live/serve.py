@@ -8,12 +8,12 @@ from collections.abc import Callable
 from importlib.util import find_spec
 
 from skincad.base.errors import InputError
+from skincad.live.guard import LOOPBACK, bracketed
 from skincad.live.session import Edited
 
 PORT = 8642  # where nobody says another
 TRIES = 100  # ports from the asked one on
 FIRST = 60.0  # s, for the first picture
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
 def serve(
@@ -33,8 +33,7 @@ def serve(
     page = Page(subject, source, host, free)
     try:
         page.desk.drawn(FIRST)
-        shown = f"[{host}]" if ":" in host else host
-        address = f"http://{shown}:{free}"
+        address = f"http://{bracketed(host)}:{free}"
         say(f"{subject.name}: {address} (Ctrl-C ends it)")
         if host not in LOOPBACK:
             say(f"Whoever reaches {host} can change it and write files here.")

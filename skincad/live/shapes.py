@@ -85,7 +85,7 @@ def pieces(closed: ClosedMold, chord: float) -> tuple[Piece, ...]:
 def section_svg(design: Design) -> str:
     """Return the section as HTML with SVG in it: the whole of it, and its middle ridges large."""
     shape, ridge, skin = section(design), design.ridge, design.skin
-    reach = min(1.6 * ridge.pitch, 0.5 * skin.width)
+    reach = min(1.6 * ridge.spacing, 0.5 * skin.width)
     height = design.heights[(ridge.count - 1) // 2]
     wide = max(abs(s.start.x) for s in shape.outline)
     low = max(skin.thickness - 0.35 * reach, 0.0)
@@ -102,7 +102,7 @@ def _frame(shape: Section, design: Design, box: tuple[float, float, float, float
     margin = 0.03 * (right - left)
     frame = f"{left - margin:.5g} {-high - margin:.5g} {right - left + 2 * margin:.5g}"
     frame += f" {high - low + 2 * margin:.5g}"
-    fine = min(FINE * design.ridge.pitch, 1e-3 * (right - left))
+    fine = min(FINE * design.ridge.spacing, 1e-3 * (right - left))
     line = f'stroke="{INK}" stroke-width="1" vector-effect="non-scaling-stroke"'
     drawn = [f'<path d="{_path(shape.outline, fine)}" fill="{SILICONE}" {line}/>']
     for slot in shape.slots:

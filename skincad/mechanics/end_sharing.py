@@ -26,7 +26,7 @@ HELD, BARE = (1.36, 1.2), (3.2, 1.5)  # reach and fall with bonded strips and wi
 def softened(design: Design) -> Array:
     """Return by how much more ridge i goes down, mm, per N on ridge j `(ridges, ridges)`."""
     stuff, skin = silicone(design), design.skin
-    at = np.arange(design.ridge.count) * design.ridge.pitch
+    at = np.arange(design.ridge.count) * design.ridge.spacing
     apart = np.abs(at[:, None] - at) / skin.thickness
     reach, fall = HELD if design.film_state == "bonded" else BARE
     ends = reach * stuff.poisson_ratio**2 * skin.thickness / (stuff.young_modulus.value * skin.length**2)

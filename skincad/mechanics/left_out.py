@@ -100,8 +100,8 @@ def held(design: Design, ridges: int) -> float:
     """
     skin, ridge, nu = design.skin, design.ridge, silicone(design).poisson_ratio
     column = 2 * median(design.heights) / (ridge.root_width + ridge.tip_width)
-    give = ridge.pitch * (1.2 * column + column**3 / 4)
-    thickness, base = skin.thickness, skin.thickness / ridge.pitch
+    give = ridge.spacing * (1.2 * column + column**3 / 4)
+    thickness, base = skin.thickness, skin.thickness / ridge.spacing
     thick = thickness / _spanned(design, ridges)
     more = 4 * (thickness + give) / (thickness + 4 * give)
     free = base / confinement(thick, nu) + column / confinement(column, nu)
@@ -113,7 +113,7 @@ def _spanned(design: Design, ridges: int) -> float:
     """Width of the base under so many ridges, mm."""
     ridge = design.ridge
     mean = (ridge.root_width + ridge.tip_width) / 2
-    return min(design.skin.width, (ridges - 1) * ridge.pitch + mean)
+    return min(design.skin.width, (ridges - 1) * ridge.spacing + mean)
 
 
 def left_out(effects: tuple[str, ...], design: Design, found: Answer, force: float) -> tuple[LeftOut, ...]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from skincad.base.plain import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import LADDERS, Ladder
@@ -46,15 +45,13 @@ def files(found: Accuracy) -> dict[str, Writer]:
 def table(found: Accuracy) -> str:
     """Return all rows as CSV; a measure is a column, empty where a trial is not judged by it."""
     measures = [f"{ladder.name}: {m.name}" for ladder in found.ladders for m in ladder.measures]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*COLUMNS, *measures])
+    rows: list[list[Cell]] = [[*COLUMNS, *measures]]
     for ladder in found.ladders:
         for row in ladder.rows():
             errors = {f"{ladder.name}: {name}": f"{error:.4g}" for name, error in row["errors"].items()}
             cells = [row[c] if not isinstance(row[c], float) else f"{row[c]:.6g}" for c in COLUMNS]
-            writer.writerow([*cells, *(errors.get(m, "") for m in measures)])
-    return text.getvalue()
+            rows.append([*cells, *map(errors.get, measures)])
+    return csv_text(rows)
 
 
 def lines(found: Accuracy) -> list[str]:

@@ -99,7 +99,7 @@ def _gap(design: Design) -> list[Calculation]:
         "m * p / R",
         (
             Quantity("m", "pitches from the middle", abs(last - (ridge.count - 1) / 2), "1"),
-            Quantity("p", "ridge.pitch", ridge.pitch, "mm"),
+            Quantity("p", "ridge.pitch", ridge.spacing, "mm"),
             radius,
         ),
         ON_A_CIRCLE,

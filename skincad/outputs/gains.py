@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import tomlkit
 
+from skincad.base.plain import csv_text
 from skincad.base.result import Writer
 from skincad.circuit.bode import CircuitGain
 from skincad.circuit.film import PICO, capacitance
@@ -105,8 +106,8 @@ def gain_csv(found: CircuitGain) -> str:
         **({"own_gain_dB": found.own.gain} if found.own else {}),
     }
     rows = zip(found.frequency, *columns.values(), strict=True)
-    lines = [",".join([f"{f:.8g}", *(f"{value:.6f}" for value in row)]) for f, *row in rows]
-    return "\n".join([",".join(["frequency_Hz", *columns]), *lines]) + "\n"
+    lines = [[f"{f:.8g}", *(f"{value:.6f}" for value in row)] for f, *row in rows]
+    return csv_text([["frequency_Hz", *columns], *lines])
 
 
 def calibrated_toml(found: CircuitGain) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable
 from functools import partial
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import RefusedError
+from skincad.base.plain import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.effects.kinds import Showing
 from skincad.outputs.delivery import picture
@@ -243,26 +243,25 @@ def write_table(found: Simulation, path: Path) -> None:
         "approach [mm]",
         "travel [mm]",
     ]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*head, *names, *more, "slipping ridges [1]"])
-        for i, (time, reading) in enumerate(zip(found.march.time, found.march.readings, strict=True)):
-            plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
-            told = [
-                value
-                for r in ridges
-                for value in (
-                    found.raw[r][i],
-                    found.signals[r].value[i],
-                    found.signals[r].rate[i],
-                    found.signals[r].jerk[i],
-                )
-            ]
-            told += [column[i] for column in more.values()]
-            slipping = " ".join(str(r + 1) for r in found.slipping[i].nonzero()[0])
-            if not all(map(math.isfinite, (*plate, *told))):
-                raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")
-            writer.writerow([i, *(f"{float(v):.9g}" for v in (*plate, *told)), slipping])
+    rows: list[list[Cell]] = [[*head, *names, *more, "slipping ridges [1]"]]
+    for i, (time, reading) in enumerate(zip(found.march.time, found.march.readings, strict=True)):
+        plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
+        told = [
+            value
+            for r in ridges
+            for value in (
+                found.raw[r][i],
+                found.signals[r].value[i],
+                found.signals[r].rate[i],
+                found.signals[r].jerk[i],
+            )
+        ]
+        told += [column[i] for column in more.values()]
+        slipping = " ".join(str(r + 1) for r in found.slipping[i].nonzero()[0])
+        if not all(map(math.isfinite, (*plate, *told))):
+            raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")
+        rows.append([i, *(f"{float(v):.9g}" for v in (*plate, *told)), slipping])
+    path.write_text(csv_text(rows), encoding="utf-8", newline="")
 
 
 def read_columns(found: Simulation) -> dict[str, list[float]]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError
+from skincad.base.plain import csv_text
 from skincad.base.result import Writer
 from skincad.outputs.delivery import picture, text
 from skincad.studies.asking import short
@@ -116,11 +115,7 @@ def _error(row: Evaluation, key: str) -> float | None:
 def sweep_csv(found: SweepResult) -> str:
     """Return the table as CSV; what a row has not is empty."""
     head, rows = table(found)
-    told = io.StringIO()
-    writer = csv.writer(told, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows([["" if each is None else each for each in row] for row in rows])
-    return told.getvalue()
+    return csv_text([head, *rows])
 
 
 def _write_parquet(found: SweepResult, path: Path) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from skincad.base.plain import markdown_text
 from skincad.inputs.material import silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
 from skincad.packages.mjcf import FRICTION, STEP, friction, slide_damping
@@ -39,10 +40,10 @@ def markdown(found: Package) -> str:
     """Return the card as Markdown."""
     lines = [f"# {found.name}: model card", "", f"For {', '.join(found.kinds)}. Frame: {FRAME}.", ""]
     lines += [f"Licence: {LICENCE}.", "", "## What was simplified", ""]
-    lines += [f"- {text}" for text in [*_simplified(found), *found.notes]]
+    lines += [f"- {markdown_text(text)}" for text in [*_simplified(found), *found.notes]]
     lines += ["", "## What each number rests on, and where it holds", ""]
     lines += ["| number | rests on | holds |", "|---|---|---|"]
-    lines += [f"| {' | '.join(row)} |" for row in _numbers(found)]
+    lines += [f"| {' | '.join(map(markdown_text, row))} |" for row in _numbers(found)]
     if found.springs:
         lines += ["", "## Springs against checks", "", *_table(found.springs)]
     return "\n".join([*lines, ""])
@@ -159,4 +160,4 @@ def _table(held: Springs) -> Iterator[str]:
     yield "|---|---|---|---|"
     for e in held.elsewhere:
         yield f"| {e.force:g} | {e.approach:.4f} | {e.check_approach:.4f} | {e.shares_off:.1%} |"
-    yield from ("", *(f"- {text}" for text in held.refused))
+    yield from ("", *(f"- {markdown_text(text)}" for text in held.refused))

@@ -59,7 +59,7 @@ def height_map(design: Design) -> HeightMap:
     skin, radius = design.skin, design.skin.curvature_radius_y
     centre, angle = (0.0, 0.0) if radius is None else (skin.thickness - radius, skin.length / 2 / radius)
     reach = skin.length / 2 if radius is None else (section(design).top - centre) * math.sin(angle)
-    pixel = max(design.ridge.pitch / A_PITCH, max(skin.width, 2 * reach) / MOST)
+    pixel = max(design.ridge.spacing / A_PITCH, max(skin.width, 2 * reach) / MOST)
     columns, rows = (max(1, math.floor(size / pixel)) for size in (skin.width, 2 * reach))
     x = (np.arange(columns) - (columns - 1) / 2) * pixel
     y = ((rows - 1) / 2 - np.arange(rows)) * pixel
@@ -76,7 +76,7 @@ def height_map(design: Design) -> HeightMap:
 
 def _tops(design: Design, x: NDArray[np.floating[Any]]) -> Array:
     """Largest z of the outline at each x, mm, between its corners along chords."""
-    corners = curves.polygon(section(design).outline, CHORD * design.ridge.pitch)
+    corners = curves.polygon(section(design).outline, CHORD * design.ridge.spacing)
     found = np.full(x.size, -np.inf)
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         (x0, z0), (x1, z1) = sorted([tuple(a), tuple(b)])

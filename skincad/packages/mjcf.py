@@ -166,7 +166,7 @@ def _filling(weighs: Links) -> Iterator[str]:
 
 
 def _ridges(design: Design, weighs: Links) -> Iterator[str]:
-    size = np.array([design.ridge.pitch, design.skin.length, max(design.heights)]) * M
+    size = np.array([design.ridge.spacing, design.skin.length, max(design.heights)]) * M
     for i, (weight, pose) in enumerate(zip(weighs.ridges, crests(design).poses, strict=True), 1):
         crest = numbers(pose[:, 3] * M)
         yield f'        <body name="ridge-{i}">'

@@ -21,13 +21,13 @@ FINE = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach
 
 def visual(design: Design) -> dict[str, trimesh.Trimesh]:
     """Return skin and carrier, within CHORD of a pitch of their solids."""
-    chord = CHORD * design.ridge.pitch
+    chord = CHORD * design.ridge.spacing
     return {"skin": mesh(skin_part(design), chord), "carrier": upright(mesh(carrier_part(design), chord))}
 
 
 def collision(design: Design) -> dict[str, trimesh.Trimesh]:
     """Return the convex hulls of each ridge, the base and the carrier; ridges within FINE of a pitch."""
-    chord, fine = CHORD * design.ridge.pitch, FINE * design.ridge.pitch
+    chord, fine = CHORD * design.ridge.spacing, FINE * design.ridge.spacing
     base = Part("base-hull", PartRole.SKIN, along_skin(design, base_loop(design), ()))
     hulls = {part.name: mesh(part, fine).convex_hull for part in ridge_parts(design)}
     hulls["base-hull"] = mesh(base, chord).convex_hull

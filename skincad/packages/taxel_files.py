@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.base.plain import Cell, csv_text
 from skincad.circuit.film import charge, electrode
 from skincad.inputs.design import Design
 from skincad.mechanics.film.response import SPANS, FilmResponse
@@ -23,13 +24,13 @@ def taxels_csv(places: Taxels) -> str:
     """Return a taxel a row: its place and its three axes, the third outward."""
     columns = ["name", "kind", "ridge", "side", "x_mm", "y_mm", "z_mm"]
     columns += [f"{axis}_{x}" for axis in AXES for x in "xyz"] + ["size_mm", "length_mm"]
-    lines = [f"# {FRAME}", "# mm; axes are unit vectors, the third points out of the skin", ",".join(columns)]
+    rows: list[list[Cell]] = [[*columns]]
     for i, name in enumerate(places.names):
         pose = places.poses[i]
         values = [*pose[:, 3], *pose[:, :3].T.ravel(), *places.sizes[i]]
         words = [name, places.kinds[i], str(places.ridges[i]), places.sides[i]]
-        lines.append(",".join([*words, *(repr(float(v) + 0.0) for v in values)]))
-    return "\n".join([*lines, ""])
+        rows.append([*words, *(repr(float(v) + 0.0) for v in values)])
+    return csv_text(rows, [FRAME, "mm; axes are unit vectors, the third points out of the skin"])
 
 
 def write_taxels(places: Taxels, path: Path) -> None:
@@ -64,23 +65,22 @@ def response_csv(design: Design, felt: FilmResponse) -> str:
     columns = ["force_on_ridge", "direction", "strip", *stress, *(f"{name}_error" for name in stress)]
     columns += [f"{name}_change_at_{span:g}_of_force" for span in SPANS for name in stress]
     columns += ["charge_pC_per_N", "charge_error_pC_per_N"]
-    lines = [
-        "# mean stress in a strip, tension positive, and its charge, per N of force on one ridge alone;",
-        "# normal: in compression; tangential: what the plate does to the skin, to +x; add up ridges",
-        f"# contact as at {felt.force:g} N on the skin; change: how much differs where it is that of another",
-        ",".join(columns),
+    comments = [
+        "mean stress in a strip, tension positive, and its charge, per N of force on one ridge alone;",
+        "normal: in compression; tangential: what the plate does to the skin, to +x; add up ridges",
+        f"contact as at {felt.force:g} N on the skin; change: how much differs where it is that of another",
     ]
-    return "\n".join([*lines, *_rows(design, felt), ""])
+    return csv_text([columns, *_rows(design, felt)], comments)
 
 
-def _rows(design: Design, felt: FilmResponse) -> Iterator[str]:
+def _rows(design: Design, felt: FilmResponse) -> Iterator[list[Cell]]:
     charged, charge_error = charges(design, felt)
     for w, (way, found) in enumerate(zip(WAYS, (felt.normal, felt.tangential), strict=True)):
         for r in range(len(found)):
             beside = [*felt.error[w, r], *felt.elsewhere[:, w, r].ravel()]
             for s, (ridge, side) in enumerate(felt.strips):
                 values = [*found[r, s], *beside, charged[w, r, s], charge_error[w, r]]
-                yield ",".join([str(r + 1), way, f"ridge-{ridge}-{side}", *(f"{v:.9g}" for v in values)])
+                yield [str(r + 1), way, f"ridge-{ridge}-{side}", *(f"{v:.9g}" for v in values)]
 
 
 def write_response(design: Design, felt: FilmResponse, path: Path) -> None:

@@ -52,7 +52,7 @@ def _draw_ridge(axes: Axes, design: Design) -> None:
         if design.film:
             axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
     height = design.heights[(ridge.count - 1) // 2]
-    reach = min(1.7 * ridge.pitch, 0.5 * design.skin.width)
+    reach = min(1.7 * ridge.spacing, 0.5 * design.skin.width)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(design.skin.thickness - 0.9 * reach + height, shape.top + 0.12 * reach)
     axes.set_aspect("equal")

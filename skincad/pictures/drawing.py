@@ -76,9 +76,8 @@ def _section_view(design: Design) -> list[str]:
     rows += _upright(right + 8.0, base, middle, f"{shape.top:.4g} to the crest", right)
     at_base = view.at(0.0, skin.thickness)[1]
     rows += _upright(left - 8.0, base, at_base, f"{skin.thickness:g}", left)
-    radius = (
-        f"R {skin.curvature_radius:g}, {design.ridge.count} ridges at {design.ridge.pitch:g} along the arc"
-    )
+    row = f"{design.ridge.count} ridges at {design.ridge.spacing:g} along the arc"
+    radius = f"R {skin.curvature_radius:g}, {row if design.ridge.count > 1 else '1 ridge'}"
     if design.uneven:
         radius += f", {min(design.heights):.4g} to {max(design.heights):.4g} high"
     if skin.curvature_radius_y is not None:

@@ -93,7 +93,7 @@ def _ridge(design: Design, scale: float) -> list[Dimension]:
     ]
     if middle > 1:
         ends = on(middle - 1, 0.0, design.heights[middle - 2]), on(middle, 0.0, high)
-        words = f"{number(math.dist(*ends) / scale)} (pitch {number(ridge.pitch)})"
+        words = f"{number(math.dist(*ends) / scale)} (pitch {number(ridge.spacing)})"
         rows.append(aligned(ends, 6.6, scale, words, SIZE))
     return rows
 

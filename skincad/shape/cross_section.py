@@ -132,7 +132,7 @@ def _halves(design: Design) -> tuple[HalfRidge, ...]:
                 where = f"ridge {ridge}, {height:g} mm high: {broken.rule}"
                 raise InputError(broken.key, where, broken.value, broken.remedy) from None
     halves = tuple(known[height] for height in design.heights)
-    pitch, fillet = design.ridge.pitch, design.ridge.root_fillet
+    pitch, fillet = design.ridge.spacing, design.ridge.root_fillet
     for ridge, (left, right) in enumerate(pairwise(halves) if halves[1:] else [halves * 2], 1):
         if left.base[0] + right.base[0] > pitch:
             where = f" at ridges {ridge} and {ridge + 1}" if design.uneven else ""

@@ -104,7 +104,7 @@ def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[in
 def headings(design: Design, ridges: list[int]) -> list[Heading]:
     """Return the direction (x, z) in which each piece leaves, from left to right."""
     leans = [design.lean(ridge) for ridge in ridges]
-    beyond = design.ridge.pitch / (2 * design.skin.curvature_radius)
+    beyond = design.ridge.spacing / (2 * design.skin.curvature_radius)
     middle = [(a + b) / 2 for a, b in pairwise(leans)]
     angles = [leans[0] - beyond, *middle, leans[-1] + beyond]
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table
-from skincad.inputs.catalog import read_table
+from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.tiers.table import tier_of
 from skincad.studies.subject import Subject, load_subject
 
@@ -119,6 +119,8 @@ def load_study(source: str | Path, settings: list[str] | tuple[str, ...] = ()) -
     about = data.get("about")
     if isinstance(about, str) and about.endswith(".toml") and Path(source).suffix == ".toml":
         data["about"] = str((Path(source).parent / about).absolute())
-    if settings:
-        data["settings"] = [*data.get("settings", []), *settings]
+    written = data.get("settings", [])
+    if settings and isinstance(written, list):
+        changed = {setting_key(text) for text in settings}
+        data["settings"] = [*(text for text in written if setting_key(str(text)) not in changed), *settings]
     return Study(**data)

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import text_of
-from skincad.base.tables import Ranged, table_of
+from skincad.base.tables import Ranged, no_entry, table_of
 from skincad.base.version import __version__
 from skincad.circuit.model import Circuit, load_circuit
 from skincad.effects import effect
@@ -88,7 +88,7 @@ def changed(subject: Subject, values: Mapping[str, Setting]) -> Subject:
     tables = _tables(subject)
     if isinstance(subject, Design):
         values = {key: _spread(subject, key, value) for key, value in values.items()}
-    return type(subject)(**overridden(tables, _settings(tables, values)))
+    return type(subject)(**overridden(tables, _settings(values)))
 
 
 def _changed_scene(scene: Scene, values: Mapping[str, Setting]) -> Scene:
@@ -109,7 +109,7 @@ def _changed_scene(scene: Scene, values: Mapping[str, Setting]) -> Scene:
                 found[before] = changed(owner(chosen, before)[0], own_values)
             except InputError as failure:
                 raise failure.under(before.removesuffix(".")) from None
-    tables = overridden({**_tables(scene), "skin": scene.skin}, _settings(_tables(scene), outer))
+    tables = overridden({**_tables(scene), "skin": scene.skin}, _settings(outer))
     if SKIN in found:
         tables["skin"] = found[SKIN]
     if CIRCUIT in found:
@@ -125,18 +125,9 @@ def _tables(subject: Subject) -> dict[str, Any]:
     return subject.model_dump(exclude_none=True, exclude={"skin"} if isinstance(subject, Scene) else None)
 
 
-def _settings(tables: Mapping[str, Any], values: Mapping[str, Any]) -> list[str]:
-    """The values as `key=value` with a TOML value; entries of a list as the list with them."""
-    lists: dict[str, list[Any]] = {}
-    texts = []
-    for key, value in values.items():
-        table, _, last = key.rpartition(".")
-        inside = lists.get(table) or (_at(tables, table) if last.isdigit() else None)
-        if isinstance(inside, list | tuple) and 1 <= int(last) <= len(inside):
-            lists[table] = [value if n == int(last) else each for n, each in enumerate(inside, 1)]
-        else:
-            texts.append(f"{key}={'none' if value is None else _toml(value)}")
-    return texts + [f"{key}={_toml(value)}" for key, value in lists.items()]
+def _settings(values: Mapping[str, Any]) -> list[str]:
+    """The values as `key=value` with a TOML value."""
+    return [f"{key}={'none' if value is None else _toml(value)}" for key, value in values.items()]
 
 
 def _toml(value: Any) -> str:
@@ -146,7 +137,10 @@ def _toml(value: Any) -> str:
 
 
 def _at(tables: Any, key: str) -> Any:
+    """What stands at a key, whose numbers count a list's entries from 1; None where nothing does."""
     for part in key.split("."):
+        if isinstance(tables, list | tuple):
+            tables = {str(place): entry for place, entry in enumerate(tables, 1)}
         tables = tables.get(part) if isinstance(tables, Mapping) else None
     return tables
 
@@ -165,10 +159,7 @@ def value_of(subject: Subject, key: str) -> Value | None:
     subject, key = owner(subject, key)
     if key == "material.young_modulus" and isinstance(subject, Design):
         return silicone(subject).young_modulus.value
-    table, _, last = key.rpartition(".")
-    tables = _tables(subject)
-    inside = _at(tables, table) if last.isdigit() else None
-    found = inside[int(last) - 1] if isinstance(inside, list | tuple) and inside else _at(tables, key)
+    found = _at(_tables(subject), key)
     return found if isinstance(found, int | float | str) else NOT_GIVEN.get(key)
 
 
@@ -192,7 +183,9 @@ def field_of(subject: Subject, key: str) -> FieldInfo:
         if named:
             named = False
             continue
-        if field is not None and part.isdigit() and number == len(parts) - 1:
+        if field is not None and part.isdecimal() and number == len(parts) - 1:
+            if _at(_tables(subject), key) is None:
+                raise no_entry(key, len(_at(_tables(subject), key.rpartition(".")[0]) or ()))
             return field
         if part not in model.model_fields:
             raise InputError(key, "unknown key", remedy=did_you_mean(part, model.model_fields))

@@ -234,6 +234,10 @@ def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = N
         ]
     rule = f"must be from 1 to {MOST_ROWS}"
     require_number("sample", sample, lambda value: 1 <= value <= MOST_ROWS and value == int(value), rule)
+    for knob in varied:
+        if knob.count is not None:
+            rule = "must have no number of values beside a sample, which takes its own"
+            raise InputError(knob.key, rule, knob.count, f"write {knob}, or leave the sample out")
     size = math.ceil(math.log2(max(sample, 2)))
     from scipy.stats import qmc  # half a second, which most commands need not wait for
 

@@ -252,7 +252,11 @@ def mounted(tmp_path: Path) -> Iterator[Callable[[Path], None]]:
 
     def mount(folder: Path) -> None:
         done = subprocess.run(
-            ["mount", "-t", "tmpfs", "tmpfs", folder], capture_output=True, text=True, check=False
+            ["mount", "-t", "tmpfs", "tmpfs", folder],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
         )
         if done.returncode:
             pytest.skip(f"mount: {done.stderr.strip()}")
@@ -262,7 +266,7 @@ def mounted(tmp_path: Path) -> Iterator[Callable[[Path], None]]:
         pytest.skip("only root may mount")
     yield mount
     for folder in reversed(mounts):
-        subprocess.run(["umount", folder], check=True)
+        subprocess.run(["umount", folder], check=True, timeout=300)
 
 
 def test_a_mount_in_the_out_folder_stays(tmp_path: Path, mounted: Callable[[Path], None]) -> None:

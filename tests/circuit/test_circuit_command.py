@@ -320,7 +320,12 @@ def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
         "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
     )
     assert not {"OCP", "cadquery", "ngsolve", "netgen"} & set(done.stderr.split())
     assert "scipy" in done.stderr.split()

@@ -18,6 +18,7 @@ from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
 from tests.mechanics.designs import yamada
 from tests.outlines import ALONG, outline
+from tests.small_scene import last_of_each
 
 INERTIA = ("effects.inertia={}", "effects.viscosity={}")
 LONGER = (  # the pull goes on for 1 ms: masses are late
@@ -48,7 +49,7 @@ def pressed_and_pulled(folder: Path, ramp: float, *more: str) -> Simulation:
         "effects.film=none",
         "readout.ridges=[1, 2, 3]",
     )
-    return at_level(load_scene(folder / "scene.toml", [*history, *more]), LEVELS[0])
+    return at_level(load_scene(folder / "scene.toml", last_of_each(*history, *more)), LEVELS[0])
 
 
 def test_undamped_masses_are_warned_of(folder: Path) -> None:
@@ -110,7 +111,7 @@ def test_where_nothing_is_pulled_or_the_plate_is_driven_it_is_less_sure() -> Non
 
 @cache
 def slipped(*more: str) -> Simulation:
-    return at_level(load_scene("yamada-2002-slip", [*LONGER, *more]), LEVELS[0])
+    return at_level(load_scene("yamada-2002-slip", last_of_each(*LONGER, *more)), LEVELS[0])
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from skincad.base.errors import InputError
 from skincad.fabrication.making import MakeResult
 from skincad.inputs.design import Design
 from tests.conftest import run_skincad
+from tests.processes import lines_until, started
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +118,9 @@ def test_a_preview_never_loads_the_cad_kernel(tmp_path: Path) -> None:
         f"skincad.write(found, {str(tmp_path / 'made')!r})\n"
         "print([name for name in ('cadquery', 'OCP', 'ngsolve') if name in sys.modules])\n"
     )
-    done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", told], capture_output=True, text=True, check=True, timeout=300
+    )
     assert done.stdout.strip() == "[]"
 
 
@@ -138,16 +141,16 @@ def test_watch_makes_a_preview_at_each_save(tmp_path: Path) -> None:
     good = skincad.load("plain-ridges").with_(name="mine", ridge={"count": 1}, skin={"width": 3.0}).to_toml()
     file.write_text(good.replace("count = 1", "count = -1"))
     words = [sys.executable, "-m", "skincad", "watch", file.name, "--format", "toml"]
-    with subprocess.Popen(words, cwd=tmp_path, text=True, stdout=-1, stderr=subprocess.STDOUT) as process:
+    with started(words, cwd=tmp_path, text=True, stdout=-1, stderr=subprocess.STDOUT) as process:
         assert process.stdout is not None
         assert "ridge.count" in process.stdout.readline()
         assert process.stdout.readline() == "Watching mine.toml; Ctrl-C ends.\n"
         file.write_text(good)
-        told = list(iter(process.stdout.readline, "Watching mine.toml; Ctrl-C ends.\n"))
+        told = lines_until("Watching mine.toml; Ctrl-C ends.\n", process.stdout)
         assert told[0].startswith("Preview:")
         assert (tmp_path / "out" / "mine" / "design.toml").is_file()
         process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 130
+        assert process.wait(timeout=30) == 130
 
 
 def test_watch_takes_a_file(tmp_path: Path) -> None:

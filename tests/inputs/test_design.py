@@ -144,9 +144,17 @@ def test_a_design_is_frozen_and_with_leaves_it_alone(yamada: Design) -> None:
 
 def test_overrides_read_toml_values_in_order() -> None:
     design = load(
-        "yamada-2002", ["ridge.height=0.6", "ridge.height=0.55", 'name="mine"', "mold.carrier=plain"]
+        "yamada-2002",
+        [
+            "ridge.height=0.55",
+            "contact={force = 3.0}",
+            "contact.force=5.0",
+            'name="mine"',
+            "mold.carrier=plain",
+        ],
     )
     assert (design.ridge.height, design.name, design.mold.carrier) == (0.55, "mine", "plain")
+    assert design.contact.force == 5.0
     bare = load("yamada-2002", ["film=none", "slot=none", "contact.film=none"])
     assert bare.slot is None
     assert bare.film_state == "loose"

@@ -72,8 +72,9 @@ def test_200_random_moves_two_browsers_and_the_verdict_of_check(capfd: pytest.Ca
         assert refused > 10
         assert len(page.desk.session.past) > 50
         assert page.desk.drawn(LONG)
-        while page.desk.session.past or page.desk.session.pending:
-            one.press("Undo")
+        for _ in range(2 * len(page.desk.session.past) + 1):  # what waits is dropped first
+            if page.desk.session.past or page.desk.session.pending:
+                one.press("Undo")
         assert page.desk.session.subject == skincad.load("yamada-2002")
         other.wait_for("as it was loaded")
         one.write("height, mm", "0.45")

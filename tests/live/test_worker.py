@@ -26,7 +26,7 @@ def job(question: str, tell: Tell) -> None:
     if question == "die":
         os.kill(os.getpid(), signal.SIGKILL)
     if question == "look up":
-        while True:
+        for _ in range(100_000):
             tell("stage", ("working", None))
             time.sleep(0.01)
     if question == "deaf":
@@ -107,12 +107,13 @@ def test_a_thread_works_off_the_newest_alone() -> None:
     seen, gates = [], Queue[None]()
 
     def work(thing: int, newer: Any) -> None:
-        gates.get()
+        gates.get(timeout=LONG)
         seen.append((thing, newer()))
 
     newest = Newest(work)
     newest.give(0)
-    while newest.idle(0.01):
+    deadline = time.monotonic() + LONG
+    while newest.idle(0.01) and time.monotonic() < deadline:
         time.sleep(0.001)
     time.sleep(0.05)  # it is at 0, and waits
     for thing in range(1, 10):

@@ -21,6 +21,7 @@ from skincad.mechanics.problem import ContactError
 from skincad.scenes.march import march
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import simulate
+from tests.small_scene import last_of_each
 
 TIMES = np.linspace(0.0, 1.0, 5)
 
@@ -160,7 +161,7 @@ def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
     monkeypatch.setitem(sys.modules, "made_up", module)
 
     def run(*more: str) -> Any:
-        return simulate(load_scene(tmp_path / "scene.toml", [*SMALL, *more]))
+        return simulate(load_scene(tmp_path / "scene.toml", last_of_each(*SMALL, *more)))
 
     plain = run()
     soft = run("effects.softer.factor=2.0", "effects.telling={}")

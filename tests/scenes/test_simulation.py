@@ -322,7 +322,12 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
     )
     small_scene(tmp_path, "yamada-2002-press", "readout.ridges=[]")  # its files
     done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
     )
     assert done.returncode == 0, done.stderr
     marched, after, heavy = done.stdout.split("\n")[:3]

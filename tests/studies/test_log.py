@@ -15,6 +15,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.studies.log import NAME, Log, evaluation_of, line_of
 from skincad.studies.question import Evaluation, Question, evaluate
+from tests.processes import started
 
 DESIGN = skincad.load_design("yamada-2002")
 FOUND = evaluate(DESIGN, {"skin.length": 12.0}, Question("check", "winkler"))
@@ -115,15 +116,11 @@ def test_a_claim_is_one_processs_and_ends_with_it(tmp_path: Path) -> None:
         "import sys, time; from pathlib import Path; from skincad.studies.log import Log\n"
         f"log = Log(Path({str(tmp_path)!r})); print(log.claim({key!r}), flush=True); time.sleep(60)"
     )
-    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
-    try:
+    with started([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "True\n"
         mine = Log(tmp_path)
         assert not mine.claim(key)
         assert mine.claim(numbered(8).key)
-    finally:
-        other.kill()
-        other.wait()
     assert mine.claim(key)
     mine.close()

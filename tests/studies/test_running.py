@@ -20,6 +20,7 @@ from skincad.studies import running
 from skincad.studies.log import NAME, Log
 from skincad.studies.question import Evaluation, Question
 from skincad.studies.running import Run, Values, Workers, workers
+from tests.processes import LIMIT, started
 
 DESIGN = skincad.load_design("yamada-2002")
 QUESTION = Question("check", "winkler")
@@ -146,17 +147,17 @@ def test_fifteen_kills_lose_and_repeat_nothing(tmp_path: Path) -> None:
     many: list[Values] = [{"skin.length": float(length)} for length in np.linspace(8, 16, 1000)]
     log, kills, seen = tmp_path / NAME, 0, b""
     while kills < 15:
-        runs = [
-            subprocess.Popen(swept(tmp_path, many), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            for _ in range(2)
-        ]
-        while not log.exists() or log.stat().st_size <= len(seen):
-            assert all(run.poll() is None for run in runs)
-            time.sleep(1e-4)
-        for run in runs:
-            run.send_signal(signal.SIGKILL)
-            run.wait()
-            kills += 1
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        with started(swept(tmp_path, many), **quiet) as one, started(swept(tmp_path, many), **quiet) as two:
+            deadline = time.monotonic() + LIMIT
+            while not log.exists() or log.stat().st_size <= len(seen):
+                assert time.monotonic() < deadline
+                assert all(run.poll() is None for run in (one, two))
+                time.sleep(1e-4)
+            for run in (one, two):
+                run.send_signal(signal.SIGKILL)
+                run.wait(timeout=60)
+                kills += 1
         now = log.read_bytes()
         assert now.startswith(seen[: seen.rfind(b"\n") + 1])  # what was finished stays
         if kills == 6:
@@ -164,7 +165,7 @@ def test_fifteen_kills_lose_and_repeat_nothing(tmp_path: Path) -> None:
                 file.write(b'{"key": "torn')
         seen = log.read_bytes()
     assert len(seen.splitlines()) < len(many)  # there was work left for every kill
-    subprocess.run(swept(tmp_path, many), check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(swept(tmp_path, many), check=True, stdout=subprocess.DEVNULL, timeout=300)
     left = Log(tmp_path)
     left.read()
     unbroken = Run(DESIGN, QUESTION)
@@ -175,8 +176,9 @@ def test_fifteen_kills_lose_and_repeat_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_two_runs_at_once_share_the_work(tmp_path: Path, alone: list[tuple[str, float]]) -> None:
-    runs = [subprocess.Popen(swept(tmp_path, POINTS), stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    told_by = [json.loads(run.communicate()[0]) for run in runs]
+    one, two = (started(swept(tmp_path, POINTS), stdout=subprocess.PIPE, text=True) for _ in range(2))
+    with one as first, two as second:
+        told_by = [json.loads(run.communicate(timeout=LIMIT)[0]) for run in (first, second)]
     assert sum(each["evaluations"] for each in told_by) == len(POINTS)
     for each in told_by:
         forces = [row["results"]["all_touch_force_N"]["value"] for row in each["rows"]]
