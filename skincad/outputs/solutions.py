@@ -67,25 +67,19 @@ def _unit(knob: Knob) -> str:
 
 
 def _none(found: Solution) -> str:
-    ranges = ", ".join(_range(knob) for knob in found.knobs)
+    ranges, count = ", ".join(_range(knob) for knob in found.knobs), len(found.evaluations)
     told = f"{found.name}: no {ranges} gives {_wishes(found)}"
+    if not found.complete:
+        many = f"{count} evaluation{'s' if count != 1 else ''}"
+        told = f"{found.name}: none found in {many} of {ranges} that gives {_wishes(found)}"
     if found.closest is None:
         return f"{told}."
-    ((key, wanted), *more) = found.target.items()
-    reached = found.closest.reached
-    at = _values(found, found.closest)
-    if more:
-        return f"{told}; the nearest is {_each(reached)}, at {at}."
-    side = "at most" if (reached[key].value or 0.0) < wanted else "at least"
-    return f"{told}: {side} {reached[key]}, at {at}."
+    reached = ", ".join(worded(key, value) for key, value in found.closest.reached.items())
+    return f"{told}. The nearest is {reached}, at {_values(found, found.closest)}."
 
 
 def _wishes(found: Solution) -> str:
     return ", ".join(worded(key, wanted) for key, wanted in found.target.items())
-
-
-def _each(reached: Any) -> str:
-    return ", ".join(worded(key, value) for key, value in reached.items())
 
 
 def _range(knob: Knob) -> str:

@@ -30,6 +30,7 @@ class Asking:
     progress: Progress | None = None
     target: dict[str, float] = field(default_factory=dict)
     evaluations: dict[str, Evaluation] = field(default_factory=dict)
+    unlike: bool = False  # whether the closed form's result lacks a number that is wished
 
     def ask(self, values: Mapping[str, Value]) -> Evaluation:
         """Return the answer for some values. Raises InputError for a wish that no result's key is."""
@@ -64,7 +65,7 @@ class Asking:
     @property
     def guided(self) -> bool:
         """Whether there is a closed form that is cheaper than what is asked."""
-        return self.question.kind == "check" and self.question.tier != GUIDE
+        return self.question.kind == "check" and self.question.tier != GUIDE and not self.unlike
 
     def off(self, found: Evaluation) -> float:
         """Return how far an answer is from the wishes, in parts of them; infinite where it has no values."""

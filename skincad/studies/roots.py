@@ -1,12 +1,14 @@
 """All values of one number at which a costly function has a wanted value, in few evaluations.
 
 A guide, a cheap function of about the same shape, is scanned finely; the costly one is asked only for what it
-is times the guide, which varies slowly. Without a guide the function itself is interpolated.
+is times the guide, which varies slowly. Without a guide the function itself is interpolated. A guide may be
+wrong, so that there is no such value is said by the costly function alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -25,6 +27,10 @@ LEAST = 0.01  # of a guide's largest value; a smaller one is taken as this, for 
 NEAR = 0.15  # of the function's spread: an extremum this near the wanted value is looked at
 EDGE = 1e-3  # of a bracket: nearer to its end nothing new is learnt
 EDGES = 4  # halvings towards the end of where there are values, at each such end
+WIDEST = 1 / (2 * (FIRST - 1))  # of the range: in a wider interval a function may rise by its whole spread
+BESIDE = 1e-3  # of the range: how far from an end that is apart its neighbour is
+NARROWEST = 2.0**-10  # of the range: in a narrower interval a function is taken as a line
+BENT = 3.0  # by which factor a function may be more curved than its points tell
 
 
 @dataclass
@@ -32,14 +38,17 @@ class Search:
     """What is known of a function on [0, 1]: where it was evaluated, and what the crossings are.
 
     `roots` are arguments at which it is within tolerance, `jumps` where it passes the wanted value without
-    taking it, `exact` whether nothing is left to look at (else the evaluations were used up); `model` is the
-    function at even steps of [0, 1] by what is known, NaN where nothing is.
+    taking it, `exact` whether nothing is left to look at (else the evaluations were used up). `complete` says
+    that there are no other roots: both ends and points between were evaluated, and no interval is so wide and
+    so curved that the function may reach the wanted value inside. `model` is the function at even steps of
+    [0, 1] by what is known, NaN where nothing is.
     """
 
     seen: dict[float, float | None] = field(default_factory=dict)
     roots: list[float] = field(default_factory=list)
     jumps: list[float] = field(default_factory=list)
     exact: bool = False
+    complete: bool = False
     model: Array = field(default_factory=lambda: np.zeros(0))
 
     def within(self, root: float, error: float) -> tuple[float, float]:
@@ -49,6 +58,10 @@ class Search:
         ends = _crossings(grid, np.nan_to_num(off, nan=1e100))
         below, above = [x for x in ends if x < root], [x for x in ends if x > root]
         return max(below, default=0.0), min(above, default=1.0)
+
+    def near(self, wanted: float, tol: float) -> bool:
+        """Return whether a value is within `tol` of `wanted`."""
+        return any(y is not None and abs(y - wanted) <= tol for y in self.seen.values())
 
     @property
     def points(self) -> tuple[Array, Array]:
@@ -64,15 +77,20 @@ def search(
     most: int,
     guide: Function | None = None,
     first: float = 0.5,
+    thorough: bool = False,
+    apart: Sequence[float] = (),
 ) -> Search:
     """Return where a function on [0, 1] is within `tol` of `wanted`, in at most `most` evaluations.
 
     All crossings are found that its values at FIRST points tell of, and pairs of them at an extremum that
     lies near the wanted value. With a guide those that the guide's shape tells of, from one value at `first`.
+    If these are none, a `thorough` search goes on until the function's own values leave no room for one. At
+    the ends that are `apart` the function may jump: a length of 0 is often no small length, but none at all.
     """
     found = Search()
     grid: Array = np.linspace(0.0, 1.0, SCAN + 1)
-    scanned = _scanned(guide, grid)
+    told = _told(guide, grid)
+    scanned = _scanned(told, grid)
 
     def ask(x: float) -> None:
         if x not in found.seen and len(found.seen) < most:
@@ -88,19 +106,29 @@ def search(
     while len(found.seen) < most:
         following = _next(found, wanted, tol, grid, scanned)
         if following is None or following in found.seen:
-            found.exact = True
-            break
+            unsure = _unsure(found, wanted, tol, told, apart)
+            if unsure is None or not thorough or found.near(wanted, tol):
+                found.exact = True
+                break
+            following = unsure
         ask(following)
+    found.complete = _unsure(found, wanted, tol, told, apart) is None
     _settle(found, wanted, tol, lambda at: _ratio(found, grid, scanned, np.array([at]))[0])
     found.model = _ratio(found, grid, scanned, grid)
     return found
 
 
-def _scanned(guide: Function | None, grid: Array) -> Array | None:
-    """A guide's values on the grid; None where it has too few, or some below 0."""
+def _told(guide: Function | None, grid: Array) -> Array | None:
+    """A guide's values on the grid, NaN where it has none; None without a guide."""
     if guide is None:
         return None
-    values = np.array([np.nan if (y := guide(float(x))) is None else y for x in grid], dtype=float)
+    return np.array([np.nan if (y := guide(float(x))) is None else y for x in grid], dtype=float)
+
+
+def _scanned(values: Array | None, grid: Array) -> Array | None:
+    """A guide's values, its gaps filled; None where it has too few, or some below 0."""
+    if values is None:
+        return None
     known = np.isfinite(values)
     if known.sum() < len(grid) / 2 or np.any(values[known] < 0):
         return None
@@ -219,6 +247,136 @@ def _extremum(found: Search, wanted: float, tol: float) -> float | None:
         crosses = a and (off[1] - b * b / (4 * a)) * off[1] < 0
         if (crosses or lowest < NEAR * spread) and x[i - 1] < turn < x[i + 1] and _far(found, turn, 0.01):
             return turn
+    return None
+
+
+def _unsure(
+    found: Search, wanted: float, tol: float, told: Array | None, apart: Sequence[float]
+) -> float | None:
+    """Where the function may take the wanted value though its points do not tell: the ends, the middle of a
+    wide interval, the place where it may come nearest; None where its points leave no room.
+
+    An interval is judged by the largest curvature of the points around it, times BENT: the more curved and
+    the wider, the further the function may go beyond its values at the interval's ends.
+    """
+    beside = [abs(end - BESIDE) for end in apart]
+    for end in (0.0, 1.0, *beside):
+        if end not in found.seen:
+            return end
+    _, y = found.points
+    places = sorted(found.seen)
+    narrow = 1 / (FIRST - 1) if len(y) else 1 / (8 * (FIRST - 1)) if told is None else WIDEST
+    wide = max(pairwise(places), key=lambda pair: pair[1] - pair[0])
+    if wide[1] - wide[0] > narrow * (1 + CLOSE):
+        return sum(wide) / 2
+    if (place := _unvisited(found, told)) is not None:
+        return place
+    if not len(y):
+        return None
+    logs = y.min() > SMALL * y.max() and wanted > tol
+    low, high = (math.log(wanted - tol), math.log(wanted + tol)) if logs else (wanted - tol, wanted + tol)
+    spread = float(np.ptp(np.log(y) if logs else y))
+    best, where = 0.0, None
+    for piece, before, after in _pieces(found, wanted, apart):
+        at = np.array(piece)
+        values = np.array([found.seen[place] for place in piece], dtype=float)
+        values = np.log(values) if logs else values
+        bends = np.abs([_bend(at[i : i + 3], values[i : i + 3]) for i in range(len(at) - 2)])
+        for i in range(len(at) - 1):
+            ends = values[i : i + 2]
+            # outside the outermost point nothing tells of a bend
+            widest = WIDEST / 2 if i in (0, len(at) - 2) else WIDEST
+            bend = BENT * max(bends[max(i - 1, 0) : i + 1], default=math.inf)
+            for side, limit in ((1.0, low), (-1.0, -high)):
+                if min(side * ends) > limit:
+                    continue  # it is on the far side, which the other direction looks at
+                top, place = _reach(at[i], at[i + 1], side * ends[0], side * ends[1], bend, spread, widest)
+                # where the ends lie on both sides, or at it, it is enough that the function does not turn
+                room = top - (limit if max(side * ends) < limit else max(side * ends) + high - low)
+                if room > best:
+                    best, where = room, place
+        if where is None:
+            where = _beyond(at, values, before, after, low, high)
+    return where
+
+
+def _unvisited(found: Search, told: Array | None) -> float | None:
+    """The middle of a stretch in which a guide has values, and no place of which was looked at."""
+    if told is None:
+        return None
+    grid: Array = np.linspace(0.0, 1.0, len(told))
+    turns = np.flatnonzero(np.diff(np.isfinite(told))) + 1
+    for stretch in np.split(np.arange(len(grid)), turns):
+        first, last = grid[stretch[0]], grid[stretch[-1]]
+        if np.isfinite(told[stretch[0]]) and not any(first <= place <= last for place in found.seen):
+            return float((first + last) / 2)
+    return None
+
+
+def _pieces(
+    found: Search, wanted: float, apart: Sequence[float]
+) -> Iterator[tuple[list[float], float | None, float | None]]:
+    """Runs of places with values, without a jump between, and the places without a value beside them."""
+    piece: list[float] = []
+    before, last = None, math.nan
+    for place, value in sorted(found.seen.items()):
+        if value is None:
+            if piece:
+                yield piece, before, place
+            piece, before = [], place
+            continue
+        jump = place - piece[-1] <= CLOSE and (last - wanted) * (value - wanted) < 0 if piece else False
+        if piece and (jump or piece[-1] in apart or place in apart):
+            yield piece, before, None
+            piece, before = [], None
+        piece.append(place)
+        last = value
+    if piece:
+        yield piece, before, None
+
+
+def _bend(x: Array, y: Array) -> float:
+    """The second derivative by three points."""
+    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+    return float(2 * (right - left) / (x[2] - x[0]))
+
+
+def _reach(
+    low: float, high: float, at_low: float, at_high: float, bend: float, spread: float, widest: float
+) -> tuple[float, float]:
+    """How high a function of no more curvature than `bend` may be between two points, and where."""
+    wide, end = high - low, max(at_low, at_high)
+    middle = (low + high) / 2
+    if wide <= NARROWEST:
+        return end, middle
+    if not math.isfinite(bend):
+        return math.inf, middle
+    slope = (at_high - at_low) / wide
+    along = wide / 2 + (slope / bend if bend else math.inf * slope if slope else 0.0)
+    if bend and 0 < along < wide:
+        top = at_low + slope * along + bend / 2 * along * (wide - along)
+        place = low + min(max(along, 0.1 * wide), 0.9 * wide)
+    else:
+        top, place = end, middle
+    return (max(top, end + spread), middle) if wide > widest * (1 + CLOSE) else (top, place)
+
+
+def _beyond(
+    at: Array, values: Array, before: float | None, after: float | None, low: float, high: float
+) -> float | None:
+    """The middle of a gap between a piece's end and a place without a value, if the function, going on as
+    it does there, may pass the wanted value inside."""
+    for gap, near, inner in ((before, 0, 1), (after, -1, -2)):
+        if gap is None or abs(gap - at[near]) <= CLOSE:
+            continue
+        toward = 1.0 if values[near] < low else -1.0 if values[near] > high else 0.0
+        if len(at) < 2 or not toward:
+            continue
+        slope = toward * (values[near] - values[inner]) / abs(at[near] - at[inner])
+        # twice as steep as at the last two points: towards where there is no value functions grow steeper
+        rise = 2 * BENT * max(slope, 0.0) * abs(gap - at[near])
+        if rise > (low - values[near] if toward > 0 else values[near] - high):
+            return float((gap + at[near]) / 2)
     return None
 
 

@@ -43,8 +43,9 @@ class Solved:
 class Solution(Result):
     """All `solutions` that were found, the least change first; where there is none, the `closest`.
 
-    `target` is by the result's keys; `evaluations` are all of them in their order, `notes` what else is to be
-    known of the search, `seconds` its wall time.
+    `complete` says that there are no others: the model that judges was asked at both ends of the range and at
+    enough places between. `target` is by the result's keys; `evaluations` are all of them in their order,
+    `notes` what else is to be known of the search, `seconds` its wall time.
     """
 
     shown_by = "skincad.outputs.solutions"
@@ -54,6 +55,7 @@ class Solution(Result):
     knobs: tuple[Knob, ...]
     solutions: tuple[Solved, ...]
     closest: Solved | None
+    complete: bool
     evaluations: tuple[Evaluation, ...]
     notes: tuple[str, ...]
     seconds: float
@@ -87,6 +89,7 @@ class Solution(Result):
             "evaluations": len(self.evaluations),
             "refused": sum(bool(each.refused) for each in self.evaluations),
             "feasible": self.feasible,
+            "searched": "complete" if self.complete else "partial",
             "notes": list(self.notes),
             "seconds": {"total": self.seconds},
         }

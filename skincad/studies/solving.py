@@ -16,6 +16,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
+from skincad.inputs.silicone import silicones
 from skincad.studies.asking import Asking, scaled, short
 from skincad.studies.knobs import Knob, Told, knobs, nearest_silicone
 from skincad.studies.least_change import least_change
@@ -23,7 +24,7 @@ from skincad.studies.measures import slack
 from skincad.studies.question import Evaluation, first_able, question_of
 from skincad.studies.roots import Search, search
 from skincad.studies.solution import Solution, Solved
-from skincad.studies.subject import Subject, Value
+from skincad.studies.subject import Subject, Value, owner
 
 TOL = 5e-3  # of the wanted value; what a mesh's error is by default
 ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
@@ -47,10 +48,11 @@ def solve(
 
     `subject` is a design (its check is asked), a scene (its simulation) or a circuit (its gain); keys of
     `vary` have dots, as `skin.curvature_radius`, and a range (low, high), a list of choices or "all". One
-    number: all values in its range. Several: those with the least change from the start, as parts of their
-    ranges. Choices are tried one by one. Every check is by one `tier`, the best for small strains if None:
-    the numbers of two models differ by more than `tol`, which is relative to what is wanted. Raises
-    InputError for keys, ranges and tolerances that can't be used.
+    number: the values in its range that the search meets, or none after a search of the whole range. Several:
+    those with the least change from the start, as parts of their ranges. Choices are tried one by one. Every
+    check is by one `tier`, the best for small strains if None or "auto": the numbers of two models differ by
+    more than `tol`, which is relative to what is wanted. Raises InputError for keys, ranges and tolerances
+    that can't be used.
     """
     began = perf_counter()
     varied = _varied(subject, target, vary, tol, evaluations)
@@ -58,23 +60,29 @@ def solve(
     smooth = tuple(knob for knob in varied if knob not in stepped)
     lists = [knob.values() for knob in stepped]
     asked = question_of(subject, tier=tier, force=force)
-    if isinstance(subject, Design) and tier is None:
+    if isinstance(subject, Design) and tier in (None, "auto"):
         asked = replace(asked, tier=first_able(TIERS, subject))
     asking = Asking(subject, asked, target, progress)
     if asking.guided:
-        asking.guide({})  # names the wishes, or refuses them, before anything costs time
+        try:
+            asking.guide({})
+        except InputError:  # a dearer model's result may have more numbers: its first answer names them
+            asking.unlike = True
     notes: list[str] = []
     most = evaluations or (ONE if len(smooth) == 1 else SEVERAL)
     solved: list[Solved] = []
+    complete = True
     for combination in itertools.product(*lists):
         fixed = {knob.key: value for knob, value in zip(stepped, combination, strict=True)}
         if not smooth:
             solved += _chosen(asking, fixed, tol)
         elif len(smooth) == 1:
-            solved += crossings(asking, fixed, smooth[0], tol, most, notes)
+            roots, whole = _crossings(asking, fixed, smooth[0], tol, most, notes, thorough=True)
+            solved, complete = solved + roots, complete and whole
         else:
             solved += _least_changed(asking, fixed, smooth, tol, most, notes)
-    return _told(asking, varied, solved, notes, perf_counter() - began)
+            complete = False  # it walks from the start, and looks at no more than its way
+    return _told(asking, varied, solved, complete, notes, perf_counter() - began)
 
 
 def _varied(
@@ -108,7 +116,12 @@ def _varied(
 
 
 def _told(
-    asking: Asking, varied: tuple[Knob, ...], solved: list[Solved], notes: list[str], seconds: float
+    asking: Asking,
+    varied: tuple[Knob, ...],
+    solved: list[Solved],
+    complete: bool,
+    notes: list[str],
+    seconds: float,
 ) -> Solution:
     evaluations = tuple(asking.evaluations.values())
     refused = [each.refused for each in evaluations if each.refused]
@@ -117,6 +130,8 @@ def _told(
     for key in asking.target:
         if not refused and evaluations and all(each.results[key].value is None for each in evaluations):
             notes = [*notes, f"the result has no {key} at any value that was tried"]
+    for each in solved:
+        notes = [*notes, *filter(None, (_uncast(asking.subject, *item) for item in each.values.items()))]
     closest = min(evaluations, key=asking.off, default=None)
     near = None
     if closest is not None and not solved and asking.off(closest) < math.inf:
@@ -128,6 +143,7 @@ def _told(
         varied,
         tuple(sorted(solved, key=lambda each: _order(asking, varied, each))),
         near,
+        complete,
         evaluations,
         tuple(dict.fromkeys(notes)),
         seconds,
@@ -165,6 +181,25 @@ def _solved(asking: Asking, found: Evaluation, interval: Mapping[str, tuple[floa
     return Solved(dict(values), reached, interval, named, found.passed)
 
 
+def _uncast(subject: Subject, key: str, value: Value) -> str:
+    """Return that no silicone of the catalogue is as soft or as stiff as a modulus, "" where one is."""
+    if (nearest := nearest_silicone(subject, key, value)) is None or isinstance(value, str):
+        return ""
+    known = silicones(getattr(owner(subject, key)[0], "silicones", None))
+    moduli = [each.young_modulus for each in known.values()]
+    if value < min(modulus.low for modulus in moduli):
+        which, most = "soft", "softest"
+    elif value > max(modulus.high for modulus in moduli):
+        which, most = "stiff", "stiffest"
+    else:
+        return ""
+    end = known[nearest].young_modulus
+    return (
+        f"no silicone is as {which} as {key} {short(value)} MPa: the {most} is {nearest} with "
+        f"{end.low:g} to {end.high:g} MPa"
+    )
+
+
 def _chosen(asking: Asking, fixed: Values, tol: float) -> Iterator[Solved]:
     """What choices alone give: a solution where the wish lies within the result's error."""
     found = asking.ask(fixed)
@@ -179,7 +214,14 @@ def _chosen(asking: Asking, fixed: Values, tol: float) -> Iterator[Solved]:
 def crossings(
     asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str]
 ) -> Iterator[Solved]:
-    """Yield all solutions for one number; what else is to know of the search goes to `notes`."""
+    """Yield the solutions for one number that few evaluations tell of; notes on the search go to `notes`."""
+    yield from _crossings(asking, fixed, knob, tol, most, notes, thorough=False)[0]
+
+
+def _crossings(
+    asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str], *, thorough: bool
+) -> tuple[list[Solved], bool]:
+    """The solutions for one number, and whether the range has no others."""
 
     def values(share: float) -> Values:
         return {**fixed, knob.key: knob.at(share)}
@@ -194,13 +236,24 @@ def crossings(
     function, guide = first(lambda each: asking.told(asking.ask(each))), first(asking.guide)
     (wanted,) = asking.wished.values()
     allowed = tol * (abs(wanted) or 1.0)
-    found = search(function, wanted, allowed, most, guide if asking.guided else None, _start(knob))
+    found = search(
+        function,
+        wanted,
+        allowed,
+        most,
+        guide if asking.guided else None,
+        _start(knob),
+        thorough=thorough,
+        apart=[end for end, value in ((0.0, knob.low), (1.0, knob.high)) if value == 0],
+    )
     if not found.exact:
         notes.append(f"the search ended after {most} evaluations and may have missed some: --evaluations")
     notes += [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in found.jumps]
+    roots = []
     for share in found.roots:
         answer = asking.ask(values(share))
-        yield _solved(asking, answer, _interval(asking, knob, share, found, answer))
+        roots.append(_solved(asking, answer, _interval(asking, knob, share, found, answer)))
+    return roots, found.complete
 
 
 def _interval(
