@@ -12,7 +12,7 @@ The stress goes through the signals' low-pass, as rate and jerk do, and so does 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -37,6 +37,8 @@ FINE = 0.1  # of the low-pass's time: a step of the network; straight lines betw
 MOST_STEPS = 200  # of the network in one of the march
 MOST_SAMPLES = 2_000_000
 MOST_LEAD = 20_000_000  # of noise before its record begins
+NOISES, FEWEST_NOISES = 20, 5  # seeds by which a lead's spread is told
+MOST_NOISE = 20_000_000  # samples of their noise, some seconds, where the fewest seeds take less
 SIDES = ("S1", "S2")  # of a pair
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
@@ -120,6 +122,22 @@ class Piezo(Reader):
             "signal_to_noise_dB": ratio,
             "warnings": _warnings(circuit.name, recorder, watched),
         }
+
+    def other_noises(self, watched: Watched, time: Array) -> Iterator[Array]:
+        """Yield what makes the noise that of the seeds that follow, NOISES with the scene's own, fewer where
+        the march is long."""
+        if self.noise_seed is None or not watched.ridges or time.size < 2:
+            return
+        chain = Chain.of(circuit_network(fitted(self.loaded, watched.design)), time, watched.bandwidth)
+
+        def noise(seed: int) -> Array:
+            strips = [[chain.noise((seed, ridge, side)) for side in (1, 2)] for ridge in watched.ridges]
+            return np.asarray(np.moveaxis(np.array(strips), 2, 0))
+
+        own = noise(self.noise_seed)
+        seeds = MOST_NOISE // (chain.size * own[0].size)
+        for more in range(1, max(FEWEST_NOISES, min(NOISES, seeds))):
+            yield noise(self.noise_seed + more) - own
 
 
 def fitted(circuit: Circuit, design: Design) -> Circuit:
@@ -207,7 +225,7 @@ class Chain:
         behind = band_limited(at / self.step.rate, sample[at % size], self.bandwidth).value
         if self.times is None:
             return behind[lead :: self.fine][: self.count]
-        return behind[lead + np.rint(self.times * self.step.rate).astype(int)]
+        return np.asarray(behind[lead + np.rint(self.times * self.step.rate).astype(int)])
 
     def noise_rms(self) -> float:
         """Return the noise behind the low-pass, V rms, from one period of the record up to half the rate."""

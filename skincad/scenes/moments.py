@@ -16,4 +16,5 @@ def frames(scene: Scene) -> list[int]:
     """Return the steps of an animation, evenly over the history's time."""
     even = scene.history.even
     count = min(scene.readout.frames, even.size)
-    return even[np.unique(np.linspace(0, even.size - 1, count).round().astype(int))].tolist()
+    places = np.unique(np.linspace(0, even.size - 1, count).round().astype(int))
+    return list(map(int, even[places]))

@@ -46,7 +46,7 @@ class Operators:
 
 @dataclass(frozen=True, eq=False)
 class Dynamics:
-    """A pad with mass or memory; `operators` remembers a factorisation for each of the lengths of step used last."""
+    """A pad with mass or memory; `operators` remembers factorisations for the lengths of step used last."""
 
     pad: PadEquations
     operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
