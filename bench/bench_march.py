@@ -48,7 +48,7 @@ def mean_seconds(scene: Scene, pad: MarchedPad) -> float:
     """Return the mean time of the history's steps."""
     began = perf_counter()
     march(pad, scene.history.times, scene.history.drives(), scene.terms)
-    return (perf_counter() - began) / scene.history.steps
+    return (perf_counter() - began) / scene.history.step_count
 
 
 def step_seconds(scene: Scene, pad: MarchedPad, steps: int) -> float:

@@ -2,8 +2,8 @@
 
 `python -m bench.table_detector [FOLDER] [CIRCUIT ...] [--roc PNG]` (default out/exam, all CIRCUITS)
 marches the exam set of bench/exam (half an hour on a core; what is in FOLDER is not marched again) and
-prints, for each amplifier, gross slips warned of, lead, alarms that are right, of another ridge and false,
-each with its 95 % interval; beside detectors that are silent, never cease, watch the rate alone, or know the
+prints, for each amplifier, gross slips warned of, lead, alarms that are true, and false by kind, each with
+its 95 % interval; beside detectors that are silent, never cease, watch the rate alone, or know the
 forces; false alarms by threshold, and of minutes of holding; and the bound of what any detector can warn of.
 """
 
@@ -103,7 +103,7 @@ def table(circuit: str, scenes: list[Marched], folder: Path) -> dict[str, dict[f
             few = [one.told(some(one.scene, count)) for one in every]
             row(f"{alarms}, {count} ridges told", few, lambda one, _, by=alarms: found(one, 1.0, by))
     row("rate's threshold", told, lambda one, w: rivals.threshold(one, w, one.outputs + one.noises(1)))
-    row("forces and friction known", told, rivals.cone)
+    row("forces and friction known", told, lambda one, w: [(None, i) for _, i in rivals.cone(one, w)])
     row("never", told, rivals.never)
     row("always", told, rivals.always)
     traded = {alarms: roc.marks(told, alarms) for alarms in POINTS}

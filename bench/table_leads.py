@@ -56,7 +56,7 @@ def marched(scene: Scene, piece: PadPiece, law: Any, fineness: float, steps: Any
     """Return a march by a law on a mesh, of some of its steps."""
     mesh = triangles(piece.pad, default_sizes(piece.pad, fineness))
     pad = law.marched(piece, mesh, ORDER, True, scene.terms)
-    kept = np.arange(scene.history.steps + 1) if steps is None else steps
+    kept = np.arange(scene.history.step_count + 1) if steps is None else steps
     drives = scene.history.drives()
     with one_blas_thread():
         return march(pad, scene.history.times[kept], [drives[i] for i in kept], scene.terms)
@@ -77,8 +77,8 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
     piece = piece_of(piece.whole, piece.thickness, halved=False)
     began = perf_counter()
     small, fine = (marched(scene, piece, SmallStrain(), each) for each in (FINENESS, FINER))
-    points = np.array(scene.history.time_s) / scene.history.time_s[-1] * scene.history.steps
-    thin = marched(scene, piece, SmallStrain(), FINENESS, thinned(scene.history.steps, points))
+    fewer = thinned(scene.history.step_count, scene.history.points)
+    thin = marched(scene, piece, SmallStrain(), FINENESS, fewer)
     first = perf_counter()
     few = marched(scene, piece, FiniteStrain(steps="chosen"), FINENESS)
     second = perf_counter()

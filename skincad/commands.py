@@ -273,7 +273,7 @@ def simulate(
 
     target = folder or Path("out") / scene.name
     ready(target, COMMAND, names(scene))
-    with step_bar(scene.history.steps) as tick:
+    with step_bar(scene.history.step_count) as tick:
         found = skincad.simulate(scene, tol=tol, budget=budget, tick=tick, partial=True)
     deliver(found, as_json, skincad.write(found, target))
     if found.march.interrupted:

@@ -102,7 +102,7 @@ def simulated(sources: list[str], design: Design, preview: bool = False) -> list
 
     found = []
     for scene in [skincad.load_scene(source, skin=design) for source in sources]:
-        with step_bar(scene.history.steps) as tick:
+        with step_bar(scene.history.step_count) as tick:
             found.append(skincad.simulate(scene, tick=tick))
     return found
 

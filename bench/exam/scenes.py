@@ -117,13 +117,13 @@ def _scene(skin: Skin, friction: float, mass: float | None, way: History) -> Sce
     effects = {"friction": {"coefficient": friction}, "film": {}}
     effects |= {} if mass is None else {"inertia": {}, "viscosity": {}}
     across = {"tangential_force_N": way.tangential} if way.travel is None else {"displacement_mm": way.travel}
-    times = {"time_s": way.time, "normal_force_N": way.normal, **across, "steps": STEPS}
+    times = {"time_s": way.time, "normal_force_N": way.normal, **across}
     if np.any(way.angle):
         times["rotation_deg"] = way.angle
-    if mass is not None:
-        times["steps"] = SLOW
+    steps = STEPS if mass is None else SLOW
+    history = {key: values[:: STEPS // steps] for key, values in times.items()} | {"steps": steps}
     return Scene(
-        name="exam", skin=skin.design, history=times, plate={} if mass is None else {"mass": mass},
+        name="exam", skin=skin.design, history=history, plate={} if mass is None else {"mass": mass},
         effects=effects, readout={"ridges": [1], "bandwidth_Hz": way.bandwidth},
     )  # fmt: skip
 

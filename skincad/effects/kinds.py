@@ -234,3 +234,8 @@ class Reader(Effect):
         become columns of the table.
         """
         raise NotImplementedError
+
+    def other_noises(self, watched: Watched, time: Array) -> Iterator[Array]:  # noqa: ARG002
+        """Yield `(steps + 1, ridges, 2)` V that, added to `output_V`, make its noise that of another seed;
+        none where nothing read has noise."""
+        yield from ()

@@ -12,7 +12,7 @@ The stress goes through the signals' low-pass, as rate and jerk do, and so does 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -24,7 +24,7 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
 from skincad.circuit.elements import Network
 from skincad.circuit.film import capacitance, charge, electrode
-from skincad.circuit.low_pass import band_limited, corner, delay
+from skincad.circuit.low_pass import band_limited, corner, delay, evenly_spaced, longest_step
 from skincad.circuit.model import Circuit, circuit_network, constants, load_circuit
 from skincad.circuit.noise import noise_samples, total_density
 from skincad.circuit.resample import PASS
@@ -37,6 +37,8 @@ FINE = 0.1  # of the low-pass's time: a step of the network; straight lines betw
 MOST_STEPS = 200  # of the network in one of the march
 MOST_SAMPLES = 2_000_000
 MOST_LEAD = 20_000_000  # of noise before its record begins
+NOISES, FEWEST_NOISES = 20, 5  # seeds by which a lead's spread is told
+MOST_NOISE = 20_000_000  # samples of their noise, some seconds, where the fewest seeds take less
 SIDES = ("S1", "S2")  # of a pair
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
@@ -121,6 +123,22 @@ class Piezo(Reader):
             "warnings": _warnings(circuit.name, recorder, watched),
         }
 
+    def other_noises(self, watched: Watched, time: Array) -> Iterator[Array]:
+        """Yield what makes the noise that of the seeds that follow, NOISES with the scene's own, fewer where
+        the march is long."""
+        if self.noise_seed is None or not watched.ridges or time.size < 2:
+            return
+        chain = Chain.of(circuit_network(fitted(self.loaded, watched.design)), time, watched.bandwidth)
+
+        def noise(seed: int) -> Array:
+            strips = [[chain.noise((seed, ridge, side)) for side in (1, 2)] for ridge in watched.ridges]
+            return np.asarray(np.moveaxis(np.array(strips), 2, 0))
+
+        own = noise(self.noise_seed)
+        seeds = MOST_NOISE // (chain.size * own[0].size)
+        for more in range(1, max(FEWEST_NOISES, min(NOISES, seeds))):
+            yield noise(self.noise_seed + more) - own
+
 
 def fitted(circuit: Circuit, design: Design) -> Circuit:
     """Return the circuit with the skin's own strip as its capacitor; permittivity, loss and draw axis stay.
@@ -148,35 +166,54 @@ def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
 
 @dataclass(frozen=True)
 class Chain:
-    """Low-pass and network behind a march of `count` entries, `fine` steps of the network in one of it."""
+    """Low-pass and network behind a march of `count` entries, `fine` steps of the network in one of it.
+
+    `times` `(count,)` s are those of a march whose steps are not equal, None of one whose are: the network's
+    steps are equal all the same, `fine` of them in the longest step.
+    """
 
     network: Network
     step: Stepper
     bandwidth: float
     count: int
     fine: int
+    times: Array | None = None
 
     @classmethod
     def of(cls, network: Network, time: Array, bandwidth: float) -> Chain:
         """Return the chain; the low-pass is exact, and the network's steps are short against its time."""
         count = time.size
-        length = float(time[1] - time[0]) if count > 1 else 1.0
+        length = longest_step(time) if count > 1 else 1.0
         wanted = math.ceil(corner(bandwidth) * length / FINE)
         fine = max(1, min(wanted, MOST_STEPS, MOST_SAMPLES // count))
-        return cls(network, stepper(network, fine / length), bandwidth, count, fine)
+        times = None if count < 2 or evenly_spaced(time) else time
+        return cls(network, stepper(network, fine / length), bandwidth, count, fine, times)
+
+    @property
+    def size(self) -> int:
+        """Number of the network's samples, from the march's first entry to its last or just behind it."""
+        if self.times is None:
+            return (self.count - 1) * self.fine + 1
+        return math.ceil(float(self.times[-1]) * self.step.rate) + 1
 
     def output(self, charges: Array) -> Array:
         """Return the output `(count,)` V of charges `(count,)` C, at rest before."""
-        at = np.arange((self.count - 1) * self.fine + 1)
-        straight = np.interp(at / self.fine, np.arange(self.count), charges)
-        return run(self.step, band_limited(at / self.step.rate, straight, self.bandwidth).value)[0][
-            :: self.fine
-        ]
+        at = np.arange(self.size)
+        if self.times is None:
+            straight = np.interp(at / self.fine, np.arange(self.count), charges)
+            return run(self.step, band_limited(at / self.step.rate, straight, self.bandwidth).value)[0][
+                :: self.fine
+            ]
+        even = at / self.step.rate
+        every = np.union1d(even, self.times)  # so that the low-pass knows each corner of the charge
+        behind = band_limited(every, np.interp(every, self.times, charges), self.bandwidth).value
+        output = run(self.step, behind[np.searchsorted(every, even)])[0]
+        return np.asarray(np.interp(self.times, even, output))
 
     def noise(self, seed: tuple[int, ...]) -> Array:
         """Return noise `(count,)` V behind the low-pass; raises RefusedError where that takes too long to
         settle."""
-        size = max(2, (self.count - 1) * self.fine + 1)
+        size = max(2, self.size)
         sample = noise_samples(self.network, self.step.rate, size, seed)
         # periodic: a lead-in of its own end lets the low-pass settle
         lead = math.ceil(SETTLED * delay(self.bandwidth) * self.step.rate)
@@ -186,11 +223,13 @@ class Chain:
             )
         at = np.arange(-lead, size)
         behind = band_limited(at / self.step.rate, sample[at % size], self.bandwidth).value
-        return behind[lead :: self.fine][: self.count]
+        if self.times is None:
+            return behind[lead :: self.fine][: self.count]
+        return np.asarray(behind[lead + np.rint(self.times * self.step.rate).astype(int)])
 
     def noise_rms(self) -> float:
         """Return the noise behind the low-pass, V rms, from one period of the record up to half the rate."""
-        low = self.step.rate / max(2, (self.count - 1) * self.fine + 1)
+        low = self.step.rate / max(2, self.size)
         frequency = np.geomspace(low, self.step.rate / 2, 4000)
         passed = (1 + (2 * np.pi * frequency / corner(self.bandwidth)) ** 2) ** -2
         return math.sqrt(float(np.trapezoid(total_density(self.network, frequency) * passed, frequency)))

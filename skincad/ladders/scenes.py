@@ -48,7 +48,9 @@ def marched(scene: Scene, level: Level, most: float) -> Simulation:
 
     def tick(_stage: str, step: int, _left: float | None = None, /) -> None:
         if step and perf_counter() - began > most:
-            raise RefusedError(f"takes more than {most:g} s: at step {step} of {scene.history.steps} by then")
+            raise RefusedError(
+                f"takes more than {most:g} s: at step {step} of {scene.history.step_count} by then"
+            )
 
     found = at_level(scene, level, tick)
     if found.march.failed:

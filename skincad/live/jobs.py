@@ -51,7 +51,7 @@ def simulated(scene: Scene, tell: Tell) -> None:
     from skincad.scenes.simulation import at_level, simulate
 
     def tick(stage: str, step: int, left: float | None = None, /) -> None:
-        tell("stage", (f"{stage}, step {step} of {scene.history.steps}", left))
+        tell("stage", (f"{stage}, step {step} of {scene.history.step_count}", left))
 
     tell("signals", _signals(at_level(scene, LEVELS[0], tick), rough=True))
     tell("signals", _signals(simulate(scene, tick=tick), rough=False))

@@ -43,8 +43,10 @@ def names(scene: Scene) -> list[str]:
 def lines(found: Simulation) -> list[str]:
     """Return what `simulate` prints."""
     march, history = found.march, found.scene.history
-    last, asked = len(march.readings) - 1, history.steps
+    last, asked = len(march.readings) - 1, history.step_count
     end = f"stopped after {last} of {asked} steps: {march.stopped}" if march.stopped else f"{asked} steps"
+    if asked > history.steps:
+        end += f" ({history.steps} equal ones, and corners of the history between them)"
     chosen = chosen_steps(march)
     by = MODELS[model_of(found.scene)].format(0 if chosen is None else len(chosen) - 1)
     energy = found.energy
@@ -95,25 +97,39 @@ def _count(steps: float) -> str:
 def _felt_lines(found: Simulation) -> list[str]:
     """By how much slip is told ahead, as it is and as the detector feels it, and the signals' error."""
     told = _lead_lines(found)
-    told += [
-        f"  felt           {ridge_name(event['ridge'] or 'all')}: {event['kind']} at step {event['step']}"
-        for event in found.read.get("events", ())
-    ]
-    for ridge, ahead in found.read.get("lead_time_s", {}).items():
-        if ahead is not None:
-            told.append(f"  warned         {1e3 * ahead:.3g} ms before gross slip by {ridge_name(ridge)}")
-    if score := found.read.get("event_score"):
-        told += [f"  false alarms   {score['false']}"] * bool(score["false"])
-        told += [f"  wrong ridge    {score['misnamed']} alarms, while another slipped"] * bool(
-            score["misnamed"]
-        )
+    for event in found.read.get("events", ()):
+        who = f"{ridge_name(event['ridge'])}: " if event["ridge"] else ""
+        why = f" (no true warning: {event['reason']})" if event["reason"] else ""
+        told.append(f"  felt           {who}{event['kind']} at step {event['step']}{why}")
+    told += _warned_lines(found)
+    if (score := found.read.get("warning_score")) and (false := score["false"]):
+        alarms = score["true"] + false
+        told.append(f"  false alarms   {false} of {alarms}: their ridges do not slip on until gross slip")
     if point := found.read.get("detector"):
         share, false = point["share_of_gross_slips_warned_of"], point["false_alarms_per_minute_of_handling"]
+        idle = point["of_these_while_nothing_slips"]
         told.append(
             f"  detector       {point['alarms']}: warns of {100 * share:.0f} % of gross slips, {false:g} "
-            "false alarms a minute of handling"
+            f"false alarms a minute of handling, {idle:g} while nothing slips"
         )
     return told
+
+
+def _warned_lines(found: Simulation) -> list[str]:
+    """By how much the detector warns, by ridge, and the spread where that depends on the noise."""
+    spreads, rows = found.read.get("lead_time_by_noise_s", {}), []
+    for ridge, ahead in found.read.get("lead_time_s", {}).items():
+        spread = spreads.get(ridge, {"warned": 0})
+        who = ridge_name(ridge)
+        if ahead is None and not spread["warned"]:
+            continue
+        words = f"not by {who}" if ahead is None else f"{1e3 * ahead:.3g} ms before gross slip by {who}"
+        if spread["warned"]:
+            low, high = 1e3 * spread["smallest"], 1e3 * spread["largest"]
+            of_seeds = f"{spread['warned']} of {spread['seeds']} noise seeds"
+            words += f" ({low:.3g} to {high:.3g} ms with {of_seeds})"
+        rows.append(f"  warned         {words}")
+    return rows
 
 
 def _lead_lines(found: Simulation) -> list[str]:
@@ -165,7 +181,7 @@ def _parts(error: BySource, unit: str) -> list[str]:
 
 def ridge_name(ridge: int | str) -> str:
     """Return the name of a ridge that is read out, or what all of them are called."""
-    return "all ridges read out" if ridge == "all" else f"ridge {ridge}"
+    return "all monitored ridges" if ridge == "all" else f"ridge {ridge}"
 
 
 def manifest(found: Simulation) -> dict[str, Any]:

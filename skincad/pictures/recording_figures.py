@@ -42,9 +42,12 @@ def recording(found: Simulation) -> Recorded | None:
     if not outputs or wanted is None or time.size < 2 or wanted * float(time[-1]) < FEWEST:
         return None
     ridge = PAPERS_RIDGE if str(PAPERS_RIDGE) in outputs else int(list(outputs)[-1])
-    rate = 1 / float(time[1] - time[0])
+    even = found.scene.history.even[found.scene.history.even < time.size]
+    if even.size < 2:
+        return None
+    rate = 1 / float(time[even[1]] - time[even[0]])
     try:
-        parts = [recorded(np.array(outputs[str(ridge)][k]), rate, wanted) for k in ("S1", "S2", "pair")]
+        parts = [recorded(np.array(outputs[str(ridge)][k])[even], rate, wanted) for k in ("S1", "S2", "pair")]
     except InputError:  # the recorder's rate and the march's do not go together: nothing is written of it
         return None
     return Recorded(ridge, *parts)

@@ -85,7 +85,7 @@ def further(
         if last is None or last.cut:  # finite strain in each step would stop there
             return on, found
         steps = chosen_steps(found.march) or [0]
-        price = DEARER * seconds[CORRECTED] * scene.history.steps / len(steps)
+        price = DEARER * seconds[CORRECTED] * scene.history.step_count / len(steps)
         on, found = _by(EACH, on, found, price, budget, began, seconds)
         return on, replace(found, short=short)
     except KeyboardInterrupt:

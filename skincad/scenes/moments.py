@@ -13,6 +13,8 @@ def kept_steps(scene: Scene) -> frozenset[int]:
 
 
 def frames(scene: Scene) -> list[int]:
-    """Return the steps of an animation, evenly over the history."""
-    count = min(scene.readout.frames, scene.history.steps + 1)
-    return np.unique(np.linspace(0, scene.history.steps, count).round().astype(int)).tolist() if count else []
+    """Return the steps of an animation, evenly over the history's time."""
+    even = scene.history.even
+    count = min(scene.readout.frames, even.size)
+    places = np.unique(np.linspace(0, even.size - 1, count).round().astype(int))
+    return list(map(int, even[places]))

@@ -85,14 +85,15 @@ def march_on(
         pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
-    fewer = LONGER * _fewer(scene).size / history.steps if again else 0.0
+    count = history.step_count
+    fewer = LONGER * _fewer(scene).size / count if again else 0.0
     stages = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
 
     def told(step: int) -> None:
         if tick:
-            whole = (perf_counter() - marks[-1]) * history.steps / step
+            whole = (perf_counter() - marks[-1]) * count / step
             after = expected(following, level, {**stages, "march": whole}) if following else 0.0
-            tick(stage, step, whole * (1 - step / history.steps + fewer) + after)
+            tick(stage, step, whole * (1 - step / count + fewer) + after)
 
     # to ask for one thread at each step takes longer than the step
     with needing(f"the computation on the mesh of {stage}"), one_blas_thread():
@@ -109,7 +110,7 @@ def march_thin(on: Marching, found: March, seconds: dict[str, float], after: flo
     told the history's steps, and the time left with the s `after` it."""
     scene, history, tick = on.scene, on.scene.history, on.tick
     kept = _fewer(scene)
-    if found.pad is None or kept.size > history.steps:
+    if found.pad is None or kept.size > history.step_count:
         return None
     stage, began, last = "march with fewer steps", perf_counter(), kept.size - 1
     if tick:
@@ -133,7 +134,7 @@ def march_thin(on: Marching, found: March, seconds: dict[str, float], after: flo
 def _fewer(scene: Scene) -> Index:
     """The steps that the march with fewer has."""
     history = scene.history
-    return thinned(history.steps, np.array(history.time_s) / history.time_s[-1] * history.steps)
+    return thinned(history.step_count, history.points)
 
 
 def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:

@@ -16,10 +16,18 @@ Told = Mapping[str, Any]
 
 
 def _felt(told: Told, scene: Scene, found: March, slips: Slips) -> Told:
-    """Slip as the films' outputs show it, against when ridges slip."""
+    """Slip as the films' outputs show it, against when ridges slip; of outputs with noise for other seeds
+    too."""
     readout, noise = scene.readout, told["output_noise_V_rms"]
     width, alarms = readout.bandwidth_Hz, readout.alarms
-    return report(found.time, told["output_V"], noise, width, slips.runs, slips.gross, alarms)
+    runs, gross, even = slips.runs, slips.gross, scene.history.even
+    noises = (
+        each
+        for effect in scene.parts.values()
+        if isinstance(effect, Reader)
+        for each in effect.other_noises(_watched(scene), found.time)
+    )
+    return report(found.time, told["output_V"], noise, width, runs, gross, alarms, even, noises)
 
 
 # by the key that it follows from
@@ -30,7 +38,7 @@ def read(
     scene: Scene, found: March, slips: Slips, seconds: dict[str, float]
 ) -> tuple[dict[str, Any], list[str]]:
     """Return what the scene's readers tell, and what follows from it; and their warnings."""
-    watched = Watched(scene.design, tuple(scene.readout.ridges), scene.readout.bandwidth_Hz)
+    watched = _watched(scene)
     told: dict[str, Told] = {}
     for name, effect in scene.parts.items():
         if isinstance(effect, Reader):
@@ -45,6 +53,10 @@ def read(
         if key in FOLLOWING
     }
     return joined({**told, **after}), notes
+
+
+def _watched(scene: Scene) -> Watched:
+    return Watched(scene.design, tuple(scene.readout.ridges), scene.readout.bandwidth_Hz)
 
 
 def joined(told: Mapping[str, Told]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.base.arrays import Array, Index
+from skincad.base.arrays import Index
 from skincad.scenes.march import March
 
 THIN = 5  # steps of a march that are one of the march with fewer
@@ -54,8 +54,7 @@ class Refined:
     thin: March | None = None
 
 
-def thinned(steps: int, points: Array) -> Index:
-    """Return the steps `(k,)` of a march with fewer steps: every THIN-th, and those at the history's
-    `points`, given in steps."""
-    named = np.concatenate([np.arange(0, steps + 1, THIN), np.rint(points).astype(int), [steps]])
-    return np.unique(np.clip(named, 0, steps))
+def thinned(steps: int, points: Index) -> Index:
+    """Return the steps `(k,)` of a march with fewer steps: every THIN-th, those at the history's `points`,
+    and the last."""
+    return np.unique(np.concatenate([np.arange(0, steps + 1, THIN), points, [steps]]))

@@ -191,9 +191,9 @@ def _check(scene: Scene) -> None:
     for ridge in scene.readout.ridges:
         if not 1 <= ridge <= design.ridge.count:
             raise InputError("readout.ridges", f"must be from 1 to {design.ridge.count}", ridge)
-    beyond = [step for step in scene.readout.steps if step > scene.history.steps]
+    beyond = [step for step in scene.readout.steps if step > scene.history.step_count]
     if beyond:
-        raise InputError("readout.steps", f"must be from 0 to {scene.history.steps}", beyond[0])
+        raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", beyond[0])
     if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
 

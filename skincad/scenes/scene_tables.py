@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
 from skincad.mechanics.contact.grip import Drive
@@ -19,6 +19,7 @@ STEEPEST = 5.0  # deg; of a plate that turns, as of a tilted one (design.py)
 LARGEST = {"time_s": 1e6, "normal_force_N": 1e6, "tangential_force_N": 1e6, "displacement_mm": 1e3}
 NARROWEST = 1e-4  # Hz; less shows nothing of the longest history
 SHORTEST = 1e-9  # s; assumption: sound passes a micrometre of silicone, far less than any mesh shows
+ROUNDING = 4.0  # units in the last place of the history's end: as far as two sums to one time are apart
 
 
 def _listed(given: Any) -> Any:
@@ -52,7 +53,11 @@ class History(Table):
         "are then normal to the plate and along it",
         json_schema_extra={"unit": "deg"},
     )
-    steps: int = Field(description="number of equal time steps", ge=1, le=1_000_000)
+    steps: int = Field(
+        description="number of equal time steps; a corner between two of them adds a step of its own",
+        ge=1,
+        le=1_000_000,
+    )
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
@@ -98,8 +103,55 @@ class History(Table):
 
     @cached_property
     def times(self) -> Array:
-        """Times `(steps + 1,)`, s."""
+        """Times of the march, s: `steps + 1` equally spaced ones, and every corner between two of these.
+
+        A march that stepped over a corner would not know of it: a short pull would be lost.
+        """
+        even, corners = self._even_times, self._corners
+        gap = np.abs(even[self._nearest(even, corners)] - corners)
+        return np.union1d(even, corners[gap > ROUNDING * np.spacing(even[-1])])
+
+    @cached_property
+    def even(self) -> Index:
+        """Places of the equally spaced times in `times`, `(steps + 1,)`."""
+        return np.asarray(np.searchsorted(self.times, self._even_times))
+
+    @property
+    def step_count(self) -> int:
+        """Number of steps of the march: `steps`, and one more for each corner between two of them."""
+        return self.times.size - 1
+
+    @property
+    def points(self) -> Index:
+        """Places in `times` of the history's points, those without a corner at the time next to them."""
+        return self._nearest(self.times, np.array(self.time_s))
+
+    @property
+    def _even_times(self) -> Array:
         return np.linspace(0.0, self.time_s[-1], self.steps + 1)
+
+    @property
+    def _corners(self) -> Array:
+        """Times of the points at which a line bends; one that lies on the line tells nothing, but for
+        rounding of its values and its time."""
+        time = np.array(self.time_s)
+        bends = np.zeros(time.size, dtype=bool)
+        before, span = np.diff(time)[:-1], time[2:] - time[:-2]
+        for key in (*LARGEST, "rotation_deg"):
+            if key == "time_s" or (listed := getattr(self, key)) is None:
+                continue
+            values = np.array(listed)
+            slope = (values[2:] - values[:-2]) / span
+            off = np.abs(values[1:-1] - values[:-2] - slope * before)
+            rounding = np.spacing(np.abs(values).max()) + np.abs(slope) * np.spacing(time[-1])
+            bends[1:-1] |= off > ROUNDING * rounding
+        return time[bends]
+
+    @staticmethod
+    def _nearest(times: Array, wanted: Array) -> Index:
+        """Return the places in `times` nearest to those `wanted`."""
+        after = np.clip(np.searchsorted(times, wanted), 1, times.size - 1)
+        return np.asarray(after - (wanted - times[after - 1] <= times[after] - wanted))
 
     def drives(self) -> list[Drive]:
         """Return what the plate does at each of `times`."""

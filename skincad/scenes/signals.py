@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.circuit.low_pass import longest_step
 from skincad.effects.kinds import Reading
 
 
 def unresolved(time: Array, bandwidth: float) -> list[str]:
     """Return a warning where the march's steps do not reach up to `bandwidth` Hz, else nothing."""
-    if time.size < 2 or bandwidth <= 0.5 / float(time[1] - time[0]):
+    if time.size < 2 or bandwidth <= 0.5 / (step := longest_step(time)):
         return []
-    step = float(time[1] - time[0])
     return [
         f"steps of {step:.3g} s show what happens up to {0.5 / step:.4g} Hz: from there up to "
         f"readout.bandwidth_Hz ({bandwidth:g} Hz) rate and jerk are artefacts of the steps"

@@ -1,4 +1,4 @@
-"""Slip felt from the films' outputs alone: which ridge slips, and when all that is told do. No look-ahead.
+"""Slip felt from the films' outputs alone: which ridge slips, and when all monitored ones do. No look-ahead.
 
 A small network (one hidden layer, its weights as data) tells of each ridge how likely it slips,
 by what the ridge and those beside it felt over short and long times (slip_features.py). It was fitted to the
@@ -7,15 +7,15 @@ design set of bench/exam: scenes of other skins, frictions and histories than th
 outputs that stand out of the noise.
 
 Range: outputs that follow the stress-rate in their band; the more ridges are told the better, one alone warns
-of a quarter of gross slips, of two fifths by early alarms. Gross slip is told when every told ridge is taken
-to slip: early, where not all ridges are told.
+of an eighth of gross slips, of a third by early alarms. That all monitored ridges slip says nothing of
+ridges that are not monitored: gross slip may come much later.
 """
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from skincad.base.arrays import Array, Mask
+from skincad.base.arrays import Array, Index, Mask
 from skincad.base.errors import InputError
 from skincad.circuit.low_pass import delay
 from skincad.scenes import slip_features
@@ -33,7 +33,7 @@ WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
 SEEN = 5.0  # noise rms of a pair, a window's mean, below which nothing is told: noise alone reaches 2.9
 
-INCIPIENT, GROSS = "incipient slip", "gross slip"
+INCIPIENT, ALL = "incipient slip", "all monitored ridges slip"
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class OperatingPoint:
     """A choice of alarms: a network's `file`, told at the logarithm of odds `threshold`, until `back` below.
 
     These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier:
-    the share of gross slips `warned` of, with its 95 % interval `between`, and false alarms `false` a minute
-    of handling. While a load is held there are none.
+    the share of gross slips `warned` of, with its 95 % interval `between`, and false warnings a minute of
+    handling, all (`false`) and those while nothing slips (`idle`). While a load is held there are none.
     """
 
     file: str
@@ -51,13 +51,14 @@ class OperatingPoint:
     warned: float
     between: tuple[float, float]
     false: float
+    idle: float
 
 
 SURE, EARLY = "sure", "early"
 # Of thresholds on the design set these cost least where a slip missed is as bad as 5 and as 20 false alarms.
 POINTS = {
-    SURE: OperatingPoint("slip_weights.toml", 1.5, 2.0, 0.66, (0.56, 0.75), 17.0),
-    EARLY: OperatingPoint("slip_weights_early.toml", 1.25, 1.0, 0.86, (0.77, 0.91), 33.0),
+    SURE: OperatingPoint("slip_weights.toml", 1.5, 2.0, 0.56, (0.46, 0.66), 115.0, 17.0),
+    EARLY: OperatingPoint("slip_weights_early.toml", 1.25, 1.0, 0.80, (0.71, 0.87), 213.0, 33.0),
 }
 
 
@@ -137,7 +138,7 @@ def fed(d: Detector, state: Memory, outputs: Array) -> tuple[list[Event], Memory
     rises = slipping & ~before[:-1]
     every: Mask = np.asarray(before.all(axis=1))
     events = [Event(INCIPIENT, int(r), state.count + int(i)) for i, r in np.argwhere(rises)]
-    events += [Event(GROSS, None, state.count + int(i)) for i in np.flatnonzero(every[1:] & ~every[:-1])]
+    events += [Event(ALL, None, state.count + int(i)) for i in np.flatnonzero(every[1:] & ~every[:-1])]
     after = Memory(means, before[-1], state.count + outputs.shape[0])
     return sorted(events, key=lambda event: event.index), after
 
@@ -162,18 +163,35 @@ def statistic(d: Detector, state: Memory, outputs: Array) -> tuple[Array, Array]
     return np.where(loud > SEEN, odds, np.minimum(odds, d.threshold - POINTS[d.alarms].back - 1.0)), after
 
 
+# Why an alarm is no true warning of gross slip
+PASSING = "the slip ends before gross slip"
+MISNAMED = "another ridge slips"
+NOTHING = "no monitored ridge slips"
+NOT_ALL = "not all monitored ridges slip until gross slip"
+
+
 @dataclass(frozen=True)
 class Score:
-    """Alarms against the true slips: `hits` and `missed` of these, `false` alarms, and `misnamed` ones, which
-    name a ridge that sticks while another slips; `lead` s by told ridge and `gross_lead` s from the alarm to
-    gross slip, None without one of them."""
+    """Alarms against the true slips: `hits` and `missed` of these; by event why it is no true warning of
+    gross slip (`reasons`), "" of a true one; `lead` s by monitored ridge and `gross_lead` s from the first
+    true warning to gross slip, None without one of them."""
 
     hits: int
     missed: int
-    false: int
-    misnamed: int
+    reasons: tuple[str, ...]
     lead: tuple[float | None, ...]
     gross_lead: float | None
+
+    @property
+    def false(self) -> int:
+        """Number of alarms of what is not so: of a slip where none is, or that all ridges slip until gross
+        slip."""
+        return self.reasons.count(NOTHING) + self.reasons.count(NOT_ALL)
+
+    @property
+    def misnamed(self) -> int:
+        """Number of alarms that name a ridge that sticks while another slips."""
+        return self.reasons.count(MISNAMED)
 
 
 def score(
@@ -183,38 +201,46 @@ def score(
     runs: Sequence[Sequence[Sequence[int]]],
     gross: int | None,
 ) -> Score:
-    """Return how `events` meet the true `runs` of slip, [from, to] by told ridge.
+    """Return how `events` meet the true `runs` of slip, [from, to] by monitored ridge.
 
-    A ridge slips while all its touching points do. A run shorter than the window is not asked for. An alarm
-    is true within a run or a window beside it (before: its first points slip already); each run counts once.
-    An alarm is false where no told ridge slips, misnamed where only another one does.
-    An alarm of gross slip is false where none follows. Lead time runs from the first true alarm of the run
-    that lasts to gross slip.
+    A ridge slips while all its touching points do. A run shorter than the window is not asked for; each other
+    counts once, as a hit where an alarm of its ridge lies in it or within a window beside it (before: its
+    first points slip already). An alarm warns of gross slip truly where all ridges that it names are in the
+    run that lasts until then, or within a window beside it; else falsely, however much they slip at the time.
+    Lead time runs from the first true one of a run that is asked for.
     """
     w = d.window
-    hits = missed = false = misnamed = 0
-    every = [(a, b) for each in runs for a, b in each]
-    leads: list[float | None] = []
-    for told, mine in enumerate(runs):
-        alarms = [event.index for event in events if event.ridge == told]
-        asked = [(a, b) for a, b in mine if b - a + 1 >= w]
-        found = [next((i for i in alarms if a - w <= i <= b + w), None) for a, b in asked]
-        hits += sum(at is not None for at in found)
-        missed += sum(at is None for at in found)
-        untrue = [i for i in alarms if not any(a - w <= i <= b + w for a, b in mine)]
-        elsewhere = sum(any(a - w <= i <= b + w for a, b in every) for i in untrue)
-        misnamed, false = misnamed + elsewhere, false + len(untrue) - elsewhere
-        last = [at for (a, b), at in zip(asked, found, strict=True) if gross is not None and a <= gross <= b]
-        leads.append(_lead(time, gross, last[-1] if last else None))
-    whole = [event.index for event in events if event.kind == GROSS]
-    early = [i for i in whole if gross is not None and i <= gross + w]
-    false += len(whole) - len(early)
-    ahead = _lead(time, gross, early[-1] if early else None)
-    return Score(hits, missed, false, misnamed, tuple(leads), ahead)
+    last = [next(((a, b) for a, b in each if gross is not None and a <= gross <= b), None) for each in runs]
+    reasons = []
+    for event in events:
+        named = range(len(runs)) if event.ridge is None else [event.ridge]
+        near = [any(_beside(event.index, run, w) for run in each) for each in runs]
+        if all(_beside(event.index, last[ridge], w) for ridge in named):
+            reasons.append("")
+        elif event.ridge is None:
+            reasons.append(NOT_ALL)
+        else:
+            reasons.append(PASSING if near[event.ridge] else MISNAMED if any(near) else NOTHING)
+
+    def first(ridge: int | None) -> float | None:
+        pairs = zip(events, reasons, strict=True)
+        true = [event.index for event, reason in pairs if event.ridge == ridge and not reason]
+        return float(time[gross] - time[true[0]]) if true and gross is not None else None
+
+    asked = [[run for run in each if run[1] - run[0] + 1 >= w] for each in runs]
+    heard = [
+        any(event.ridge == ridge and _beside(event.index, run, w) for event in events)
+        for ridge, each in enumerate(asked)
+        for run in each
+    ]
+    long = [run is not None and run[1] - run[0] + 1 >= w for run in last]
+    leads = tuple(first(ridge) if long[ridge] else None for ridge in range(len(runs)))
+    return Score(sum(heard), len(heard) - sum(heard), tuple(reasons), leads, first(None))
 
 
-def _lead(time: Array, gross: int | None, alarm: int | None) -> float | None:
-    return None if gross is None or alarm is None else float(time[gross] - time[alarm])
+def _beside(sample: int, run: Sequence[int] | None, window: int) -> bool:
+    """Whether a sample lies in a run of slip, or within a window beside it."""
+    return run is not None and run[0] - window <= sample <= run[1] + window
 
 
 def report(
@@ -225,37 +251,75 @@ def report(
     runs: Sequence[Sequence[Sequence[int]]],
     gross: int | None,
     alarms: str = SURE,
+    even: Index | None = None,
+    noises: Iterable[Array] = (),
 ) -> dict[str, Any]:
-    """Return the keys `events`, `lead_time_s`, the longest of these, `event_score` and, of outputs,
+    """Return the keys `events`, `lead_time_s`, the longest of these, `event_score`, which counts slips and
+    alarms of slips, and, of outputs, `warning_score`, which counts alarms as warnings of gross slip, and
     `detector`, of a march's outputs by ridge, S1 and S2.
 
-    `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS.
+    `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
+    steps `even`, equally spaced; all steps if not given. Each of `noises` `(steps + 1, ridges, 2)` V makes
+    the outputs those of another seed: with some, `lead_time_by_noise_s` has the leads' spread.
     """
     names, point = list(outputs), POINTS[alarms]
-    if not names or time.size < 2:
+    at = np.arange(time.size) if even is None else even[even < time.size]
+    if not names or at.size < 2:
         nothing = dict.fromkeys(("longest_lead_time_s", "event_score"))
         return {"events": [], "lead_time_s": {}, **nothing}
-    d = detector(1 / float(time[1] - time[0]), bandwidth, math.sqrt(2) * noise, alarms=alarms)
+    d = detector(1 / float(time[at[1]] - time[at[0]]), bandwidth, math.sqrt(2) * noise, alarms=alarms)
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
-    events, _ = fed(d, at_rest(len(names)), values)
-    found = score(d, events, time, [runs[int(r) - 1] for r in names], gross)
+    # runs and gross slip in samples; what happens between two of them is put at the later one
+    sampled = [np.searchsorted(at, np.array(runs[int(r) - 1], dtype=int)).tolist() for r in names]
+    whole, times = None, np.append(time[at], time[-1])
+    if gross is not None:
+        whole = int(np.searchsorted(at, gross))
+        times[whole] = time[gross]
+
+    def scored(felt: Array) -> tuple[list[Event], Score]:
+        events, _ = fed(d, at_rest(len(names)), felt[at])
+        return events, score(d, events, times, sampled, whole)
+
+    def leads(found: Score) -> dict[str, float | None]:
+        return {**dict(zip(names, found.lead, strict=True)), "all": found.gross_lead}
+
+    events, found = scored(values)
+    others = [leads(scored(values + more)[1]) for more in noises]
     return {
         "events": [
             {
                 "kind": event.kind,
                 "ridge": None if event.ridge is None else int(names[event.ridge]),
-                "step": event.index,
-                "time_s": float(time[event.index]),
+                "step": int(at[event.index]),
+                "time_s": float(time[at[event.index]]),
+                "true": not reason,
+                "reason": reason or None,
             }
-            for event in events
+            for event, reason in zip(events, found.reasons, strict=True)
         ],
-        "lead_time_s": {**dict(zip(names, found.lead, strict=True)), "all": found.gross_lead},
+        "lead_time_s": leads(found),
+        **({"lead_time_by_noise_s": _spreads([leads(found), *others])} if others else {}),
         "longest_lead_time_s": max((lead for lead in found.lead if lead is not None), default=None),
+        "warning_score": {
+            "true": found.reasons.count(""),
+            "false": len(found.reasons) - found.reasons.count(""),
+        },
         "event_score": {key: getattr(found, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {
             "alarms": alarms,
             "share_of_gross_slips_warned_of": point.warned,
             "between": list(point.between),
             "false_alarms_per_minute_of_handling": point.false,
+            "of_these_while_nothing_slips": point.idle,
         },
     }
+
+
+def _spreads(leads: Sequence[dict[str, float | None]]) -> dict[str, dict[str, float | int | None]]:
+    """Return by ridge the smallest and largest of `leads`, one a noise seed, and how many seeds warn."""
+    spreads: dict[str, dict[str, float | int | None]] = {}
+    for name in leads[0]:
+        known = [lead for each in leads if (lead := each[name]) is not None]
+        ends = {"smallest": min(known, default=None), "largest": max(known, default=None)}
+        spreads[name] = {**ends, "warned": len(known), "seeds": len(leads)}
+    return spreads

@@ -15,6 +15,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
+from skincad.circuit.low_pass import longest_step
 from skincad.mechanics.contact.friction_law import law_of
 from skincad.mechanics.contact.grip import Cone
 from skincad.scenes.march import March
@@ -80,8 +81,8 @@ def _drift(found: March) -> Array:
 
 
 def step_ms(march: March) -> float:
-    """Return the time of a march's step, ms; 0 without any."""
-    return 1e3 * float(march.time[1] - march.time[0]) if march.time.size > 1 else 0.0
+    """Return the time of a march's step, ms, the longest where they are not equal; 0 without any."""
+    return 1e3 * longest_step(march.time) if march.time.size > 1 else 0.0
 
 
 def in_steps(march: March, step: int | None, error: BySource) -> BySource | None:

@@ -9,7 +9,7 @@ from skincad.scenes.refined import BySource, thinned
 
 
 def test_fewer_steps_keep_the_history_s_points() -> None:
-    kept = thinned(23, np.array([0.0, 7.0, 13.0, 23.0]))
+    kept = thinned(23, np.array([0, 7, 13, 23]))
     assert kept.tolist() == [0, 5, 7, 10, 13, 15, 20, 23]
 
 

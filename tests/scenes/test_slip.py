@@ -16,8 +16,8 @@ from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
 from skincad.scenes.slip import (
+    ALL,
     EARLY,
-    GROSS,
     INCIPIENT,
     POINTS,
     SURE,
@@ -80,7 +80,7 @@ def test_each_slip_is_told_once_and_then_that_all_do() -> None:
         (INCIPIENT, 0),
         (INCIPIENT, 1),
         (INCIPIENT, 0),
-        (GROSS, None),
+        (ALL, None),
     ]
     # 0.2 ms, a window and a third: the low-pass's delay is 0.04 ms
     late = [e.index - at for e, at in zip(found, (186, 488, 477, 488), strict=True)]
@@ -167,7 +167,7 @@ def test_a_score_by_hand() -> None:
     d = Detector(10, NOISE)
     runs = [[[100, 120], [300, 400]], [[200, 203], [350, 400]]]
     alarms = [Event(INCIPIENT, 0, 95), Event(INCIPIENT, 0, 310), Event(INCIPIENT, 0, 330)]
-    alarms += [Event(INCIPIENT, 1, 50), Event(GROSS, None, 20), Event(GROSS, None, 340)]
+    alarms += [Event(INCIPIENT, 1, 50), Event(ALL, None, 20), Event(ALL, None, 340)]
     found = score(d, alarms, TIME, runs, 400)
     # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; the gross slip that
     # follows an alarm makes it a warning, however early
@@ -203,7 +203,7 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
         (INCIPIENT, 2),
         (INCIPIENT, 3),
         (INCIPIENT, 2),
-        (GROSS, None),
+        (ALL, None),
     ]
     assert all(e["time_s"] == pytest.approx(e["step"] / RATE) for e in found["events"])
     assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}

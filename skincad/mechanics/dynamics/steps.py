@@ -29,6 +29,7 @@ from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
 
 DEEPEST = 4  # times that a step is cut in two
 DIGITS = 9  # of a step's length: equal ones share a factorisation
+MOST_LENGTHS = 12  # of steps whose factorisations are in memory: each corner between steps has two of its own
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,7 @@ class Operators:
 
 @dataclass(frozen=True, eq=False)
 class Dynamics:
-    """A pad with mass or memory; `operators` remembers a factorisation for each length of step."""
+    """A pad with mass or memory; `operators` remembers factorisations for the lengths of step used last."""
 
     pad: PadEquations
     operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
@@ -83,8 +84,11 @@ class Dynamics:
 
     def factorised(self, dt: float, matter: Matter) -> Operators:
         """Factorise for this length of step, once."""
-        if (dt, matter) in self.operators:
-            return self.operators[dt, matter]
+        if known := self.operators.pop((dt, matter), None):
+            self.operators[dt, matter] = known  # the last one used is the last one dropped
+            return known
+        if len(self.operators) >= MOST_LENGTHS:
+            del self.operators[next(iter(self.operators))]
         pad, method = self.pad, scheme(dt, matter.damped)
         left = tuple(exp(-dt / time) for _, time in matter.relaxing)
         fresh = tuple(

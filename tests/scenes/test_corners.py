@@ -1,0 +1,194 @@
+"""Steps stand on the corners of a history: on random histories with corners between the equal steps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad.base.errors import InputError
+from skincad.circuit.low_pass import band_limited
+from skincad.effects.friction import Friction
+from skincad.effects.small_strain import CondensedPad, condensed
+from skincad.mechanics.film.sliding import Sliding
+from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import March, march
+from skincad.scenes.moments import frames
+from skincad.scenes.refined import thinned
+from skincad.scenes.scene_tables import History
+from skincad.scenes.simulation import Simulation, at_level
+from tests.small_scene import small_scene
+
+SEEDS = range(60)
+FRICTION, SPRING = 0.5, 4.0  # N/mm along
+
+
+def block() -> CondensedPad:
+    """One point on springs of 0.25 and 0.1 mm/N."""
+    one, none = np.ones(1), np.zeros(1)
+    pad = Sliding(np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1)
+    return condensed(pad)
+
+
+def pulses(seed: int, driven: bool = False) -> History:
+    """A press, then one to four pulls to either side, each up and down within about a step, up to 1.6 times
+    what friction holds, never within 2 % of it; a driven plate's travel is up to 0.8 mm."""
+    draw = np.random.default_rng((34, seed))
+    steps = int(draw.integers(5, 16))
+    normal = float(draw.uniform(0.5, 4.0))
+    time, across = [0.0, float(draw.uniform(0.05, 0.25))], [0.0, 0.0]
+    for _ in range(int(draw.integers(1, 5))):
+        begins = time[-1] + draw.uniform(0.1, 0.9) / steps
+        width = draw.uniform(0.05, 0.9) / steps
+        share = float(draw.choice([draw.uniform(0.2, 0.98), draw.uniform(1.02, 1.6)]))
+        size = 0.8 * share / 1.6 if driven else share * FRICTION * normal
+        time += [begins, begins + draw.uniform(0.2, 0.8) * width, begins + width]
+        across += [across[-1], float(draw.choice([-1, 1])) * size, 0.0]
+    time, across = [*time, time[-1] + 0.3], [*across, 0.0]
+    key = "displacement_mm" if driven else "tangential_force_N"
+    forces = [0.0] + [normal] * (len(time) - 1)
+    return History(time_s=time, normal_force_N=forces, steps=steps, **{key: across})
+
+
+def marched(history: History) -> March:
+    return march(block(), history.times, history.drives(), [Friction(coefficient=FRICTION)])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_pull_between_two_steps_slips_where_friction_does_not_hold_it(seed: int) -> None:
+    """A line's largest pull is at its ends, so the history's points alone say whether all slips, and when."""
+    history = pulses(seed)
+    pull, normal = np.abs(np.array(history.tangential_force_N)), np.array(history.normal_force_N)
+    slips = np.flatnonzero(pull > FRICTION * normal)
+    found = marched(history)
+    assert (found.stopped == "gross slip") == bool(slips.size)
+    if slips.size:
+        first = int(slips[0])
+        here, before = pull[first] - FRICTION * normal[first], pull[first - 1] - FRICTION * normal[first - 1]
+        span = history.time_s[first] - history.time_s[first - 1]
+        begins = history.time_s[first] - span * here / (here - before)
+        assert begins <= found.time[-1] <= history.time_s[first]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_a_driven_plate_did_between_two_steps_is_in_the_end(seed: int) -> None:
+    """A point on a spring, dragged under a constant force: by hand from one point of the history to the next."""
+    history = pulses(seed, driven=True)
+    force, most = 0.0, FRICTION * history.normal_force_N[-1]
+    travel = history.displacement_mm or []
+    for before, after in zip(travel, travel[1:], strict=False):
+        force = float(np.clip(force + SPRING * (after - before), -most, most))
+    assert marched(history).column("tangential")[-1] == pytest.approx(force, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_each_corner_has_a_time_and_no_other_is_added(seed: int) -> None:
+    history = pulses(seed)
+    times, drives = history.times, history.drives()
+    even = np.linspace(0.0, history.time_s[-1], history.steps + 1)
+    assert times[history.even].tolist() == even.tolist()
+    assert np.all(np.diff(times) > 0)
+    for time, pull in zip(history.time_s, history.tangential_force_N or [], strict=True):
+        (here,) = np.flatnonzero(np.abs(times - time) < 1e-14)
+        assert drives[here].tangential == pytest.approx(pull, abs=1e-12)
+    assert times.size <= even.size + len(history.time_s)
+    assert history.step_count == times.size - 1
+    kept = thinned(history.step_count, history.points)
+    assert np.isin(history.time_s, times[kept]).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_history_with_its_corners_on_steps_has_the_equal_steps_alone(seed: int) -> None:
+    """To the bit, by decimals and by sums; points on a straight line are no corners wherever they are."""
+    draw = np.random.default_rng((35, seed))
+    steps, step = int(draw.integers(4, 2000)), float(f"{10 ** draw.uniform(-6, 2):.3g}")
+    places = np.sort(draw.choice(np.arange(1, steps), min(steps - 1, 6), replace=False))
+    places = np.array([0, *places, steps])
+    time = [float(f"{step * place:.12g}") for place in places] if seed % 2 else (step * places).tolist()
+    normal = [0.0, *draw.uniform(0.0, 5.0, places.size - 1).tolist()]
+    if seed % 3 == 0:  # one more between two of them, on the line
+        share = draw.uniform(0.1, 0.9)
+        time.insert(2, time[1] + share * (time[2] - time[1]))
+        normal.insert(2, normal[1] + share * (normal[2] - normal[1]))
+    history = History(time_s=time, normal_force_N=normal, tangential_force_N=[0.0] * len(time), steps=steps)
+    assert history.times.tolist() == np.linspace(0.0, time[-1], steps + 1).tolist()
+    assert history.even.tolist() == list(range(steps + 1))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_low_pass_is_the_same_by_unequal_steps(seed: int) -> None:
+    """Lines between 30 points at multiples of a 4000th: by all 4000 equal steps, and from point to point."""
+    draw = np.random.default_rng((36, seed))
+    time = np.linspace(0.0, 0.02, 4001)
+    at = np.array([0, *np.sort(draw.choice(np.arange(1, 4000), 30, replace=False)), 4000])
+    values, band = draw.normal(size=at.size), float(10 ** draw.uniform(1, 4))
+    one = band_limited(time, np.interp(time, time[at], values), band)
+    other = band_limited(time[at], values, band)
+    for name in ("value", "rate", "jerk"):
+        wanted = getattr(one, name)
+        # both are exact for straight lines: only rounding is left
+        np.testing.assert_allclose(getattr(other, name), wanted[at], atol=1e-11 * np.abs(wanted).max())
+
+
+def test_a_short_pull_is_not_lost(tmp_path: Path) -> None:
+    """8 N for half a step, from force to signals: all entries go with `time_s`."""
+    changes = [
+        "history.time_s=[0.0, 0.1, 0.2003, 0.2013, 0.2023, 0.4]",
+        "history.normal_force_N=[0.0, 1.3, 1.3, 1.3, 1.3, 1.3]",
+        "history.tangential_force_N=[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]",
+        "history.steps=100",
+        "readout.ridges=[2]",
+        "effects.piezo.circuit=transimpedance",
+        "effects.piezo.noise_seed=3",
+    ]
+    scene = small_scene(tmp_path, "hold", *changes)
+    found = at_level(scene, LEVELS[0])
+    assert found.march.stopped == "gross slip"
+    assert found.march.time[-1] == pytest.approx(0.2013, abs=1e-15)
+    told = found.as_json()
+    count = told["steps"] + 1
+    assert told["gross_slip_step"] == told["steps"]
+    every = (told["time_s"], told["normal_force_N"], told["differential_stress_MPa"]["2"])
+    assert [len(each) for each in (*every, told["output_V"]["2"]["pair"])] == [count] * 4
+    assert "103 steps" in str(found)
+    assert "100 equal ones" in str(found)
+    assert frames(scene.with_(readout={"frames": 3})) == [0, 50, 103]
+    scene.with_(readout={"steps": [103]})
+    with pytest.raises(InputError, match="from 0 to 103"):
+        scene.with_(readout={"steps": [104]})
+
+
+def viscous(folder: Path, steps: int, *more: str) -> Simulation:
+    """A press and a pull, the corners of which are between steps of a hundredth, not of a thousandth."""
+    changes = [
+        "history.time_s=[0.0, 0.000333, 0.000777, 0.001]",
+        "history.normal_force_N=[0.0, 1.2, 1.2, 1.2]",
+        "history.tangential_force_N=[0.0, 0.0, 0.4, 0.1]",
+        f"history.steps={steps}",
+        "readout.ridges=[2]",
+        *more,
+    ]
+    return at_level(small_scene(folder, "hold", *changes), LEVELS[0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "more",
+    [
+        ("effects.viscosity.prony=[[0.5, 2e-4]]",),
+        ("effects.viscosity={}", "effects.inertia={}", "plate.mass=0.2"),
+        ("effects.finite_strain.steps=chosen",),
+    ],
+)
+def test_unequal_steps_march_as_many_small_ones_do(more: tuple[str, ...], tmp_path: Path) -> None:
+    """With memory, with masses and in chosen steps."""
+    few, many = viscous(tmp_path, 100, *more), viscous(tmp_path, 1000, *more)
+    assert few.scene.history.step_count == 102
+    assert many.scene.history.step_count == 1000
+    assert few.march.stopped is None
+    assert many.march.stopped is None
+    assert few.energy["imbalance"] < 1e-2
+    exact = np.interp(few.march.time, many.march.time, many.raw[2])
+    # ten times the step: what is of first order in it, and where points slip
+    assert np.abs(few.raw[2] - exact).max() < 0.03 * np.abs(exact).max()
