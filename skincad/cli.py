@@ -10,7 +10,7 @@ from typing import Any, NoReturn, TextIO
 
 import typer
 
-from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhausted, shown
+from skincad.base.errors import ExhaustedError, FaultError, InputError, RefusedError, exhausted, shown
 from skincad.commands import app
 
 TRACEBACK = "SKINCAD_TRACEBACK"  # the environment variable that lets a traceback of skincad's own faults pass
@@ -91,7 +91,7 @@ def _last_words(failure: Exception) -> tuple[str, int]:
     if lacking := exhausted(failure):
         return f"out of {lacking} ({str(failure) or type(failure).__name__}); allow more, or ask for less", 3
     if isinstance(failure, RefusedError):
-        return str(failure), 3 if isinstance(failure, ExhaustedError) else 1
+        return str(failure), 3 if isinstance(failure, ExhaustedError | FaultError) else 1
     what = f"internal error: {type(failure).__name__}: {failure}"
     return f"{what}; please report it with its traceback, which {TRACEBACK}=1 shows", 3
 

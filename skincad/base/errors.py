@@ -78,6 +78,14 @@ class RefusedError(_Portable, RuntimeError):
     """A computation did not meet its own check, so there is no result; the command line exits with 1."""
 
 
+class FaultError(RefusedError):
+    """A result failed a check of skincad's own, whatever the input is. The command line exits with 3."""
+
+    def __init__(self, check: str) -> None:
+        report = "this is a fault of skincad, not of the input; please report it with the file of the design"
+        super().__init__(f"{check}; {report}")
+
+
 class ExhaustedError(RefusedError):
     """Memory or another resource ran out: what is asked needs more. The command line exits with 3."""
 

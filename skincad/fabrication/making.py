@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.arguments import require_goals
-from skincad.base.errors import InputError, RefusedError
+from skincad.base.errors import FaultError, InputError, RefusedError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
@@ -60,22 +60,16 @@ class PartReport:
         }
 
 
-def mesh_findings(parts: list[PartReport]) -> list[Finding]:
-    """Return an error for every print mesh that is open, cuts itself or deviates more than was asked."""
-    from skincad.fabrication.finding import Finding
-
-    remedy = "report it with the design: a mesh must not come out like this"
-    found = []
+def _check_meshes(parts: list[PartReport]) -> None:
+    """Raise FaultError for a print mesh that is open, cuts itself or deviates more than was asked."""
     for part in parts:
         if not part.watertight:
-            found.append(Finding("watertight", part.name, 0.0, 1.0, "", "error", remedy))
+            raise FaultError(f"{part.name}: the print mesh is open")
         if part.self_intersections:
-            count = float(part.self_intersections)
-            found.append(Finding("self-intersection", part.name, count, 0.0, "faces", "error", remedy))
+            raise FaultError(f"{part.name}: {part.self_intersections} faces of the print mesh cross others")
         if part.deviation is not None and part.deviation > part.asked_deviation:
-            deviation = part.deviation, part.asked_deviation
-            found.append(Finding("deviation", part.name, *deviation, "mm", "error", remedy))
-    return found
+            off = f"{part.deviation:.3g} mm, more than {part.asked_deviation:.3g} mm"
+            raise FaultError(f"{part.name}: the print mesh deviates by {off}")
 
 
 @dataclass(frozen=True)
@@ -195,9 +189,9 @@ def make(
     `preview` makes meshes and findings alone: no check, nothing measured on the meshes, and no exact solid,
     nor the files that show one, unless `solids` asks for them.
     `scenes` are what `simulate` found of this skin: `load_scene(name, skin=design)`; the report shows them.
-    `passed` is false when ridges don't surely touch, a part is not valid, watertight or free, or (with
-    `strict`) any finding is a warning; `summary` says what was checked. Raises InputError for bad input,
-    KernelError for a bad solid.
+    `passed` is false when ridges don't surely touch, a part is not free, or (with `strict`) any finding is a
+    warning; `summary` says what was checked. Raises InputError for bad input, FaultError for a solid or a
+    mesh that fails its own check.
     """
     from skincad.fabrication.mounting import mounted
 
@@ -304,10 +298,11 @@ def _build(
             reports = [_report(part, job.solid(part).val(), shape, chord, asked) for part, shape in made]
     else:
         reports = [PartReport(part.name, part.volume, _closed(shape), asked) for part, shape in made]
+    _check_meshes(reports)
     with watch.stage("interference"):
         gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
-        findings = [*design_findings(design, closed), *mesh_findings(reports), *interference(closed, fine)]
+        findings = [*design_findings(design, closed), *interference(closed, fine)]
         findings += [*filling_findings(design, closed), *strip_findings(design)]
     with watch.stage("estimates"):
         taken = estimates(design, closed, job.laid)

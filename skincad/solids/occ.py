@@ -11,11 +11,12 @@ import math
 import os
 import sys
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError, RefusedError, needing
+from skincad.base.errors import FaultError, InputError, exhausted, needing
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Revolved, Turned
@@ -69,11 +70,12 @@ except ImportError as failure:
 KERNEL_TOLERANCE = 1e-7  # mm, source: OCCT's Precision::Confusion; an arc that rises less is a line to it
 ANGLE = 10.0  # rad, between a mesh's chords: no limit, so that the tolerance alone counts
 CHORDS = 16  # of a projected edge that is neither line nor circle: an ellipse's within 1 % of its radius
-VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's volume against the plan's formula
+ROUNDING = 1e-12  # mm, of points: some hundred times the last digit of 10 mm
+VOLUME_TOLERANCE = 1e-9  # relative, of the kernel's integral over a solid
 
 
-class KernelError(RefusedError):
-    """The CAD kernel's solid is not valid, or its volume is not the plan's."""
+class KernelError(FaultError):
+    """The CAD kernel's solid is not valid, its volume is not the plan's, or the kernel failed."""
 
 
 def _load_messages() -> None:
@@ -99,18 +101,25 @@ def solid(part: Part) -> cq.Solid:
     ExhaustedError where memory does not suffice.
     """
     with needing(f"the solid of {part.name}"):
-        return _checked_solid(part)
+        try:
+            return _checked_solid(part)
+        except Exception as failure:
+            kind = type(failure)  # the kernel's errors have no class in common
+            if not kind.__module__.startswith("OCP.") or exhausted(failure):
+                raise
+            words = f"{part.name}: the CAD kernel failed ({kind.__name__}: {failure})"
+            raise KernelError(words) from failure
 
 
 def _checked_solid(part: Part) -> cq.Solid:
     if isinstance(part.body, Turned):
         return cq.Solid(_only_solid(_turned(_checked_solid(own(part)).wrapped, part.body), part.name))
-    part = replace(part, body=_flattened(part.body))
+    part = replace(part, body=_flattened(part.body), cuts=tuple(_flattened(cut) for cut in part.cuts))
     result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
         raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
     error = abs(volume(part, result) - part.volume)
-    if not error <= VOLUME_TOLERANCE * part.volume + _rounding(part.body):
+    if not error <= VOLUME_TOLERANCE * part.volume + _rounding(part.body) + _cutting(part, result):
         raise KernelError(f"{part.name}: volume differs from its formula by {error / part.volume:.1e} of it")
     return result
 
@@ -206,8 +215,15 @@ def _stroke(curve: BRepAdaptor_Curve) -> Stroke:
     return Polyline(tuple((p.X(), p.Y()) for p in points)).straightened(KERNEL_TOLERANCE)
 
 
-def _flattened(body: Body) -> Body:
+_Body = TypeVar("_Body", bound=Body)
+
+
+def _flattened(body: _Body) -> _Body:
     """Replace arcs that rise by less than the kernel's tolerance by lines: their ends would be its middle."""
+    if isinstance(body, Reaching):
+        return replace(body, counts=_flattened(body.counts), built=_flattened(body.built))
+    if isinstance(body, Turned):
+        return replace(body, body=_flattened(body.body))
     if not isinstance(body, Prism | Revolved):
         return body
     lines = tuple(replace(s, bulge=0.0) if _rise(s) < KERNEL_TOLERANCE else s for s in body.outline)
@@ -230,6 +246,12 @@ def _rounding(body: Body) -> float:
     return 4 * sys.float_info.epsilon * arcs * path
 
 
+def _cutting(part: Part, made: cq.Solid) -> float:
+    """Volume, mm3, by which cuts may be off: the kernel takes points within its tolerance of a face as on
+    it, so the edges that a cut makes, and the faces up to them, may be off by as much."""
+    return KERNEL_TOLERANCE * float(made.Area()) if part.cuts else 0.0
+
+
 def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:
     return gp_Pnt(*_spread(x, y, axis, level))
 
@@ -241,7 +263,7 @@ def _spread(x: float, y: float, axis: Axis, level: float = 0.0) -> tuple[float, 
 
 def _body(body: Body) -> TopoDS_Shape:
     if isinstance(body, Reaching):
-        return _body(body.built)
+        return _body(_ended(body))
     if isinstance(body, Turned):
         return _turned(_body(body.body), body)
     if isinstance(body, Prism):
@@ -253,6 +275,19 @@ def _body(body: Body) -> TopoDS_Shape:
     if body.end_radius is None:
         return BRepPrimAPI_MakeCylinder(place, body.radius, body.length).Shape()
     return BRepPrimAPI_MakeCone(place, body.radius, body.end_radius, body.length).Shape()
+
+
+def _ended(cut: Reaching) -> Prism | Revolved | Bore | Turned:
+    """Return the tool of a cut: a turned section ends in the planes in which its part ends.
+
+    There the tool's edges are the section's, exact. If the tool were longer, the kernel would have to compute
+    where the plane meets each turned face. It has no formula for cones of a half angle below 0.02 or above
+    1.55 rad, as flat crowns and steep flanks make: it walks along them in steps, and volumes are off by up to
+    1e-6. Source: OCCT 7.9, IntPatch_Intersection.
+    """
+    if isinstance(cut.built, Revolved) and isinstance(cut.counts, Revolved):
+        return replace(cut.built, low=cut.counts.low, high=cut.counts.high)
+    return cut.built
 
 
 def _turned(shape: TopoDS_Shape, place: Turned) -> TopoDS_Shape:
@@ -314,7 +349,7 @@ def _edge(segment: Segment, axis: Axis, level: float, turns: bool) -> object:
     start = _point(segment.start.x, segment.start.z, axis, level)
     end = _point(segment.end.x, segment.end.z, axis, level)
     if segment.bulge == 0.0:
-        if turns and _taken_as_level(segment):
+        if turns and _straightened(segment):
             return BRepBuilderAPI_MakeEdge(Geom_BezierCurve(_poles(start, end))).Edge()
         return BRepBuilderAPI_MakeEdge(start, end).Edge()
     towards = math.copysign(1.0, segment.bulge)  # from the arc's middle to its centre: left of the chord
@@ -332,12 +367,14 @@ def _edge(segment: Segment, axis: Axis, level: float, turns: bool) -> object:
     return BRepBuilderAPI_MakeEdge(circle, start, end).Edge()
 
 
-def _taken_as_level(line: Segment) -> bool:
-    """Whether the kernel would turn this line, not parallel to x, into a cylinder: it does where the line's
-    length and its projection differ by its tolerance, 1e-4 mm aside on 0.05 mm. A curve is taken as it is.
+def _straightened(line: Segment) -> bool:
+    """Whether the kernel would turn this line into a cylinder or a plane although it is neither parallel nor
+    square to x: it does where length and projection differ by its tolerance, 1e-4 mm aside on 0.05 mm, and
+    where the projection is no longer than that. A curve is taken as it is.
     """
     rise, along = line.end.z - line.start.z, abs(line.end.x - line.start.x)
-    return rise != 0.0 and rise * rise / (line.chord + along) <= 2 * KERNEL_TOLERANCE
+    level = rise != 0.0 and rise * rise / (line.chord + along) <= 2 * KERNEL_TOLERANCE
+    return level or ROUNDING < along <= 2 * KERNEL_TOLERANCE
 
 
 def _poles(start: gp_Pnt, end: gp_Pnt) -> TColgp_Array1OfPnt:
