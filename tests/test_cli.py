@@ -9,10 +9,15 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import chdir
 from pathlib import Path
 
 import pytest
+import typer
 
+from skincad.base.errors import InputError
+from skincad.base.outfolder import checked_folder
+from skincad.commands import app
 from tests.conftest import run_skincad, skincad_process
 from tests.processes import started
 
@@ -210,3 +215,53 @@ def test_no_colour_and_no_bar_off_a_terminal(tmp_path: Path) -> None:
     done = skincad_process("check", "plain-ridges", *ONE_RIDGE, "--tol", "0.3", cwd=tmp_path)
     assert done.stderr == ""
     assert "\x1b" not in done.stdout
+
+
+def test_each_command_that_has_o_has_out() -> None:
+    """And calls it so where neither was written."""
+    commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    flags = {
+        name: [option.opts for option in command.params if {"-o", "--out"} & {*option.opts}]
+        for name, command in commands.items()
+    }
+    assert {name for name, found in flags.items() if found} == {
+        *("make", "watch", "coupon", "package", "circuit", "simulate", "accuracy", "fit-material"),
+        *("solve", "sweep", "optimise"),
+    }
+    assert all(found in ([], [["-o", "--out"]]) for found in flags.values())
+
+
+def test_out_is_o(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for flag in ("-o", "--out"):
+        done = run_skincad("circuit", "yamada-2002", flag, "file", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (2, f"skincad: {flag}: file is a file; name a folder\n")
+
+
+def test_a_working_directory_that_was_deleted(tmp_path: Path) -> None:
+    """An out folder that is given whole needs none; one that counts from it is refused."""
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    words = ["circuit", "yamada-2002", "--out", str(tmp_path / "here")]
+    code = f"import os; os.rmdir({str(gone)!r}); import sys; sys.argv[1:] = {words}; "
+    done = subprocess.run(
+        [sys.executable, "-c", code + "from skincad.__main__ import main; main()"],
+        cwd=gone, capture_output=True, text=True, check=False, timeout=300,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "here" / "gain.csv").is_file()
+    gone.mkdir()
+    with chdir(gone):
+        gone.rmdir()
+        with pytest.raises(InputError, match="folder: here cannot be written"):
+            checked_folder(Path("here"), "circuit")
+
+
+def test_at_and_set_of_the_same_steps_are_one_line(tmp_path: Path) -> None:
+    for flag, key in ((("--at", "1"), "readout.steps=[2]"), (("--gif",), "readout.frames=3")):
+        done = run_skincad("simulate", "steady-pull", *flag, "--set", key, cwd=tmp_path)
+        told = (
+            f"skincad: {flag[0]}: gives {key.partition('=')[0]}, and --set does too; leave one of them out\n"
+        )
+        assert (done.returncode, done.stderr) == (2, told)
+    assert not list(tmp_path.iterdir())
