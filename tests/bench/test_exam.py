@@ -13,7 +13,7 @@ from bench.exam import fitting, network, rivals
 from bench.exam.cases import Case
 from bench.exam.histories import ENDS, STEPS, history
 from bench.exam.scenes import COUNT, LATER, Marched, batch, drawn, seeds
-from bench.exam.scoring import lasting, mark, near, rate, wilson
+from bench.exam.scoring import Alarm, lasting, mark, near, rate, wilson
 from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
 from skincad.inputs.catalog import load_design
 from skincad.scenes import slip
@@ -89,30 +89,34 @@ def test_where_slip_begins_that_lasts() -> None:
 
 @pytest.mark.parametrize(
     ("alarms", "told"),
-    [  # warned, named, right, other, false
-        ([], (False, False, 0, 0, 0)),
-        ([(0, 20)], (False, False, 0, 0, 1)),  # nothing slips yet
-        ([(0, 45)], (False, False, 1, 0, 0)),  # right, but ridge 1 sticks again
-        ([(1, 45)], (False, False, 0, 1, 0)),  # ridge 1 slips, not 3
-        ([(0, 67)], (True, False, 0, 1, 0)),  # within a window of ridge 2's slip, which is not told
-        ([(0, 66)], (False, False, 0, 0, 1)),
-        ([(0, 78)], (True, True, 1, 0, 0)),
-        ([(1, 85)], (True, False, 0, 1, 0)),
-        ([(1, 95), (0, 10), (0, 11)], (True, True, 1, 0, 2)),
-        ([(0, 99)], (False, False, 1, 0, 0)),  # as late as gross slip itself
+    [  # warned, true, passing, other, none
+        ([], (False, 0, 0, 0, 0)),
+        ([(0, 20)], (False, 0, 0, 0, 1)),  # nothing slips yet
+        ([(0, 45)], (False, 0, 1, 0, 0)),  # ridge 1 slips, but sticks again
+        ([(1, 45)], (False, 0, 0, 1, 0)),  # ridge 1 slips, not 3
+        ([(0, 67)], (False, 0, 0, 1, 0)),  # within a window of ridge 2's slip; ridge 1 sticks
+        ([(0, 66)], (False, 0, 0, 0, 1)),
+        ([(0, 78)], (True, 1, 0, 0, 0)),
+        ([(1, 85)], (False, 0, 0, 1, 0)),
+        ([(1, 95), (0, 10), (0, 11)], (True, 1, 0, 0, 2)),
+        ([(0, 99)], (False, 1, 0, 0, 0)),  # as late as gross slip itself
+        ([(None, 67)], (True, 1, 0, 0, 0)),  # the skin: ridge 2 slips on
+        ([(None, 45)], (False, 0, 1, 0, 0)),
+        ([(None, 60)], (False, 0, 0, 0, 1)),
     ],
 )
-def test_marks_by_hand(alarms: list[tuple[int, int]], told: tuple[bool, bool, int, int, int]) -> None:
+def test_marks_by_hand(alarms: list[Alarm], told: tuple[bool, int, int, int, int]) -> None:
     found = mark(by_hand(), alarms, 3)
-    assert (found.warned, found.named, found.right, found.other, found.false) == told
+    assert (found.warned, found.true, found.passing, found.other, found.none) == told
+    assert found.false == sum(told[2:])
     assert found.slips
     assert found.possible == pytest.approx(29 * STEP)
     assert found.seconds == pytest.approx(100 * STEP)
 
 
 def test_a_lead_runs_from_the_first_alarm_and_a_false_one_has_its_phase() -> None:
-    found = mark(by_hand(), [(1, 95), (0, 75), (0, 10), (1, 63)], 3)
-    assert found.lead == pytest.approx(24 * STEP)
+    found = mark(by_hand(), [(1, 95), (0, 77), (0, 10), (1, 63)], 3)
+    assert found.lead == pytest.approx(22 * STEP)
     assert found.within == ("first press", "pull")
 
 

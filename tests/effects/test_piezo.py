@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -110,6 +111,40 @@ def test_the_steps_of_the_march_do_not_count() -> None:
     one, other = (np.array(told(s, dt)["output_V"]["1"]["S1"]) for s, dt in ((coarse, 1e-4), (fine, 1e-5)))
     # the low-pass's output is taken as straight within a step of a tenth of its time: 0.01 / 12
     assert np.abs(one - other[::10]).max() < 1e-3 * np.abs(one).max()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_unequal_steps_do_not_count_either(seed: int) -> None:
+    """The same straight pieces of stress by 1000 equal steps, and by 50 with the corners between them."""
+    draw = np.random.default_rng((39, seed))
+    corners = np.sort(draw.choice(np.arange(1, 1000), 8, replace=False))
+    at = np.union1d(np.arange(0, 1001, 20), corners)
+    points = np.array([0, *corners, 1000])
+    fine = np.outer(np.interp(np.arange(1001), points, draw.normal(size=points.size)), [1.0, 0.0, 0.0])
+    piezo, watched = Piezo(circuit="transimpedance"), Watched(DESIGN, (1,), WIDTH)
+    one, other = (
+        np.array(piezo.read(watched, time * 1e-5, readings(stress))["output_V"]["1"]["S1"])
+        for time, stress in ((np.arange(1001), fine), (at, fine[at]))
+    )
+    assert np.abs(one[at] - other).max() < 2e-3 * np.abs(one).max()  # as above, and straight to the corners
+
+
+@pytest.mark.parametrize("samples", [range(201), (0, 1.3, 2, 3, 4.7, *range(5, 200))])
+def test_the_noise_of_other_seeds_is_told_as_a_difference(samples: Sequence[float]) -> None:
+    times = 1e-5 * np.array(samples)
+    watched, still = Watched(DESIGN, (1, 3), WIDTH), readings(np.zeros((times.size, 3)))
+    own, other = (
+        Piezo(circuit="transimpedance", noise_seed=seed).read(watched, times, still)["output_V"]
+        for seed in (5, 7)
+    )
+    noises = list(Piezo(circuit="transimpedance", noise_seed=5).other_noises(watched, times))
+    assert len(noises) == 19
+    for i, ridge in enumerate(("1", "3")):
+        for k, side in enumerate(("S1", "S2")):
+            wanted = np.array(other[ridge][side])
+            moved = np.array(own[ridge][side]) + noises[1][:, i, k]
+            np.testing.assert_allclose(moved, wanted, atol=1e-12 * np.abs(wanted).max())
+    assert list(Piezo(circuit="transimpedance").other_noises(watched, times)) == []
 
 
 def test_a_wider_strip_gives_more_and_a_longer_lead_has_no_more_capacitance() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -14,11 +15,15 @@ from skincad.base.errors import InputError
 from skincad.circuit.low_pass import band_limited, delay
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
+from skincad.scenes.signals import intervals
 from skincad.scenes.simulation import at_level
 from skincad.scenes.slip import (
     ALL,
     EARLY,
     INCIPIENT,
+    NOT_ALL,
+    NOTHING,
+    PASSING,
     POINTS,
     SURE,
     Detector,
@@ -34,6 +39,14 @@ from skincad.scenes.slip import (
 RATE, WIDTH, NOISE = 1e5, 5000.0, 1e-3  # rate and band of the paper's scene
 TIME = np.arange(600) / RATE
 D = detector(RATE, WIDTH, NOISE)
+
+
+def by_name(outputs: np.ndarray) -> dict[str, dict[str, list[float]]]:
+    """Outputs `(n, 2, 2)` of ridges 2 and 3 as a reader gives them."""
+    return {
+        name: {side: outputs[:, i, k].tolist() for k, side in enumerate(("S1", "S2"))}
+        for i, name in enumerate(("2", "3"))
+    }
 
 
 def behind(*rates: np.ndarray) -> np.ndarray:
@@ -169,15 +182,109 @@ def test_a_score_by_hand() -> None:
     alarms = [Event(INCIPIENT, 0, 95), Event(INCIPIENT, 0, 310), Event(INCIPIENT, 0, 330)]
     alarms += [Event(INCIPIENT, 1, 50), Event(ALL, None, 20), Event(ALL, None, 340)]
     found = score(d, alarms, TIME, runs, 400)
-    # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; the gross slip that
-    # follows an alarm makes it a warning, however early
-    assert (found.hits, found.missed, found.false) == (2, 1, 1)
+    # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; that all slip is false
+    # at step 20, as no slip goes on from there until gross slip, and true within a window of ridge 1's at 340
+    assert (found.hits, found.missed, found.false) == (2, 1, 2)
+    assert found.reasons == (PASSING, "", "", NOTHING, NOT_ALL, "")
     assert found.lead == (pytest.approx(90e-5), None)
     assert found.gross_lead == pytest.approx(60e-5)
     without = score(d, alarms, TIME, runs, None)
     assert (without.false, without.lead, without.gross_lead) == (3, (None, None), None)
     other = score(d, [Event(INCIPIENT, 1, 110), Event(INCIPIENT, 1, 140)], TIME, runs, None)
     assert (other.false, other.misnamed) == (1, 1)  # ridge 0 slips at the first of them, none at the second
+
+
+def test_an_alarm_of_a_pull_that_eased_off_is_no_warning_of_the_next() -> None:
+    """Both ridges slip in either pull, and all is said to slip in both: 6 ms and 1.8 ms before gross slip."""
+    d, runs = Detector(10, NOISE), [[[50, 90], [400, 599]], [[60, 90], [410, 599]]]
+    alarms = [Event(INCIPIENT, 0, 52), Event(INCIPIENT, 1, 62), Event(ALL, None, 62)]
+    alone = score(d, alarms, TIME, runs, 599)
+    assert (alone.hits, alone.false, alone.lead, alone.gross_lead) == (2, 1, (None, None), None)
+    assert alone.reasons == (PASSING, PASSING, NOT_ALL)
+    again = score(d, [*alarms, Event(INCIPIENT, 0, 405), Event(ALL, None, 419)], TIME, runs, 599)
+    assert again.reasons == (*alone.reasons, "", "")
+    assert again.lead == (pytest.approx(194 / RATE), None)
+    assert again.gross_lead == pytest.approx(1.8e-3)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_an_alarm_is_true_where_all_that_it_names_slip_on_until_gross_slip(seed: int) -> None:
+    """By slips drawn at random, sample by sample: no alarm that is far from a lasting slip gives a lead."""
+    draw = np.random.default_rng((37, seed))
+    d, ridges, count = Detector(int(draw.integers(3, 12)), NOISE), int(draw.integers(1, 5)), 300
+    slipping = np.zeros((count, ridges), bool)
+    for ridge in range(ridges):
+        for _ in range(int(draw.integers(0, 4))):
+            start = int(draw.integers(0, 200))
+            slipping[start : start + int(draw.integers(1, 40)), ridge] = True
+    gross = int(draw.integers(250, count)) if draw.random() < 0.7 else None
+    lasts = np.full(ridges, count)
+    for ridge in np.flatnonzero(draw.random(ridges) < 0.9) if gross is not None else ():
+        slipping[gross - int(draw.integers(0, 60)) :, ridge] = True
+        lasts[ridge] = np.flatnonzero(np.append(True, ~slipping[:, ridge])).max()
+    runs = [intervals(column) for column in slipping.T]
+    alarms = []
+    for _ in range(int(draw.integers(1, 15))):
+        ridge = None if draw.random() < 0.3 else int(draw.integers(ridges))
+        alarms.append(Event(INCIPIENT if ridge is not None else ALL, ridge, int(draw.integers(count))))
+    alarms.sort(key=lambda event: event.index)
+    found = score(d, alarms, TIME, runs, gross)
+    true = [
+        event.index >= (lasts.max() if event.ridge is None else lasts[event.ridge]) - d.window
+        and (lasts.max() if event.ridge is None else lasts[event.ridge]) < count
+        for event in alarms
+    ]
+    assert [not reason for reason in found.reasons] == true
+    for ridge, lead in [*enumerate(found.lead), (None, found.gross_lead)]:
+        first = [e.index for e, right in zip(alarms, true, strict=True) if e.ridge == ridge and right]
+        if lead is not None:
+            assert gross is not None
+            assert lead == pytest.approx((gross - first[0]) / RATE, abs=1e-12)
+        elif first:  # a slip shorter than a window is not asked for
+            assert ridge is not None
+            assert count - lasts[ridge] < d.window
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_detector_hears_the_equal_steps_alone(seed: int) -> None:
+    """Steps at corners between them, which it does not hear, move the steps of events, and no lead."""
+    draw = np.random.default_rng((38, seed))
+    between = np.sort(draw.choice(550, int(draw.integers(1, 40)), replace=False)) + draw.uniform(0.1, 0.9)
+    place = np.sort(np.concatenate([np.arange(551), between]))
+    even = np.searchsorted(place, np.arange(551))
+    strips = papers().reshape(551, 4)
+    more = np.stack([np.interp(place, np.arange(551), column) for column in strips.T], axis=1)
+    runs: list[list[list[int]]] = [[], *RUNS]
+    moved = [[[int(even[a]), int(even[b])] for a, b in each] for each in runs]
+    one = report(TIME[:551], by_name(papers()), NOISE / math.sqrt(2), WIDTH, runs, 550)
+    outputs = by_name(more.reshape(-1, 2, 2))
+    gross = int(even[550])
+    other = report(place / RATE, outputs, NOISE / math.sqrt(2), WIDTH, moved, gross, even=even)
+    assert [e["step"] for e in other["events"]] == [even[e["step"]] for e in one["events"]]
+    for e, same in zip(other["events"], one["events"], strict=True):
+        assert e["time_s"] == pytest.approx(same["time_s"])
+    assert other["lead_time_s"] == pytest.approx(one["lead_time_s"])
+    assert other["event_score"] == one["event_score"]
+
+
+def test_a_lead_has_its_spread_over_noises() -> None:
+    """The smallest and the largest of what each noise gives alone; and how many of them warn at all."""
+    clean, runs = papers(), [[], *RUNS]
+    draw = np.random.default_rng(9)
+    noises = [20 * NOISE * k * draw.normal(size=clean.shape) for k in range(4)]
+    noises.append(-clean)  # of these outputs nothing is left, so that none warns
+
+    def told(outputs: np.ndarray, **more: Any) -> dict[str, Any]:
+        return report(TIME[:551], by_name(outputs), NOISE / math.sqrt(2), WIDTH, runs, 550, **more)
+
+    every = [told(clean + noise)["lead_time_s"] for noise in [*noises, np.zeros_like(clean)]]
+    spreads = told(clean, noises=noises)["lead_time_by_noise_s"]
+    assert "lead_time_by_noise_s" not in told(clean)
+    for ridge in ("2", "3", "all"):
+        leads = [each[ridge] for each in every if each[ridge] is not None]
+        assert len(leads) < 6
+        wanted = {"smallest": min(leads), "largest": max(leads), "warned": len(leads), "seeds": 6}
+        assert spreads[ridge] == wanted
 
 
 def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
@@ -193,10 +300,7 @@ def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
 
 
 def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
-    outputs = {
-        name: {side: papers()[:, i, k].tolist() for k, side in enumerate(("S1", "S2"))}
-        for i, name in enumerate(("2", "3"))
-    }
+    outputs = by_name(papers())
     runs: list[list[list[int]]] = [[], *RUNS]
     found = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550)
     assert [(e["kind"], e["ridge"]) for e in found["events"]] == [
@@ -207,6 +311,10 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     ]
     assert all(e["time_s"] == pytest.approx(e["step"] / RATE) for e in found["events"])
     assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
+    # the first one is of ridge 2's slip from step 186 to 200, after which it sticks
+    assert found["warning_score"] == {"true": 3, "false": 1}
+    assert [e["true"] for e in found["events"]] == [False, True, True, True]
+    assert [e["reason"] for e in found["events"]] == [PASSING, None, None, None]
     assert found["lead_time_s"]["2"] == pytest.approx((550 - found["events"][2]["step"]) / RATE)
     assert set(found["lead_time_s"]) == {"2", "3", "all"}
     told = found["detector"]
@@ -227,10 +335,7 @@ def test_bad_constants_are_told(noise: float, threshold: float) -> None:
 
 def test_early_alarms_are_more_and_told_as_such() -> None:
     """They come of another network, and none of them of noise alone."""
-    outputs = {
-        name: {side: papers()[:, i, k].tolist() for k, side in enumerate(("S1", "S2"))}
-        for i, name in enumerate(("2", "3"))
-    }
+    outputs = by_name(papers())
     runs: list[list[list[int]]] = [[], *RUNS]
     sure, early = (
         report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550, alarms) for alarms in POINTS
@@ -258,6 +363,20 @@ def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> No
     assert found["lead_time_s"]["2"] > 0.55e-3
     assert found["lead_time_s"]["3"] > 0.45e-3
     assert found["lead_time_s"]["all"] == min(found["lead_time_s"][ridge] for ridge in "23")
+
+
+def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise() -> None:
+    settings = ["effects.piezo.circuit=transimpedance", "effects.piezo.noise_seed=1", "readout.ridges=[2, 3]"]
+    found = at_level(load_scene("steady-pull", settings), LEVELS[0])
+    lines = [line.split(maxsplit=1) for line in str(found).split("\n")]
+    felt = [words for key, words in lines if key == "felt"]
+    assert sum("all monitored ridges slip at step" in words for words in felt) >= 1
+    assert not any("gross slip at step" in words for words in felt)
+    (warned,) = (words for key, words in lines if key == "warned" and "by ridge 2" in words)
+    assert re.search(r"\([\d.]+ to [\d.]+ ms with 20 of 20 noise seeds\)", warned)
+    score = found.read["warning_score"]
+    assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in str(found)
+    assert sum(not event["true"] for event in found.read["events"]) == score["false"]
 
 
 def test_a_hold_is_no_slip() -> None:

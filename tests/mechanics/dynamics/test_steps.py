@@ -22,7 +22,7 @@ from skincad.mechanics.dynamics.moving_body import moving
 from skincad.mechanics.dynamics.pad import linear
 from skincad.mechanics.dynamics.reference import shear_frequency
 from skincad.mechanics.dynamics.state import Half, Moved, PadEquations, at_rest_on
-from skincad.mechanics.dynamics.steps import Dynamics
+from skincad.mechanics.dynamics.steps import MOST_LENGTHS, Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of
@@ -402,6 +402,19 @@ def test_a_plate_with_mass_may_leave() -> None:
     before = state.plate[0, 0]
     state = pad.step(state, Drive(0.0, 0.0), 1e-5, ROUGH, Matter(0.8, 1.0))
     assert state.plate[0, 0] - before == pytest.approx(1e-5 * state.plate[1, 0], rel=1e-9)
+
+
+def test_few_factorisations_are_in_memory_and_the_one_in_use_is() -> None:
+    """Corners between steps make lengths of their own; the length of all other steps is not lost by them."""
+    pad = springs(4.0, 1.0)
+    state = replace(begun(pad, 0.0, 1.0), drive=Drive(1.0, travel=0.0))
+    usual, matter = 1e-3, Matter(relaxing=((0.5, 1e-3),))
+    first = pad.factorised(usual, matter)
+    for i in range(3 * MOST_LENGTHS):
+        state = pad.step(state, Drive(1.0, travel=0.001 * i), usual, GRIPPING, matter)
+        state = pad.step(state, Drive(1.0, travel=0.001 * i), (0.2 + 0.01 * i) * usual, GRIPPING, matter)
+    assert len(pad.operators) == MOST_LENGTHS
+    assert pad.factorised(usual, matter) is first
 
 
 def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
