@@ -133,9 +133,8 @@ def test_nearly_flat_crowns_make_a_mold() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("radius", [40.0, 100.0])
-def test_files_of_a_mold_with_flat_crowns_read_back(radius: float, tmp_path: Path) -> None:
-    design = bent("gripper-pad", radius, "ridge.crown=0", "ridge.count=9", "skin.width=16")
+def test_files_of_a_mold_with_flat_crowns_read_back(tmp_path: Path) -> None:
+    design = bent("gripper-pad", 100.0, "ridge.crown=0", "ridge.count=9", "skin.width=16")
     made = files_into(design, tmp_path / "out", ["step", "stl", "3mf"])
     closed = mold(design)
     for part in made.parts:
