@@ -10,14 +10,15 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, SimpleNamespace
 
 import pytest
 
 from skincad import __main__ as process
 from skincad import cli
-from skincad.base.errors import ExhaustedError, InputError, RefusedError
+from skincad.base.errors import ExhaustedError, FaultError, InputError, RefusedError
 from skincad.outputs.delivery import ready
 from skincad.outputs.newfile import write_new
 from tests.processes import started
@@ -154,6 +155,11 @@ FAILURES = {
     "a library's memory": (RuntimeError("std::bad_alloc"), 3, "out of memory (std::bad_alloc)"),
     "exhausted": (ExhaustedError("the solid tier needs more memory"), 3, "the solid tier needs more memory"),
     "refused": (RefusedError("does not balance"), 1, "does not balance"),
+    "a failed check of its own": (
+        FaultError("cavity: the print mesh is open"),
+        3,
+        "cavity: the print mesh is open; this is a fault of skincad, not of the input; please report it",
+    ),
     "a fault": (
         ZeroDivisionError("by\nzero"),
         3,
@@ -181,6 +187,46 @@ def test_every_failure_is_one_line_and_with_json_an_object(
         assert json.loads(out) == {"passed": False, "error": err.removeprefix("skincad: ").rstrip("\n")}
     else:
         assert out == ""
+
+
+def kernel_fails(*_: object) -> None:
+    raise type("StdFail_NotDone", (Exception,), {"__module__": "OCP.StdFail"})
+
+
+def measured(**wrong: object) -> Callable[..., object]:
+    """A measurement of any mesh, good but for what is `wrong`."""
+    good = {"watertight": True, "self_intersections": 0, "volume": 1.0, "deviation": 0.0}
+    return lambda *_: SimpleNamespace(**{**good, **wrong})
+
+
+BROKEN = {  # a check that fails: what stands for it, and the words for it
+    "volume": ("skincad.solids.occ.volume", lambda part, _: 1.001 * part.volume, "volume differs"),
+    "validity": (
+        "skincad.solids.occ.BRepCheck_Analyzer",
+        lambda _: SimpleNamespace(IsValid=lambda: False),
+        "not valid",
+    ),
+    "kernel": ("skincad.solids.occ.unchecked_solid", kernel_fails, "the CAD kernel failed (StdFail_NotDone"),
+    "open": ("skincad.fabrication.measures.measure", measured(watertight=False), "is open"),
+    "crossing": ("skincad.fabrication.measures.measure", measured(self_intersections=2), "2 faces"),
+    "deviation": ("skincad.fabrication.measures.measure", measured(deviation=1.0), "deviates by 1 mm"),
+}
+
+
+@pytest.mark.parametrize("check", BROKEN)
+def test_a_solid_or_mesh_that_fails_its_check_is_a_fault_and_writes_nothing(
+    check: str, tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, wrong, words = BROKEN[check]
+    monkeypatch.setattr(place, wrong)
+    small = "--set ridge.count=1 --set skin.width=3.0 --no-check"
+    status, out, err = left(f"make plain-ridges {small} -o {tmp_path / 'out'}", capsys, monkeypatch)
+    assert (status, out) == (3, "")
+    assert err.startswith("skincad: skin: ")
+    assert words in err
+    assert "this is a fault of skincad, not of the input; please report it" in err
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_traceback_is_shown_to_who_asks_for_it(

@@ -19,7 +19,7 @@ from skincad.fabrication.coupon_fit import CrestResult, NotchResult, crest_resul
 from skincad.inputs.catalog import LARGEST_FILE, load_design
 from skincad.inputs.coupon_forms import CREST_FORM, NOTCH_FORM, read_crests, read_notches
 from skincad.inputs.process import Process, processes
-from skincad.solids.coupon import NOTCHES
+from skincad.solids.coupon import NOTCHES, drawn_notches, drawn_steps
 
 
 class MeasuredKey(NamedTuple):
@@ -110,7 +110,8 @@ def read_coupon(
 ) -> CouponReading:
     """Return what the filled-in forms in a folder say of a process that ships or is one of `printer`'s.
 
-    Raises InputError for an unknown process, forms that are not filled in, and a folder without any.
+    Raises InputError for an unknown process, forms that are not filled in or whose rows are not those of the
+    process's coupon, and a folder without any.
     """
     clock = Stopwatch(progress)
     with clock.stage("read"):
@@ -118,7 +119,12 @@ def read_coupon(
         if process not in known:
             raise InputError("process", "unknown process", process, did_you_mean(process, known))
         own = text_of(printer, str(printer), LARGEST_FILE, "TOML") if printer else ""
-        notches, crests = read_notches(folder), read_crests(folder)
+        widths = drawn_notches(known[process])
+        if not widths and (folder / NOTCH_FORM).exists():
+            rule = f"must not be there: the tool of {process!r} cuts no ladder of notches"
+            remedy = "name the process that made the ladder, or remove the file"
+            raise InputError(str(folder / NOTCH_FORM), rule, remedy=remedy)
+        notches, crests = read_notches(folder, widths), read_crests(folder, drawn_steps())
     if notches is None and crests is None:
         rule = f"must hold {NOTCH_FORM} or {CREST_FORM}, filled in"
         raise InputError("measured", rule, str(folder), "name the folder of the coupon's forms")

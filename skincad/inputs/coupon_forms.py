@@ -16,6 +16,7 @@ NOTCH_FORM, CREST_FORM = "notches.csv", "crests.csv"
 NOTCH_COLUMNS = ("notch", "drawn_mm", "goes_mm", "stops_mm")
 CREST_COLUMNS = ("step", "drawn_mm", "measured_mm")
 FEWEST = 5  # rows; assumption: fewer leave no scatter worth the name
+SAME_SIZE = 1e-6  # mm: far below the 0.01 mm to which a form is written
 MOST_OFF = 1.0  # mm from what is drawn, assumption: more is a slip of the pen, or another unit
 
 
@@ -40,15 +41,17 @@ def form(columns: Sequence[str], rows: Iterable[Sequence[str]], notes: Iterable[
     return csv_text([columns, *rows], notes)
 
 
-def read_notches(folder: Path) -> NotchForm | None:
+def read_notches(folder: Path, ladder: Sequence[float] | None = None) -> NotchForm | None:
     """Return the form of the notches in a folder; None where there is none.
 
-    Raises InputError for one that is not filled in, or where a blade stops that is no thicker than what goes.
+    Raises InputError for one that is not filled in, where a blade stops that is no thicker than what goes, or
+    whose rows are not those of the `ladder`, the widths in mm as drawn, notch 1 first.
     """
     found = _filled(folder / NOTCH_FORM, NOTCH_COLUMNS)
     if found is None:
         return None
-    path, (_, drawn, goes, stops) = folder / NOTCH_FORM, found
+    path, (number, drawn, goes, stops) = folder / NOTCH_FORM, found
+    _check_drawn(path, "notch", number, drawn, ladder)
     _off(path, "goes_mm", drawn, goes, least=0.0)
     for i in range(drawn.size):
         if not goes[i] < stops[i]:
@@ -58,15 +61,17 @@ def read_notches(folder: Path) -> NotchForm | None:
     return NotchForm(drawn, goes, stops)
 
 
-def read_crests(folder: Path) -> CrestForm | None:
+def read_crests(folder: Path, steps: Sequence[float] | None = None) -> CrestForm | None:
     """Return the form of the crests in a folder; None where there is none.
 
-    Raises InputError for one that is not filled in, and for heights of which none comes twice.
+    Raises InputError for one that is not filled in, for heights of which none comes twice, or where rows are
+    not those of the `steps`, the heights in mm as drawn, step 1 first.
     """
     found = _filled(folder / CREST_FORM, CREST_COLUMNS)
     if found is None:
         return None
     path, (place, drawn, measured) = folder / CREST_FORM, found
+    _check_drawn(path, "step", place, drawn, steps)
     _off(path, "measured_mm", drawn, measured)
     heights = sorted({*drawn.tolist()})
     fewest = min(int((drawn == height).sum()) for height in heights)
@@ -110,6 +115,33 @@ def _check_filled(name: str, text: str, columns: tuple[str, ...]) -> None:
         if empty and any(cells):
             remedy = "measure it; a form that you did not measure: remove the whole file"
             raise InputError(f"{name}, row {row}", f"{empty[0]} is empty", remedy=remedy)
+
+
+def _check_drawn(
+    path: Path, column: str, numbers: Array, drawn: Array, expected: Sequence[float] | None
+) -> None:
+    """Raise InputError unless each place of the part has one row, in any order, of its size as drawn."""
+    if expected is None:
+        return
+    anew = "restore the row from a new form: skincad coupon PROCESS"
+    rows = dict[int, int]()
+    for i, (number, size) in enumerate(zip(numbers.tolist(), drawn.tolist(), strict=True), 1):
+        where, places = f"{path}, row {i}", len(expected)
+        if number not in range(1, places + 1):
+            rule = f"{column} must be a whole number from 1 to {places}, as many as are drawn"
+            raise InputError(where, rule, number, "remove the row, or name the process of this form")
+        if int(number) in rows:
+            rule = f"{column} must be another one: row {rows[int(number)]} is {column} {number:g} too"
+            raise InputError(where, rule, number, "keep one row of each")
+        rows[int(number)] = i
+        as_drawn = expected[int(number) - 1]
+        if abs(size - as_drawn) > SAME_SIZE:
+            rule = f"drawn_mm of {column} {number:g} must be {as_drawn:g}, as drawn"
+            raise InputError(where, rule, size, f"{anew}; what you measure goes in the columns after it")
+    missing = [str(i) for i in range(1, len(expected) + 1) if i not in rows]
+    if missing:
+        rule = f"must have a row for each {column} of the part; missing: {', '.join(missing)}"
+        raise InputError(str(path), rule, remedy=anew)
 
 
 def _off(path: Path, column: str, drawn: Array, found: Array, least: float | None = None) -> None:

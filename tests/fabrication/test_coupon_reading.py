@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import random
 import tomllib
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import shapely
 from skincad.base.errors import InputError
 from skincad.fabrication.coupon_kit import coupon
 from skincad.fabrication.coupon_reading import read_coupon
+from skincad.fabrication.coupon_sheet import coupon_forms
 from skincad.inputs.catalog import load_design
 from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, NotchForm, form
 from skincad.inputs.process import processes
@@ -102,6 +105,94 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
     fill(tmp_path)
     with pytest.raises(InputError, match="unknown process, got 'slb'; did you mean 'sla'"):
         read_coupon("slb", tmp_path)
+
+
+Rows = list[list[str]]
+
+
+def resized(rows: Rows, draw: random.Random) -> str:
+    """Change a size as drawn, to another one of the part or to any."""
+    row, other = draw.sample(rows[1:], 2)
+    row[1] = draw.choice([other[1] if other[1] != row[1] else "0.99", "0.99", f"{float(row[1]) + 0.001:.3f}"])
+    return f"drawn_mm of {rows[0][0]} {row[0]} must be"
+
+
+def removed(rows: Rows, draw: random.Random) -> str:
+    """Remove one or several rows."""
+    gone = draw.sample(rows[1:], draw.randint(1, 4))
+    rows[:] = [row for row in rows if row not in gone]
+    numbers = sorted(int(row[0]) for row in gone)
+    return f"must have a row for each {rows[0][0]} of the part; missing: {', '.join(map(str, numbers))}"
+
+
+def doubled(rows: Rows, draw: random.Random) -> str:
+    """Write a row twice, alike or measured again."""
+    again = [*draw.choice(rows[1:])]
+    again[-1] = draw.choice([again[-1], f"{float(again[-1]) + 0.01:.3f}"])
+    rows.insert(draw.randint(1, len(rows)), again)
+    return "must be another one: row"
+
+
+def added(rows: Rows, draw: random.Random) -> str:
+    """Add a row of a place that the part doesn't have."""
+    more = [*draw.choice(rows[1:])]
+    more[0] = draw.choice([str(len(rows) + draw.randint(0, 3)), "0", "-1", "2.5", "1e300"])
+    rows.insert(draw.randint(1, len(rows)), more)
+    return "must be a whole number from 1 to"
+
+
+def renamed(rows: Rows, draw: random.Random) -> str:
+    """Give a column another name."""
+    i = draw.randrange(len(rows[0]))
+    rows[0][i] = draw.choice(["width", "drawn", rows[0][i].upper(), rows[0][i] + "s"])
+    return "unknown"
+
+
+@pytest.mark.parametrize("change", [resized, removed, doubled, added, renamed])
+@pytest.mark.parametrize("file", [NOTCH_FORM, CREST_FORM])
+def test_a_form_that_is_not_as_drawn_is_refused(
+    file: str, change: Callable[[Rows, random.Random], str], tmp_path: Path
+) -> None:
+    draw = random.Random(11)
+    for _ in range(20):
+        fill(tmp_path)
+        rows = [line.split(",") for line in (tmp_path / file).read_text().splitlines()]
+        words = change(rows, draw)
+        (tmp_path / file).write_text("\n".join(",".join(row) for row in rows))
+        with pytest.raises(InputError) as refused:
+            read_coupon("sla", tmp_path)
+        assert str(refused.value).startswith(str(tmp_path / file))
+        assert words in str(refused.value)
+        assert refused.value.remedy
+
+
+@pytest.mark.parametrize("file", [NOTCH_FORM, CREST_FORM])
+def test_rows_may_come_in_any_order(file: str, tmp_path: Path) -> None:
+    fill(tmp_path)
+    before = read_coupon("sla", tmp_path)
+    header, *rows = (tmp_path / file).read_text().splitlines()
+    random.Random(5).shuffle(rows)
+    (tmp_path / file).write_text("\n".join([header, *rows]))
+    assert read_coupon("sla", tmp_path).keys == before.keys
+
+
+def test_forms_of_a_coupon_are_as_drawn(tmp_path: Path) -> None:
+    """Of every process that ships: its forms, filled in as drawn, read back."""
+    for name in processes():
+        for file, text in coupon_forms(coupon(name)).items():
+            lines = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+            if file in (NOTCH_FORM, CREST_FORM):
+                measured = [[*row[:2], row[1], f"{float(row[1]) + 0.01:.2f}"] for row in lines[1:]]
+                filled = [",".join(row[: len(lines[0])]) for row in (lines[0], *measured)]
+                (tmp_path / file).write_text("\n".join(filled))
+        read_coupon(name, tmp_path)
+        (tmp_path / NOTCH_FORM).unlink(missing_ok=True)
+
+
+def test_a_ladder_of_a_process_that_cuts_none_is_refused(tmp_path: Path) -> None:
+    fill(tmp_path)
+    with pytest.raises(InputError, match=r"notches\.csv: must not be there: the tool of 'cnc'"):
+        read_coupon("cnc", tmp_path)
 
 
 def as_grown(growth: float, seed: int) -> NotchForm:

@@ -111,3 +111,16 @@ def test_bad_input_is_one_line_and_nothing_is_written(
     assert words in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_changed_ladder_writes_nothing(tmp_path: Path) -> None:
+    fill(tmp_path)
+    text = (tmp_path / NOTCH_FORM).read_text().replace("3,0.10,", "3,0.99,")
+    (tmp_path / NOTCH_FORM).write_text(text)
+    before = sorted(tmp_path.iterdir())
+    done = run_skincad("coupon", "sla", "--measured", ".", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    words = "skincad: notches.csv, row 3: drawn_mm of notch 3 must be 0.1, as drawn, got 0.99; restore"
+    assert done.stderr.startswith(words)
+    assert len(done.stderr.splitlines()) == 1
+    assert sorted(tmp_path.iterdir()) == before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
@@ -48,6 +49,20 @@ def test_a_solid_that_is_not_its_plans_volume_is_refused(yamada: Design) -> None
     outside = replace(cover, cuts=(*cover.cuts, Bore((100.0, 0.0, 0.0), "z", 1.0, 1.0)))
     with pytest.raises(KernelError, match="cover: volume differs from its formula"):
         solid(outside)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.2])
+def test_cuts_may_be_off_by_the_kernels_tolerance_on_each_face(
+    share: float, yamada: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cover = mold(yamada).part("cover")
+    off = share * KERNEL_TOLERANCE * solid(cover).Area()
+    monkeypatch.setattr("skincad.solids.occ.volume", lambda part, _: part.volume + off)
+    with nullcontext() if share < 1 else pytest.raises(KernelError, match="cover: volume differs"):
+        solid(cover)
+    uncut = replace(cover, cuts=())
+    with pytest.raises(KernelError, match="cover: volume differs"):  # no edge of it is computed
+        solid(uncut)
 
 
 def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,10 +16,13 @@ from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
 from skincad.outputs import export
+from skincad.shape import curves
 from skincad.shape.cross_section import section
+from skincad.shape.curves import Point
 from skincad.solids.body import Revolved
 from skincad.solids.occ import KernelError, solid
 from skincad.solids.plan import Part
+from skincad.solids.roles import PartRole
 from skincad.solids.skin import cast_skin, skin_part, skin_solid
 from skincad.solids.swept import swept
 
@@ -50,6 +54,18 @@ def test_solid_is_valid_and_of_pappus_volume_ridges_up_and_down(yamada: Design, 
         assert part.volume == pytest.approx(shape.area * path, rel=1e-12)  # two ways to add the same terms
         # the kernel stores an axis 1e8 mm away with 1e-8 mm, of some 4 mm
         assert solid(part).Volume() == pytest.approx(part.volume, rel=1e-9 if radius < 1e8 else 1e-8)
+
+
+def test_lines_nearly_parallel_or_square_to_the_axis_are_as_drawn() -> None:
+    """The kernel makes cylinders and planes of lines that slant by less than its tolerance."""
+    draw = random.Random(3)
+    for _ in range(60):
+        aside, up = (draw.choice([0.0, 10 ** draw.uniform(-16, -2)]) for _ in range(2))
+        points = [Point(-0.5, 0.0), Point(0.5, up), Point(0.5 + aside, 2.0 + up), Point(aside - 0.5, 2.0)]
+        radius = 10 ** draw.uniform(1, 3)
+        part = Part("wedge", PartRole.SKIN, Revolved(curves.loop(points), -radius, -1 / radius, 1 / radius))
+        # rounding of 1e-12 mm on a face of 2 mm by 2 mm, and that of the radius
+        assert solid(part).Volume() == pytest.approx(part.volume, rel=5e-12), (aside, up)
 
 
 @pytest.mark.slow
