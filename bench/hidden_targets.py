@@ -2,13 +2,14 @@
 
 `python -m bench.hidden_targets 20 --seed 0` draws 20 designs that differ from `lab-bench` in one number, and
 20 that differ in three, takes the all-touch force, the approach or a ridge's force of each as the target, and
-prints the evaluations that the way back to it took, and by how much it missed.
+prints the evaluations that the way back to it took, and by how much it missed. `--wide` varies one of the
+keys of WIDE, in a design of choice: `--start yamada-2002 --wide`.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -17,6 +18,7 @@ import numpy as np
 import skincad
 from skincad.studies.question import Question, evaluate
 from skincad.studies.solving import solve
+from skincad.studies.subject import value_of
 
 START, TIER = "lab-bench", "corrected"
 RANGES = {
@@ -27,6 +29,22 @@ RANGES = {
     "ridge.height": (0.7, 1.2),
     "ridge.levelling": (0.0, 0.8),
 }
+WIDE = {  # of the start's own values
+    "skin.curvature_radius": (0.6, 2.0),
+    "skin.thickness": (0.6, 1.6),
+    "skin.width": (1.0, 2.0),
+    "skin.length": (0.7, 1.4),
+    "ridge.pitch": (0.9, 1.2),
+    "ridge.height": (0.7, 1.3),
+    "ridge.root_width": (0.8, 1.1),
+    "ridge.tip_width": (0.7, 1.2),
+    "ridge.crown": (0.3, 3.0),  # the closed form knows none of these four
+    "ridge.tip_fillet": (0.2, 2.0),
+    "ridge.root_fillet": (0.3, 1.6),
+    "material.poisson_ratio": (0.92, 1.0),
+    "material.young_modulus": (0.25, 3.0),
+    "contact.force": (0.5, 2.0),
+}
 TARGETS = ("all_touch_force_N", "approach_mm", "ridge_force_N.5")
 HIT, MOST = 0.02, {1: 12, 3: 60}
 
@@ -34,13 +52,14 @@ HIT, MOST = 0.02, {1: 12, 3: 60}
 @dataclass(frozen=True)
 class Way:
     """One hidden target: what was varied and wanted, how many evaluations it took and by what part it missed;
-    `missed` is infinite where nothing was found."""
+    `missed` is infinite where nothing was found, `denied` says that there is nothing."""
 
     seed: int
     keys: tuple[str, ...]
     wanted: tuple[str, float]
     evaluations: int
     missed: float
+    denied: bool
     seconds: float
 
     @property
@@ -54,25 +73,43 @@ class Way:
         return f"seed {self.seed}: {what}: {self.evaluations} evaluations, {miss}, {self.seconds:.0f} s"
 
 
-def ways(count: int, first: int, knobs: int, tier: str = TIER) -> Iterator[Way]:
+def wide(start: str) -> dict[str, tuple[float, float]]:
+    """Return the ranges of WIDE for the keys that a design gives."""
+    design, found = skincad.load_design(start), dict[str, tuple[float, float]]()
+    for key, (low, high) in WIDE.items():
+        if isinstance(value := value_of(design, key), int | float):
+            found[key] = (float(f"{low * value:.4g}"), float(f"{high * value:.4g}"))
+    return found
+
+
+def ways(
+    count: int,
+    first: int,
+    knobs: int,
+    tier: str = TIER,
+    start: str = START,
+    ranges: Mapping[str, tuple[float, float]] = RANGES,
+) -> Iterator[Way]:
     """Yield `count` ways back to targets that the designs of random values of so many `knobs` told."""
-    seed, start = first, skincad.load_design(START)
+    seed, design = first, skincad.load_design(start)
     while count:
         rng = np.random.default_rng([seed, knobs, 41])
-        keys = tuple(str(key) for key in rng.choice(list(RANGES), knobs, replace=False))
-        hidden = {key: float(np.round(rng.uniform(*RANGES[key]), 4)) for key in keys}
-        told = evaluate(start, hidden, Question("check", tier))
+        keys = tuple(str(key) for key in rng.choice(list(ranges), knobs, replace=False))
+        hidden = {key: float(np.round(rng.uniform(*ranges[key]), 4)) for key in keys}
+        told = evaluate(design, hidden, Question("check", tier))
         target = TARGETS[seed % len(TARGETS)]
         seed += 1
         value = told.results[target].value if told.results and not told.refused else None
         if not value:
             continue  # no feasible design
         began = perf_counter()
-        found = solve(start, {target: value}, {key: RANGES[key] for key in keys}, tier=tier)
+        found = solve(design, {target: value}, {key: ranges[key] for key in keys}, tier=tier)
         missed = np.inf
         if found.solutions:
             missed = abs(float(found.solutions[0].reached[target]) / value - 1)
-        yield Way(seed - 1, keys, (target, value), len(found.evaluations), missed, perf_counter() - began)
+        denied = found.complete and not found.feasible
+        took = perf_counter() - began
+        yield Way(seed - 1, keys, (target, value), len(found.evaluations), missed, denied, took)
         count -= 1
 
 
@@ -82,16 +119,21 @@ def main() -> None:
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
     parser.add_argument("--tier", default=TIER)
+    parser.add_argument("--start", default=START, help="a design's template")
+    parser.add_argument("--wide", action="store_true", help="one of the keys of WIDE")
     asked = parser.parse_args()
-    for knobs in MOST:
+    ranges = wide(asked.start) if asked.wide else RANGES
+    for knobs in [1] if asked.wide else MOST:
         found = []
-        for way in ways(asked.count, asked.seed, knobs, asked.tier):
+        for way in ways(asked.count, asked.seed, knobs, asked.tier, asked.start, ranges):
             print(way, flush=True)
             found.append(way)
         took = sorted(way.evaluations for way in found)
         hits = sum(way.hit for way in found)
+        denied, keys = sum(way.denied for way in found), len({way.keys for way in found})
         print(
-            f"{knobs} numbers: {hits} of {len(found)} hit; evaluations {took[len(took) // 2]} in the median"
+            f"{knobs} numbers: {hits} of {len(found)} hit, {denied} denied, over {keys} sets of keys; "
+            f"evaluations {took[len(took) // 2]} in the median, {took[-1]} at most"
         )
 
 

@@ -27,7 +27,10 @@ LEAST = 0.01  # of a guide's largest value; a smaller one is taken as this, for 
 NEAR = 0.15  # of the function's spread: an extremum this near the wanted value is looked at
 EDGE = 1e-3  # of a bracket: nearer to its end nothing new is learnt
 EDGES = 4  # halvings towards the end of where there are values, at each such end
-WIDEST = 1 / (2 * (FIRST - 1))  # of the range: in a wider interval a function may rise by its whole spread
+STEP = 1 / (FIRST - 1)  # of the range: how far apart places may be before it is said that there is no root
+NOWHERE = STEP / 8  # of the range: the same where none has a value, and no guide tells which may
+WIDEST = STEP / 2  # of the range: in a wider interval a function may rise by its whole spread
+OUTER = 2.0**-6  # of the range: the same for the interval at the end of where there are values
 BESIDE = 1e-3  # of the range: how far from an end that is apart its neighbour is
 NARROWEST = 2.0**-10  # of the range: in a narrower interval a function is taken as a line
 BENT = 3.0  # by which factor a function may be more curved than its points tell
@@ -77,15 +80,16 @@ def search(
     most: int,
     guide: Function | None = None,
     first: float = 0.5,
-    thorough: bool = False,
+    step: float | None = None,
     apart: Sequence[float] = (),
 ) -> Search:
     """Return where a function on [0, 1] is within `tol` of `wanted`, in at most `most` evaluations.
 
     All crossings are found that its values at FIRST points tell of, and pairs of them at an extremum that
     lies near the wanted value. With a guide those that the guide's shape tells of, from one value at `first`.
-    If these are none, a `thorough` search goes on until the function's own values leave no room for one. At
-    the ends that are `apart` the function may jump: a length of 0 is often no small length, but none at all.
+    If these are none, a search with a `step` goes on, to places no further than this apart and to others,
+    until the function's own values leave no room for one. At the ends that are `apart` the function may jump:
+    a length of 0 is often no small length, but none at all.
     """
     found = Search()
     grid: Array = np.linspace(0.0, 1.0, SCAN + 1)
@@ -106,13 +110,13 @@ def search(
     while len(found.seen) < most:
         following = _next(found, wanted, tol, grid, scanned)
         if following is None or following in found.seen:
-            unsure = _unsure(found, wanted, tol, told, apart)
-            if unsure is None or not thorough or found.near(wanted, tol):
+            unsure = _unsure(found, wanted, tol, told, apart, step or STEP)
+            if unsure is None or not step or found.near(wanted, tol):
                 found.exact = True
                 break
             following = unsure
         ask(following)
-    found.complete = _unsure(found, wanted, tol, told, apart) is None
+    found.complete = _unsure(found, wanted, tol, told, apart, step or STEP) is None
     _settle(found, wanted, tol, lambda at: _ratio(found, grid, scanned, np.array([at]))[0])
     found.model = _ratio(found, grid, scanned, grid)
     return found
@@ -251,7 +255,7 @@ def _extremum(found: Search, wanted: float, tol: float) -> float | None:
 
 
 def _unsure(
-    found: Search, wanted: float, tol: float, told: Array | None, apart: Sequence[float]
+    found: Search, wanted: float, tol: float, told: Array | None, apart: Sequence[float], step: float
 ) -> float | None:
     """Where the function may take the wanted value though its points do not tell: the ends, the middle of a
     wide interval, the place where it may come nearest; None where its points leave no room.
@@ -265,7 +269,7 @@ def _unsure(
             return end
     _, y = found.points
     places = sorted(found.seen)
-    narrow = 1 / (FIRST - 1) if len(y) else 1 / (8 * (FIRST - 1)) if told is None else WIDEST
+    narrow = step if len(y) else min(step, NOWHERE if told is None else WIDEST)
     wide = max(pairwise(places), key=lambda pair: pair[1] - pair[0])
     if wide[1] - wide[0] > narrow * (1 + CLOSE):
         return sum(wide) / 2
@@ -284,13 +288,15 @@ def _unsure(
         bends = np.abs([_bend(at[i : i + 3], values[i : i + 3]) for i in range(len(at) - 2)])
         for i in range(len(at) - 1):
             ends = values[i : i + 2]
-            # outside the outermost point nothing tells of a bend
-            widest = WIDEST / 2 if i in (0, len(at) - 2) else WIDEST
             bend = BENT * max(bends[max(i - 1, 0) : i + 1], default=math.inf)
             for side, limit in ((1.0, low), (-1.0, -high)):
                 if min(side * ends) > limit:
                     continue  # it is on the far side, which the other direction looks at
-                top, place = _reach(at[i], at[i + 1], side * ends[0], side * ends[1], bend, spread, widest)
+                top, place = _reach(at[i], at[i + 1], side * ends[0], side * ends[1], bend, spread)
+                if i in (0, len(at) - 2) and at[i + 1] - at[i] > OUTER * (1 + CLOSE):
+                    # no point outside tells how it bends at the outermost one
+                    place = at[0] + OUTER if i == 0 else at[-1] - OUTER
+                    top = max(top, max(side * ends) + spread)
                 # where the ends lie on both sides, or at it, it is enough that the function does not turn
                 room = top - (limit if max(side * ends) < limit else max(side * ends) + high - low)
                 if room > best:
@@ -342,7 +348,7 @@ def _bend(x: Array, y: Array) -> float:
 
 
 def _reach(
-    low: float, high: float, at_low: float, at_high: float, bend: float, spread: float, widest: float
+    low: float, high: float, at_low: float, at_high: float, bend: float, spread: float
 ) -> tuple[float, float]:
     """How high a function of no more curvature than `bend` may be between two points, and where."""
     wide, end = high - low, max(at_low, at_high)
@@ -358,7 +364,7 @@ def _reach(
         place = low + min(max(along, 0.1 * wide), 0.9 * wide)
     else:
         top, place = end, middle
-    return (max(top, end + spread), middle) if wide > widest * (1 + CLOSE) else (top, place)
+    return (max(top, end + spread), middle) if wide > WIDEST * (1 + CLOSE) else (top, place)
 
 
 def _beyond(

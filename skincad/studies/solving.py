@@ -17,17 +17,21 @@ from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
-from skincad.studies.asking import Asking, scaled, short
+from skincad.studies.asking import GUIDE, Asking, scaled, short
 from skincad.studies.knobs import Knob, Told, knobs, nearest_silicone
 from skincad.studies.least_change import least_change
 from skincad.studies.measures import slack
 from skincad.studies.question import Evaluation, first_able, question_of
-from skincad.studies.roots import Search, search
+from skincad.studies.roots import STEP, Search, search
 from skincad.studies.solution import Solution, Solved
 from skincad.studies.subject import Subject, Value, owner
 
 TOL = 5e-3  # of the wanted value; what a mesh's error is by default
 ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
+CHEAP = 200  # evaluations of one number at most, where they take milliseconds
+FINE = (
+    1 / 32
+)  # of the range: between places that are looked at before there is no value, where they are cheap
 MOST_CHOICES = 256  # combinations of choices, each solved by itself
 TIERS = ("corrected", "linear", "winkler")  # the first that takes the design: one for all its evaluations
 Values = dict[str, Value]
@@ -69,7 +73,8 @@ def solve(
         except InputError:  # a dearer model's result may have more numbers: its first answer names them
             asking.unlike = True
     notes: list[str] = []
-    most = evaluations or (ONE if len(smooth) == 1 else SEVERAL)
+    step = FINE if asked.kind == "circuit" or asked.tier == GUIDE else STEP
+    most = evaluations or (SEVERAL if len(smooth) > 1 else CHEAP if step == FINE else ONE)
     solved: list[Solved] = []
     complete = True
     for combination in itertools.product(*lists):
@@ -77,7 +82,7 @@ def solve(
         if not smooth:
             solved += _chosen(asking, fixed, tol)
         elif len(smooth) == 1:
-            roots, whole = _crossings(asking, fixed, smooth[0], tol, most, notes, thorough=True)
+            roots, whole = _crossings(asking, fixed, smooth[0], tol, most, notes, step)
             solved, complete = solved + roots, complete and whole
         else:
             solved += _least_changed(asking, fixed, smooth, tol, most, notes)
@@ -215,11 +220,17 @@ def crossings(
     asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str]
 ) -> Iterator[Solved]:
     """Yield the solutions for one number that few evaluations tell of; notes on the search go to `notes`."""
-    yield from _crossings(asking, fixed, knob, tol, most, notes, thorough=False)[0]
+    yield from _crossings(asking, fixed, knob, tol, most, notes, None)[0]
 
 
 def _crossings(
-    asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str], *, thorough: bool
+    asking: Asking,
+    fixed: Values,
+    knob: Knob,
+    tol: float,
+    most: int,
+    notes: list[str],
+    step: float | None,
 ) -> tuple[list[Solved], bool]:
     """The solutions for one number, and whether the range has no others."""
 
@@ -243,7 +254,7 @@ def _crossings(
         most,
         guide if asking.guided else None,
         _start(knob),
-        thorough=thorough,
+        step=step,
         apart=[end for end, value in ((0.0, knob.low), (1.0, knob.high)) if value == 0],
     )
     if not found.exact:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from skincad.studies.roots import CLOSE, Function, search
+from skincad.studies.roots import CLOSE, STEP, Function, search
 
 TOL = 1e-3  # relative to the wanted value
 RISING: dict[str, tuple[Function, float, float]] = {  # function, wanted, root
@@ -108,3 +109,72 @@ def test_a_root_at_an_end_counts_and_a_constant_is_one_root() -> None:
 def test_what_is_used_up_is_said() -> None:
     found = search(lambda x: math.sin(9 * x), 0.5, 5e-4, 6)
     assert (found.exact, len(found.seen)) == (False, 6)
+
+
+def shapes(seed: int) -> list[Function]:
+    """Random functions that turn, are bent sharply, or have no value at first."""
+    rng = np.random.default_rng(seed)
+    turns, phase, above, middle, width, tilt, hole, steep = rng.uniform(0.05, 0.95, size=8).tolist()
+    powers = rng.normal(size=6)
+    return [
+        lambda x: 1.1 + above + math.sin((1 + 8 * turns) * x + 6.3 * phase),
+        lambda x: 2 + tilt * x + math.exp(-(((x - middle) / (0.07 + 0.33 * width)) ** 2) / 2),
+        lambda x: 4 - (3 * turns if x < middle else 3 * tilt) * abs(x - middle),
+        lambda x: (0.02 + above / 2 + x) ** (6 * phase - 3),
+        lambda x: None if x < 0.9 * hole else 1 / (x - 0.9 * hole + 0.01 + steep / 5),
+        lambda x: 5 + float(np.polyval(powers, 2 * x - 1)),
+    ]
+
+
+def test_no_hidden_value_is_denied_by_a_guide_that_sees_nothing() -> None:
+    """Random values, and those of the extrema, which lie between all evaluations; a flat guide, and none."""
+    grid = np.linspace(0.01, 0.99, 197)
+    denied = []
+    for seed in range(25):
+        for number, function in enumerate(shapes(seed)):
+            values = np.array([np.nan if (y := function(x)) is None else y for x in grid])
+            chosen = np.random.default_rng(seed).choice(np.flatnonzero(np.isfinite(values)))
+            for at in (chosen, np.nanargmax(values), np.nanargmin(values)):
+                wanted = float(values[at])
+                guide: Function | None = (lambda _: 1.0) if seed % 2 else None
+                found = search(function, wanted, 5e-3 * abs(wanted), 40, guide, step=STEP)
+                if not found.roots:
+                    denied.append((seed, number, grid[at], wanted, found.complete))
+    assert not denied
+
+
+def test_what_is_denied_is_nowhere_and_both_ends_were_looked_at() -> None:
+    for seed in range(8):
+        for function in shapes(seed):
+            values = [y for x in np.linspace(0, 1, 2001) if (y := function(x)) is not None]
+            spread = max(values) - min(values)
+            for wanted in (max(values) + 0.1 * spread, min(values) - 0.1 * spread, max(values) + 9 * spread):
+                found = search(function, wanted, 1e-3 * spread, 40, lambda _: 1.0, step=STEP)
+                assert found.complete
+                assert not found.roots
+                assert {0.0, 1.0} <= found.seen.keys()
+                assert len(found.seen) >= 5
+
+
+def test_a_search_that_runs_out_is_not_complete() -> None:
+    for most in range(1, 5):
+        assert not search(lambda x: 1 + x, 9.0, 1e-3, most, lambda _: 1.0, step=STEP).complete
+
+
+def test_a_value_beside_an_end_that_is_apart_is_found() -> None:
+    """As where levelling of 0 is none at all: what holds beside it holds not there."""
+
+    def apart(x: float) -> float:
+        return 2.35 if x == 0 else 2.16 + 12 * x
+
+    assert search(apart, 2.25, 0.01, 40, step=STEP, apart=[0.0]).roots
+    denied = search(apart, 1.9, 0.01, 40, step=STEP, apart=[0.0])
+    assert denied.complete
+    assert not denied.roots
+
+
+def test_a_narrow_stretch_with_values_is_looked_at_where_a_guide_has_them() -> None:
+    def narrow(x: float) -> float | None:
+        return 3 * x if 0.3 < x < 0.33 else None
+
+    assert search(narrow, 0.95, 5e-3, 40, narrow, first=1.0, step=STEP).roots

@@ -8,10 +8,13 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError, RefusedError
+from skincad.inputs.silicone import silicones
 from skincad.studies.solution import Solution
 from skincad.studies.solving import TOL, solve
+from skincad.studies.subject import value_of
 
 DESIGN = skincad.load_design("yamada-2002")
+PLAIN = skincad.load_design("plain-ridges")
 CIRCUIT = skincad.load_circuit("transimpedance")
 
 
@@ -91,12 +94,69 @@ def test_out_of_reach_says_how_near_any_value_comes() -> None:
     assert not found.feasible
     assert found.closest is not None
     assert found.closest.values == {"skin.curvature_radius": 200.0}
-    assert "at least" in str(found)
+    assert "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N. The nearest is" in str(
+        found
+    )
     assert "200 mm" in str(found)
+    assert found.as_json()["searched"] == "complete"
     with pytest.raises(RefusedError):
         _ = found.solved
     above = quick({"all_touch_force": 100.0}, {"skin.curvature_radius": (20, 200)})
-    assert "at most" in str(above)
+    assert "at most" not in str(above)
+    assert 20.0 in [each.values["skin.curvature_radius"] for each in above.evaluations]
+
+
+def test_a_search_that_runs_out_denies_nothing() -> None:
+    found = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)}, evaluations=4)
+    assert "none found in 4 evaluations of skin.curvature_radius from 20 to 200 mm" in str(found)
+    assert found.as_json()["searched"] == "partial"
+    walk = quick({"all_touch_force": 1e-3}, {"skin.curvature_radius": (20, 60), "skin.length": (11, 12)})
+    assert not walk.feasible
+    assert walk.as_json()["searched"] == "partial"
+
+
+@pytest.mark.slow  # three evaluations of three seconds
+def test_a_key_that_the_closed_form_does_not_know_is_solved() -> None:
+    """The closed form says the same for every crown: corrected needs 2.73 N at 0.01 mm, 2.44 N at 0.09 mm."""
+    found = solve(DESIGN, {"all_touch_force": 2.45}, {"ridge.crown": (0.01, 0.09)})
+    assert found.question.tier == "corrected"
+    assert found.solutions[0].reached["all_touch_force_N"].value == pytest.approx(2.45, rel=TOL)
+
+
+def test_a_resonance_between_wide_steps_is_found() -> None:
+    """The gain at the sweep's end, as the film's resonance passes it: 3.7 dB, of 0.1 and 1.9 at the ends."""
+    follower = skincad.load_circuit("voltage-follower")
+    inductance = float(value_of(follower, "motional.inductance"))  # type: ignore[arg-type]
+    vary = {"motional.inductance": (inductance / 10, inductance * 10)}
+    assert solve(follower, {"gain_dB.last": 3.5}, vary).feasible
+
+
+@pytest.mark.slow  # about seven evaluations of a second
+def test_a_number_that_only_the_better_model_tells_is_solved_for() -> None:
+    found = solve(
+        PLAIN, {"modulus_sensitivity": 3.0}, {"skin.curvature_radius": (40, 120)}, tier="linear"
+    )  # 3.8 N/MPa at its own 60 mm; the closed form's result has no such number
+    assert found.feasible
+
+
+def test_a_number_that_no_model_tells_is_refused_with_the_nearest() -> None:
+    with pytest.raises(InputError, match="did you mean 'modulus_sensitivity'"):
+        solve(PLAIN, {"modulus_sensitivty": 3.0}, {"skin.curvature_radius": (40, 120)}, tier="linear")
+
+
+@pytest.mark.parametrize(
+    ("force", "ends", "word"),
+    [(0.02, (0.004, 0.1), "soft"), (2.2, (0.2, 1.6), ""), (30.0, (2.0, 50.0), "stiff")],
+)
+def test_a_modulus_names_a_silicone_and_says_if_none_is_like_it(
+    force: float, ends: tuple[float, float], word: str
+) -> None:
+    found = quick({"all_touch_force": force}, {"material.young_modulus": ends}, force=force)
+    (one,) = found.solutions
+    assert one.nearest["material.name"] in silicones(None)
+    assert one.nearest["material.name"] in str(found)
+    said = [note for note in found.notes if note.startswith("no silicone is as")]
+    assert [word in note for note in said] == ([True] if word else [])
 
 
 def test_values_that_are_refused_everywhere_are_told_with_the_reason() -> None:
