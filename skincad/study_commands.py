@@ -87,8 +87,9 @@ def solve(
 ) -> None:
     """Find the values that give a wanted result.
 
-    Any number of a design, scene or circuit may be varied, and any number of its result wanted. With one key
-    all values in its range are found; with several those with the least change.
+    Any number of a design, scene or circuit may be varied, and any number of its result wanted. With one
+    key its whole range is searched before it is said that no value exists; with several the least change is
+    looked for.
     """
     from skincad.base.freshfile import checked_fresh, fresh
     from skincad.studies.knobs import knobs, texts

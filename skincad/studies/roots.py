@@ -30,7 +30,7 @@ EDGES = 4  # halvings towards the end of where there are values, at each such en
 STEP = 1 / (FIRST - 1)  # of the range: how far apart places may be before it is said that there is no root
 NOWHERE = STEP / 8  # of the range: the same where none has a value, and no guide tells which may
 WIDEST = STEP / 2  # of the range: in a wider interval a function may rise by its whole spread
-OUTER = 2.0**-6  # of the range: the same for the interval at the end of where there are values
+OUTER = 2.0**-6  # of the range: how far from where values end the next place is, to tell the slope there
 BESIDE = 1e-3  # of the range: how far from an end that is apart its neighbour is
 NARROWEST = 2.0**-10  # of the range: in a narrower interval a function is taken as a line
 BENT = 3.0  # by which factor a function may be more curved than its points tell
@@ -285,18 +285,25 @@ def _unsure(
         at = np.array(piece)
         values = np.array([found.seen[place] for place in piece], dtype=float)
         values = np.log(values) if logs else values
-        bends = np.abs([_bend(at[i : i + 3], values[i : i + 3]) for i in range(len(at) - 2)])
+        widths, slopes = np.diff(at), np.diff(values) / np.diff(at)
         for i in range(len(at) - 1):
             ends = values[i : i + 2]
-            bend = BENT * max(bends[max(i - 1, 0) : i + 1], default=math.inf)
+            bend = max(
+                # all of it may lie inside the interval: a wide neighbour must not make it look slight
+                (
+                    BENT * 2 * abs(slopes[k] - slopes[i]) / (widths[i] + min(widths[i], widths[k]))
+                    for k in (i - 1, i + 1)
+                    if 0 <= k < len(slopes)
+                ),
+                default=math.inf,
+            )
             for side, limit in ((1.0, low), (-1.0, -high)):
                 if min(side * ends) > limit:
                     continue  # it is on the far side, which the other direction looks at
                 top, place = _reach(at[i], at[i + 1], side * ends[0], side * ends[1], bend, spread)
                 if i in (0, len(at) - 2) and at[i + 1] - at[i] > OUTER * (1 + CLOSE):
-                    # no point outside tells how it bends at the outermost one
+                    # no point outside tells how it bends there, so the slope must
                     place = at[0] + OUTER if i == 0 else at[-1] - OUTER
-                    top = max(top, max(side * ends) + spread)
                 # where the ends lie on both sides, or at it, it is enough that the function does not turn
                 room = top - (limit if max(side * ends) < limit else max(side * ends) + high - low)
                 if room > best:
@@ -339,12 +346,6 @@ def _pieces(
         last = value
     if piece:
         yield piece, before, None
-
-
-def _bend(x: Array, y: Array) -> float:
-    """The second derivative by three points."""
-    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-    return float(2 * (right - left) / (x[2] - x[0]))
 
 
 def _reach(

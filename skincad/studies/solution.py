@@ -55,10 +55,10 @@ class Solution(Result):
     knobs: tuple[Knob, ...]
     solutions: tuple[Solved, ...]
     closest: Solved | None
-    complete: bool
     evaluations: tuple[Evaluation, ...]
     notes: tuple[str, ...]
     seconds: float
+    complete: bool = False
 
     @property
     def name(self) -> str:

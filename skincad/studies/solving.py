@@ -29,9 +29,7 @@ from skincad.studies.subject import Subject, Value, owner
 TOL = 5e-3  # of the wanted value; what a mesh's error is by default
 ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
 CHEAP = 200  # evaluations of one number at most, where they take milliseconds
-FINE = (
-    1 / 32
-)  # of the range: between places that are looked at before there is no value, where they are cheap
+FINE = 1 / 32  # of the range: how far apart places may be before there is no value, where they are cheap
 MOST_CHOICES = 256  # combinations of choices, each solved by itself
 TIERS = ("corrected", "linear", "winkler")  # the first that takes the design: one for all its evaluations
 Values = dict[str, Value]
@@ -148,10 +146,10 @@ def _told(
         varied,
         tuple(sorted(solved, key=lambda each: _order(asking, varied, each))),
         near,
-        complete,
         evaluations,
         tuple(dict.fromkeys(notes)),
         seconds,
+        complete,
     )
 
 

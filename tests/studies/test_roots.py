@@ -128,7 +128,7 @@ def shapes(seed: int) -> list[Function]:
 
 def test_no_hidden_value_is_denied_by_a_guide_that_sees_nothing() -> None:
     """Random values, and those of the extrema, which lie between all evaluations; a flat guide, and none."""
-    grid = np.linspace(0.01, 0.99, 197)
+    grid = np.linspace(0.0, 1.0, 201)
     denied = []
     for seed in range(25):
         for number, function in enumerate(shapes(seed)):
@@ -141,6 +141,19 @@ def test_no_hidden_value_is_denied_by_a_guide_that_sees_nothing() -> None:
                 if not found.roots:
                     denied.append((seed, number, grid[at], wanted, found.complete))
     assert not denied
+
+
+def test_a_sharp_extremum_beside_an_end_is_not_denied() -> None:
+    for top in np.linspace(0.01, 0.11, 6):
+        for rise, fall in ((1, 1), (3, 1), (1, 3), (6, 1)):
+            found = search(
+                lambda x, top=top, rise=rise, fall=fall: 4 - (rise if x < top else fall) * abs(x - top),
+                4.0 - 0.007,
+                0.008,
+                40,
+                step=STEP,
+            )
+            assert found.roots, (top, rise, fall)
 
 
 def test_what_is_denied_is_nowhere_and_both_ends_were_looked_at() -> None:

@@ -59,7 +59,7 @@ def test_solve_without_a_solution_is_status_1_and_writes_nothing(
         capsys, "solve", "yamada-2002", "--target", "all_touch_force=0.1", *RADIUS, "-o", str(copy)
     )
     assert status == 1
-    assert "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N: at least" in text
+    assert "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N. The nearest is" in text
     assert not copy.exists()
 
 
