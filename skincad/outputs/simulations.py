@@ -117,7 +117,8 @@ def _felt_lines(found: Simulation) -> list[str]:
 
 def _warned_lines(found: Simulation) -> list[str]:
     """By how much the detector warns, by ridge, and the spread where that depends on the noise."""
-    spreads, rows = found.read.get("lead_time_by_noise_s", {}), []
+    rows = list[str]()
+    spreads = {spread["ridge"]: spread for spread in found.read.get("lead_time_by_noise", ())}
     for ridge, ahead in found.read.get("lead_time_s", {}).items():
         spread = spreads.get(ridge, {"warned": 0})
         who = ridge_name(ridge)
@@ -125,9 +126,9 @@ def _warned_lines(found: Simulation) -> list[str]:
             continue
         words = f"not by {who}" if ahead is None else f"{1e3 * ahead:.3g} ms before gross slip by {who}"
         if spread["warned"]:
-            low, high = 1e3 * spread["smallest"], 1e3 * spread["largest"]
-            of_seeds = f"{spread['warned']} of {spread['seeds']} noise seeds"
-            words += f" ({low:.3g} to {high:.3g} ms with {of_seeds})"
+            low, high = (f"{1e3 * spread[end]:.3g}" for end in ("smallest_s", "largest_s"))
+            ends = "" if low == high else f"{low} to {high} ms "
+            words += f" ({ends}with {spread['warned']} of {spread['seeds']} noise seeds)"
         rows.append(f"  warned         {words}")
     return rows
 

@@ -10,6 +10,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
+from skincad.circuit.low_pass import evenly_spaced
 from skincad.circuit.resample import Recording, recorded
 from skincad.pictures.canvas import BLACK, BLUE, GREY, VERMILION, Axes, Picture, legend, sheet
 from skincad.scenes.simulation import Simulation
@@ -42,7 +43,10 @@ def recording(found: Simulation) -> Recorded | None:
     if not outputs or wanted is None or time.size < 2 or wanted * float(time[-1]) < FEWEST:
         return None
     ridge = PAPERS_RIDGE if str(PAPERS_RIDGE) in outputs else int(list(outputs)[-1])
-    even = found.scene.history.even[found.scene.history.even < time.size]
+    even = np.arange(time.size)
+    if not evenly_spaced(time):
+        steps = found.scene.history.even
+        even = steps[steps < time.size]
     if even.size < 2:
         return None
     rate = 1 / float(time[even[1]] - time[even[0]])

@@ -260,7 +260,7 @@ def report(
 
     `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
     steps `even`, equally spaced; all steps if not given. Each of `noises` `(steps + 1, ridges, 2)` V makes
-    the outputs those of another seed: with some, `lead_time_by_noise_s` has the leads' spread.
+    the outputs those of another seed: with some, `lead_time_by_noise` has the leads' spread.
     """
     names, point = list(outputs), POINTS[alarms]
     at = np.arange(time.size) if even is None else even[even < time.size]
@@ -298,7 +298,7 @@ def report(
             for event, reason in zip(events, found.reasons, strict=True)
         ],
         "lead_time_s": leads(found),
-        **({"lead_time_by_noise_s": _spreads([leads(found), *others])} if others else {}),
+        **({"lead_time_by_noise": _spreads([leads(found), *others])} if others else {}),
         "longest_lead_time_s": max((lead for lead in found.lead if lead is not None), default=None),
         "warning_score": {
             "true": found.reasons.count(""),
@@ -315,11 +315,11 @@ def report(
     }
 
 
-def _spreads(leads: Sequence[dict[str, float | None]]) -> dict[str, dict[str, float | int | None]]:
+def _spreads(leads: Sequence[dict[str, float | None]]) -> list[dict[str, Any]]:
     """Return by ridge the smallest and largest of `leads`, one a noise seed, and how many seeds warn."""
-    spreads: dict[str, dict[str, float | int | None]] = {}
-    for name in leads[0]:
-        known = [lead for each in leads if (lead := each[name]) is not None]
-        ends = {"smallest": min(known, default=None), "largest": max(known, default=None)}
-        spreads[name] = {**ends, "warned": len(known), "seeds": len(leads)}
+    spreads = []
+    for ridge in leads[0]:
+        known = [lead for each in leads if (lead := each[ridge]) is not None]
+        ends = {"smallest_s": min(known, default=None), "largest_s": max(known, default=None)}
+        spreads.append({"ridge": ridge, **ends, "warned": len(known), "seeds": len(leads)})
     return spreads

@@ -6,6 +6,7 @@ import math
 import re
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.low_pass import band_limited, delay
+from skincad.outputs.simulations import write_table
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.signals import intervals
@@ -278,13 +280,13 @@ def test_a_lead_has_its_spread_over_noises() -> None:
         return report(TIME[:551], by_name(outputs), NOISE / math.sqrt(2), WIDTH, runs, 550, **more)
 
     every = [told(clean + noise)["lead_time_s"] for noise in [*noises, np.zeros_like(clean)]]
-    spreads = told(clean, noises=noises)["lead_time_by_noise_s"]
-    assert "lead_time_by_noise_s" not in told(clean)
-    for ridge in ("2", "3", "all"):
+    spreads = told(clean, noises=noises)["lead_time_by_noise"]
+    assert "lead_time_by_noise" not in told(clean)
+    for ridge, spread in zip(("2", "3", "all"), spreads, strict=True):
         leads = [each[ridge] for each in every if each[ridge] is not None]
         assert len(leads) < 6
-        wanted = {"smallest": min(leads), "largest": max(leads), "warned": len(leads), "seeds": 6}
-        assert spreads[ridge] == wanted
+        wanted = {"smallest_s": min(leads), "largest_s": max(leads), "warned": len(leads), "seeds": 6}
+        assert spread == {"ridge": ridge, **wanted}
 
 
 def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
@@ -365,8 +367,9 @@ def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> No
     assert found["lead_time_s"]["all"] == min(found["lead_time_s"][ridge] for ridge in "23")
 
 
-def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise() -> None:
-    settings = ["effects.piezo.circuit=transimpedance", "effects.piezo.noise_seed=1", "readout.ridges=[2, 3]"]
+def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise(tmp_path: Path) -> None:
+    piezo = ["effects.piezo.circuit=yamada-2002", "effects.piezo.noise_seed=1"]
+    settings = [*piezo, "readout.ridges=[2, 3]", "readout.bandwidth_Hz=10000.0"]
     found = at_level(load_scene("steady-pull", settings), LEVELS[0])
     lines = [line.split(maxsplit=1) for line in str(found).split("\n")]
     felt = [words for key, words in lines if key == "felt"]
@@ -377,6 +380,8 @@ def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise() ->
     score = found.read["warning_score"]
     assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in str(found)
     assert sum(not event["true"] for event in found.read["events"]) == score["false"]
+    write_table(found, tmp_path / "signals.csv")  # of what is told by step alone
+    assert "lead" not in (tmp_path / "signals.csv").read_text().split("\n")[0]
 
 
 def test_a_hold_is_no_slip() -> None:
