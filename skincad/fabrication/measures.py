@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ import shapely
 import trimesh
 from manifold3d import Manifold
 
-from skincad.base.arrays import Mask
+from skincad.base.arrays import Array, Mask
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
@@ -23,6 +24,7 @@ from skincad.solids.roles import PartRole
 from skincad.solids.swept import Way, swept
 
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
+TOUCHING = 1e-9  # mm, by which faces may cross: corners of 0.1 m are rounded to some 1e-14 mm
 SLIVER = 1e-9  # mm3; a common volume below this is rounding of touching faces
 
 
@@ -50,7 +52,7 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
     ]
     return MeshMeasure(
         watertight=bool(mesh.is_watertight and mesh.is_winding_consistent),
-        self_intersections=int(np.logical_and.reduce([_crossing(m) for m in frames]).sum()),
+        self_intersections=_crossings(mesh, np.logical_and.reduce([_crossing(m) for m in frames])),
         volume=float(mesh.volume),
         deviation=max(ways) + tolerance / FINER,
     )
@@ -61,6 +63,40 @@ def _crossing(mesh: trimesh.Trimesh) -> Mask:
     meshes = _mesh_set(mesh)
     meshes.compute_selection_by_self_intersections_per_face()
     return np.asarray(meshes.current_mesh().face_selection_array(), dtype=bool)
+
+
+def _crossings(mesh: trimesh.Trimesh, suspects: Mask) -> int:
+    """Return how many of the faces `(n,)` cross another one by more than `TOUCHING`: the library also takes
+    some for crossing that lie in one plane but for rounding."""
+    corners = np.asarray(mesh.triangles)
+    low, high, count = corners.min(axis=1), corners.max(axis=1), 0
+    for face in np.flatnonzero(suspects):
+        near = np.all((low <= high[face]) & (high >= low[face]), axis=1)
+        near[face] = False
+        count += any(_cross(corners[face], other) for other in corners[near])
+    return count
+
+
+def _cross(one: Array, other: Array) -> bool:
+    """Whether two triangles `(3, 3)` mm cut each other by more than `TOUCHING`: the planes' common line runs
+    in both over more than that (Moeller, A fast triangle-triangle intersection test, 1997)."""
+    normals = [np.cross(t[1] - t[0], t[2] - t[0]) for t in (one, other)]
+    line = np.cross(normals[0], normals[1])
+    if not line.any():
+        return False
+    spans = []
+    for triangle, plane, normal in ((one, other, normals[1]), (other, one, normals[0])):
+        aside = (triangle - plane[0]) @ normal / max(float(np.linalg.norm(normal)), sys.float_info.min)
+        if aside.min() >= -TOUCHING or aside.max() <= TOUCHING:
+            return False
+        along = triangle @ line / np.linalg.norm(line)
+        ends = [
+            along[i] + (along[j] - along[i]) * aside[i] / (aside[i] - aside[j])
+            for i, j in ((0, 1), (1, 2), (2, 0))
+            if aside[i] * aside[j] < 0 or (aside[i] == 0) != (aside[j] == 0)
+        ]
+        spans.append((min(ends), max(ends)))
+    return bool(min(spans[0][1], spans[1][1]) - max(spans[0][0], spans[1][0]) > TOUCHING)
 
 
 def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:

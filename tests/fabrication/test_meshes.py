@@ -8,10 +8,11 @@ import pytest
 import trimesh
 
 from skincad.fabrication.measures import measure
-from skincad.fabrication.meshes import laid, mesh
+from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid
+from tests.solids.test_doubly_curved_mold import level_crowned
 
 FINE = 2e-4  # mm, the kernel's own chord tolerance for the reference
 
@@ -47,6 +48,19 @@ def test_stated_deviation_is_that_of_the_mesh_not_the_asked_one(yamada: Design) 
     assert 0.01 < seen.deviation <= 0.02 + 2e-4
     assert seen.watertight
     assert seen.self_intersections == 0
+
+
+@pytest.mark.parametrize(
+    "seed", [127, *(pytest.param(i, marks=pytest.mark.slow) for i in (101, 106, 145, 170, 188))]
+)
+def test_faces_in_one_plane_but_for_rounding_do_not_cross(seed: int) -> None:
+    """In these carriers, nearly flat along y, the library takes a few facets for crossing."""
+    design, closed = level_crowned(seed)
+    part, chord = closed.part("carrier"), print_chord(design)
+    shape = mesh(part, chord)
+    assert measure(part, shape, chord).self_intersections == 0
+    shape.vertices[np.argmin(shape.vertices[:, 2])] += [0.1, 0.2, 40.0]  # up through the top
+    assert measure(part, shape, chord).self_intersections > 0
 
 
 def test_self_intersections_are_seen(yamada: Design) -> None:
