@@ -49,7 +49,9 @@ def lines(found: Optimisation) -> list[str]:
     told.append(f"  tried          {by}; {spent}")
     if found.untried:
         count = combinations(found.rows.knobs)
-        told.append(f"  not tried      {found.untried} of {count} combinations; `evaluations = {count}` tries all")
+        told.append(
+            f"  not tried      {found.untried} of {count} combinations; `evaluations = {count}` tries all"
+        )
     return told
 
 

@@ -191,9 +191,8 @@ class _Hunt:
         self.aims, self.best = aims, _better(None, self._front())
         self._minimised("search", self.asking, most - len(self.known["search"]), who)
         if count is not None and len(self.known["search"]) < min(most, count):
-            self.asking = Surrogate(
-                self.knobs, len(self.study.objectives), self.study.seed, start, self._evaluations()
-            )
+            objectives, known = len(self.study.objectives), self._evaluations()
+            self.asking = Surrogate(self.knobs, objectives, budget, self.study.seed, start, known)
             self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 

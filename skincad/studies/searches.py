@@ -78,9 +78,10 @@ def search(
     if len(knobs) == 1 and not knobs[0].choices:
         return Line(knobs[0], losses, budget, start, known)
     if count is not None:
-        return Surrogate(knobs, losses, seed, start, known)
-    if losses == 1 and discrete and share >= PER_CHOICE * (len(knobs) - len(discrete)):
-        return Shared(knobs, budget, seed, start)
+        return Surrogate(knobs, losses, budget, seed, start, known)
+    fits = share >= PER_CHOICE * (len(knobs) - len(discrete))
+    if losses == 1 and discrete and (fits or budget <= MAX_FITTED):
+        return Shared(knobs, budget, seed, start, fits, known)
     return optimiser("cma" if losses == 1 else "nsga2", knobs, losses, seed, start)
 
 
@@ -257,6 +258,7 @@ class Surrogate:
 
     knobs: tuple[Knob, ...]
     losses: int
+    budget: int
     seed: int
     start: Array | None = None
     known: InitVar[Sequence[Told]] = ()
@@ -281,7 +283,8 @@ class Surrogate:
         chosen = list[int]()
         if merit is None and self.start is not None:
             chosen.append(int(np.argmin(gaps)))
-        size = max(BATCH, len(known) // 20)  # each batch fits the surrogate anew
+        # each batch fits the surrogate anew: small ones use more of what is known, large ones cost less
+        size = max(1, min(BATCH, self.budget // BATCH), len(known) // 20)
         while len(chosen) < min(size, len(candidates)):
             gaps[chosen] = -1.0
             if merit is not None and len(chosen) < EXPLOIT * size:
@@ -319,16 +322,26 @@ class Surrogate:
                 anew = [bool(knob.choices) for knob in self.knobs]
                 drawn = np.where(anew, self._random.random(len(place)), near)
                 places.append(np.where(changed, drawn, place))
-        unique = {self._values(place): place for place in places}
+        sizes = np.array([levels(knob) for knob in self.knobs])
+        whole = sizes > 0
+        unique = dict[tuple[Value, ...], Array]()
+        for place in places:
+            steps = np.minimum(np.floor(place * sizes), sizes - 1) + 0.5
+            snapped = np.where(whole, steps / np.maximum(sizes, 1), place)
+            unique[self._values(snapped)] = snapped
         return [place for values, place in unique.items() if values not in self._told]
 
     def _features(self, place: Array) -> Array:
-        """Numbers as shares of their ranges, whole ones in even steps; of choices one number for each."""
+        """Numbers as shares of their ranges; of choices that are names one number for each."""
         parts = list[Array]()
         for knob, x in zip(self.knobs, place, strict=True):
             count = levels(knob)
             level = min(int(x * count), count - 1)
-            if knob.choices:
+            numbers = [value for value in knob.choices if not isinstance(value, str)]
+            if count and len(numbers) == count:
+                wide = max(numbers) - min(numbers)
+                parts.append(np.array([(numbers[level] - min(numbers)) / (wide or 1.0)]))
+            elif knob.choices:
                 parts.append(np.eye(count)[level] / math.sqrt(2))  # two choices are 1 apart
             else:
                 parts.append(np.array([level / max(count - 1, 1) if count else x]))
@@ -354,43 +367,67 @@ class Surrogate:
 
     def _fit(self, told: Sequence[Told], numbers: Array, features: Array) -> Array:
         places = np.array([self._features(each.place) for each in told])
-        # a straight kernel needs no more than one evaluation
-        return np.asarray(RBFInterpolator(places, numbers, kernel="linear", degree=0)(features))
+        ones, straight = np.ones((len(places), 1)), np.ones((len(features), 1))
+        trend = np.linalg.lstsq(np.hstack([ones, places]), numbers, rcond=1e-6)[0]
+        # a straight kernel needs no more than one evaluation, but has its least at one: the trend goes on
+        rest = RBFInterpolator(places, numbers - np.hstack([ones, places]) @ trend, kernel="linear", degree=0)
+        return np.asarray(np.hstack([straight, features]) @ trend + rest(features))
 
 
 @dataclass
 class Shared:
     """Choices beside numbers: a search of the numbers for each combination of the choices.
 
-    The worse half of them ends in each round (successive halving, Jamieson and Talwalkar 2016).
+    The worse half of them ends in each round (successive halving, Jamieson and Talwalkar 2016). If they don't
+    all fit, a surrogate has the first half of the budget or more, and its best combination has the rest.
     """
 
     knobs: tuple[Knob, ...]
     budget: int
     seed: int
-    start: Array | None = None
+    start: Array | None
+    fits: bool
+    known: InitVar[Sequence[Told]] = ()
 
-    def __post_init__(self) -> None:
-        whole = np.array([bool(levels(knob)) for knob in self.knobs])
-        discrete = tuple(knob for knob in self.knobs if levels(knob))
+    def __post_init__(self, known: Sequence[Told]) -> None:
+        self._whole = np.array([bool(levels(knob)) for knob in self.knobs])
+        self._spent = 0
+        numbers = len(self.knobs) - int(self._whole.sum())
+        # what one number takes to be refined, but not more than half
+        self._coarse = self.budget - min(self.budget // 2, 2 * PER_CHOICE * numbers)
+        self._surrogate = Surrogate(self.knobs, 1, self._coarse, self.seed, self.start, known)
+        self._told = list(known)
+        if self.fits:
+            fixed = _places([knob for knob in self.knobs if levels(knob)])
+            self._begin(fixed, None if self.start is None else self.start[~self._whole])
+
+    def _begin(self, fixed: list[Array], start: Array | None) -> None:
         numbers = tuple(knob for knob in self.knobs if not levels(knob))
-        start = None if self.start is None else self.start[~whole]
-        fixed = _places(discrete)
-        self._whole = whole
-        self._rounds = 1 + math.ceil(math.log2(len(fixed)))
-        self._round, self._spent = 1, 0
-        self._best = [math.inf] * len(fixed)
-        self._alive = list(range(len(fixed)))
+        known = [
+            self._inside(told) for told in self._told if np.array_equal(told.place[self._whole], fixed[0])
+        ]
+        share = (self.budget - self._spent) // len(fixed)
         self._fixed = fixed
         self._inner: list[Optimiser] = [
-            Line(numbers[0], 1, self.budget // len(fixed), start)
+            Line(numbers[0], 1, share, start, known)
             if len(numbers) == 1
             else Cma(numbers, self.seed + i, start)
             for i in range(len(fixed))
         ]
+        self._best = [math.inf] * len(fixed)
+        self._alive = list(range(len(fixed)))
+        self._round, self._rounds = 1, 1 + math.ceil(math.log2(len(fixed)))
+
+    def _inside(self, told: Told) -> Told:
+        return Told(told.place[~self._whole], told.losses, told.limits)
 
     def ask(self) -> list[Array]:
         """Return the next places of all combinations that are left."""
+        if not self.fits and self._spent < self._coarse:
+            return self._surrogate.ask()
+        if not self.fits:
+            self.fits, best = True, min(self._told, key=_loss).place
+            self._begin([best[self._whole]], best[~self._whole])
         self._asked = [(i, place) for i in self._alive for place in self._inner[i].ask()]
         return [self._place(self._fixed[i], place) for i, place in self._asked]
 
@@ -401,15 +438,16 @@ class Shared:
 
     def tell(self, found: Sequence[Told]) -> None:
         """Take the losses and limits, and end the worse half where a round is over."""
-        for i in self._alive:
-            mine = [each for (j, _), each in zip(self._asked, found, strict=True) if j == i]
-            numbers = [place for j, place in self._asked if j == i]
-            if mine:
-                self._inner[i].tell(
-                    [Told(x, each.losses, each.limits) for x, each in zip(numbers, mine, strict=True)]
-                )
-                self._best[i] = min(self._best[i], *(_loss(each) for each in mine))
         self._spent += len(found)
+        if not self.fits:
+            self._surrogate.tell(found)
+            self._told += found
+            return
+        for i in self._alive:
+            inner = [self._inside(told) for (j, _), told in zip(self._asked, found, strict=True) if j == i]
+            if inner:
+                self._inner[i].tell(inner)
+                self._best[i] = min(self._best[i], *map(_loss, inner))
         while self._round < self._rounds and self._spent >= self._round * self.budget / self._rounds:
             self._alive = sorted(self._alive, key=lambda i: self._best[i])[: math.ceil(len(self._alive) / 2)]
             self._round += 1
