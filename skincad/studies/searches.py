@@ -262,29 +262,31 @@ class Surrogate:
     seed: int
     start: Array | None = None
     known: InitVar[Sequence[Told]] = ()
-    _told: dict[tuple[Value, ...], Told] = field(default_factory=dict)
+    _told: dict[tuple[float, ...], Told] = field(default_factory=dict)
 
     def __post_init__(self, known: Sequence[Told]) -> None:
         self._random = np.random.default_rng(self.seed)
+        names = [len(knob.choices) for knob in self.knobs if any(isinstance(c, str) for c in knob.choices)]
+        # nothing is predicted of a name that was not evaluated
+        self._spread = max(2 * len(self.knobs), min(max(names, default=0), self.budget // 2))
         count = combinations(self.knobs)
-        self._all = _places(self.knobs) if count is not None and count <= MAX_CANDIDATES else None
+        self._all = np.array(_places(self.knobs)) if count and count <= MAX_CANDIDATES else None
+        self._sizes = np.array([levels(knob) for knob in self.knobs])
         self.tell(known)
 
     def ask(self) -> list[Array]:
         """Return the next places; none if there is no design left."""
         candidates = self._candidates()
-        if not candidates:
+        if not len(candidates):
             return []
-        features = np.array([self._features(place) for place in candidates])
-        known = [self._features(told.place) for told in self._told.values()]
+        features = self._features(candidates)
+        known = np.array([told.place for told in self._told.values()])
         first = self.start if self.start is not None else np.full(len(self.knobs), 0.5)
-        gaps = cdist(features, np.array(known or [self._features(first)])).min(axis=1)
-        merit = self._predicted(features) if len(known) > 2 * len(self.knobs) else None
-        chosen = list[int]()
-        if merit is None and self.start is not None:
-            chosen.append(int(np.argmin(gaps)))
+        gaps = cdist(features, self._features(known if len(known) else np.array([first]))).min(axis=1)
+        merit = self._predicted(features) if len(known) > self._spread else None
         # each batch fits the surrogate anew: small ones use more of what is known, large ones cost less
         size = max(1, min(BATCH, self.budget // BATCH), len(known) // 20)
+        chosen = [] if len(known) else [int(np.argmin(gaps))]
         while len(chosen) < min(size, len(candidates)):
             gaps[chosen] = -1.0
             if merit is not None and len(chosen) < EXPLOIT * size:
@@ -300,52 +302,47 @@ class Surrogate:
 
     def tell(self, found: Sequence[Told]) -> None:
         """Take the losses and limits of the places."""
-        self._told |= {self._values(evaluation.place): evaluation for evaluation in found}
+        self._told |= {self._key(evaluation.place): evaluation for evaluation in found}
 
-    def _values(self, place: Array) -> tuple[Value, ...]:
-        return tuple(knob.at(float(x)) for knob, x in zip(self.knobs, place, strict=True))
+    def _key(self, place: Array) -> tuple[float, ...]:
+        """The steps of choices and whole numbers, and the places of others."""
+        steps = np.minimum(np.floor(place * self._sizes), self._sizes - 1)
+        return tuple(np.where(self._sizes, steps, place).tolist())
 
-    def _candidates(self) -> list[Array]:
-        """Designs that are not evaluated: all, or random ones and changes of the best ones."""
+    def _candidates(self) -> Array:
+        """Designs that are not evaluated `(n, keys)`: all, or random ones and changes of the best ones."""
         if self._all is not None:
             places = self._all
         else:
-            size = (MAX_CANDIDATES // 2, len(self.knobs))
-            places = list(self._random.random(size))
-            best = sorted(self._told.values(), key=_loss)[:BATCH]
-            for _ in range(size[0] if best else 0):
-                place = best[self._random.integers(len(best))].place.copy()
-                changed = self._random.random(len(place)) < 1.0 / len(place)
-                changed[self._random.integers(len(place))] = True
-                wide = 0.5 ** self._random.integers(0, 8)
-                near = np.clip(place + wide * self._random.normal(size=len(place)), 0.0, 1.0)
-                anew = [bool(knob.choices) for knob in self.knobs]
-                drawn = np.where(anew, self._random.random(len(place)), near)
-                places.append(np.where(changed, drawn, place))
-        sizes = np.array([levels(knob) for knob in self.knobs])
-        whole = sizes > 0
-        unique = dict[tuple[Value, ...], Array]()
-        for place in places:
-            steps = np.minimum(np.floor(place * sizes), sizes - 1) + 0.5
-            snapped = np.where(whole, steps / np.maximum(sizes, 1), place)
-            unique[self._values(snapped)] = snapped
-        return [place for values, place in unique.items() if values not in self._told]
+            size, random = (MAX_CANDIDATES // 2, len(self.knobs)), self._random
+            places = random.random(size)
+            if self._told:
+                best = np.array([told.place for told in sorted(self._told.values(), key=_loss)[:BATCH]])
+                parents = best[random.integers(len(best), size=size[0])]
+                changed = random.random(size) < 1.0 / size[1]
+                changed[np.arange(size[0]), random.integers(size[1], size=size[0])] = True
+                wide = 0.5 ** random.integers(0, 8, (size[0], 1))
+                near = np.clip(parents + wide * random.normal(size=size), 0.0, 1.0)
+                drawn = np.where([bool(knob.choices) for knob in self.knobs], random.random(size), near)
+                places = np.vstack([places, np.where(changed, drawn, parents)])
+            steps = np.minimum(np.floor(places * self._sizes), self._sizes - 1) + 0.5
+            places = np.unique(np.where(self._sizes, steps / np.maximum(self._sizes, 1), places), axis=0)
+        return places[[self._key(place) not in self._told for place in places]]
 
-    def _features(self, place: Array) -> Array:
+    def _features(self, places: Array) -> Array:
         """Numbers as shares of their ranges; of choices that are names one number for each."""
         parts = list[Array]()
-        for knob, x in zip(self.knobs, place, strict=True):
-            count = levels(knob)
-            level = min(int(x * count), count - 1)
-            numbers = [value for value in knob.choices if not isinstance(value, str)]
+        for knob, x, count in zip(self.knobs, places.T, self._sizes, strict=True):
+            step = np.minimum((x * count).astype(int), count - 1)
+            numbers = np.array([value for value in knob.choices if not isinstance(value, str)], dtype=float)
             if count and len(numbers) == count:
-                wide = max(numbers) - min(numbers)
-                parts.append(np.array([(numbers[level] - min(numbers)) / (wide or 1.0)]))
+                wide = np.ptp(numbers) or 1.0
+                parts.append(((numbers[step] - numbers.min()) / wide)[:, None])
             elif knob.choices:
-                parts.append(np.eye(count)[level] / math.sqrt(2))  # two choices are 1 apart
+                parts.append(np.eye(count)[step] / math.sqrt(2))  # two choices are 1 apart
             else:
-                parts.append(np.array([level / max(count - 1, 1) if count else x]))
-        return np.concatenate(parts)
+                parts.append((step / max(count - 1, 1) if count else x)[:, None])
+        return np.hstack(parts)
 
     def _predicted(self, features: Array) -> Array:
         """Losses as shares of their ranks `(n, losses)`, and behind them by how much limits are broken."""
@@ -366,7 +363,7 @@ class Surrogate:
         return predicted
 
     def _fit(self, told: Sequence[Told], numbers: Array, features: Array) -> Array:
-        places = np.array([self._features(each.place) for each in told])
+        places = self._features(np.array([each.place for each in told]))
         ones, straight = np.ones((len(places), 1)), np.ones((len(features), 1))
         trend = np.linalg.lstsq(np.hstack([ones, places]), numbers, rcond=1e-6)[0]
         # a straight kernel needs no more than one evaluation, but has its least at one: the trend goes on
