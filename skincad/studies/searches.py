@@ -37,13 +37,12 @@ BATCH = 8  # places at once, so that several workers have something to do
 TASKS = 3  # edges or valleys that are refined at once, the most promising first
 RESOLUTION = 1e-5  # of the range, to which an edge of the allowed range is refined; values have 5 digits
 VALLEY = 1e-4  # of the range, to which a minimum is refined: its loss is then right to the square of that
-PER_CHOICE = (
-    10  # evaluations of a combination of choices and for each number, from which the search is shared
-)
-MAX_CANDIDATES = 4000  # combinations of which the surrogate chooses, if there are more at random
-MAX_FITTED = 400  # evaluations that the surrogate interpolates, the best and the last
-FRONT_GAP = 1e-3  # of the front's extent in a loss, which is wide enough to look into
+FRONT_GAP = 1e-3  # of the front's extent in a loss, from which a gap in it is filled
+PER_CHOICE = 6  # evaluations of each combination of choices for each number, from which all have a search
+REFINED = 20  # evaluations that refine a number
 EXPLOIT = 0.75  # of a batch, which has the best predictions
+MAX_CANDIDATES = 4000  # combinations of which the surrogate chooses; of more at random
+MAX_FITTED = 400  # evaluations that the surrogate interpolates, the best and others
 BROKEN, REFUSED = 1e30, 1e60  # above each loss: where a limit is broken, and where there is no result
 Task = tuple[str, float, float]  # of a line: edge, valley or gap, and between which places
 
@@ -80,7 +79,7 @@ def search(
     if count is not None:
         return Surrogate(knobs, losses, budget, seed, start, known)
     fits = share >= PER_CHOICE * (len(knobs) - len(discrete))
-    if losses == 1 and discrete and (fits or budget <= MAX_FITTED):
+    if losses == 1 and discrete and name is None and (fits or budget <= MAX_FITTED):
         return Shared(knobs, budget, seed, start, fits, known)
     return optimiser("cma" if losses == 1 else "nsga2", knobs, losses, seed, start)
 
@@ -135,6 +134,7 @@ class Line:
         near = [] if self.start is None else [float(self.start[0]) + step for step in (0.0, -NEAR, NEAR)]
         self._first = sorted({float(x) for x in even} | {min(max(x, 0.0), 1.0) for x in near})
         self._places = list[float]()
+        self._batch = max(1, min(BATCH, self.budget // BATCH))
         self.tell(known)
 
     def ask(self) -> list[Array]:
@@ -157,7 +157,7 @@ class Line:
     def _plan(self) -> bool:
         """Choose what to refine next, if the last tasks are finished; False if nothing is left."""
         self._tasks = [task for task in self._tasks if self._next(*task) is not None]
-        for tasks, most in ((self._edges, TASKS), (self._valleys, TASKS), (self._gaps, BATCH)):
+        for tasks, most in ((self._edges, TASKS), (self._valleys, TASKS), (self._gaps, self._batch)):
             if not self._tasks:
                 self._tasks = [task for task in tasks() if task not in self._done][:most]
                 self._done |= set(self._tasks)
@@ -391,7 +391,7 @@ class Shared:
         self._spent = 0
         numbers = len(self.knobs) - int(self._whole.sum())
         # what one number takes to be refined, but not more than half
-        self._coarse = self.budget - min(self.budget // 2, 2 * PER_CHOICE * numbers)
+        self._coarse = self.budget - min(self.budget // 2, REFINED * numbers)
         self._surrogate = Surrogate(self.knobs, 1, self._coarse, self.seed, self.start, known)
         self._told = list(known)
         if self.fits:
@@ -406,7 +406,7 @@ class Shared:
         share = (self.budget - self._spent) // len(fixed)
         self._fixed = fixed
         self._inner: list[Optimiser] = [
-            Line(numbers[0], 1, share, start, known)
+            Line(numbers[0], 1, share, None if len(fixed) > 1 else start, known)
             if len(numbers) == 1
             else Cma(numbers, self.seed + i, start)
             for i in range(len(fixed))
