@@ -11,6 +11,7 @@ from skincad.outputs.delivery import picture, text
 from skincad.studies.asking import short
 from skincad.studies.measures import worded
 from skincad.studies.optimisation import Member, Optimisation
+from skincad.studies.searches import combinations
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
@@ -36,6 +37,8 @@ def lines(found: Optimisation) -> list[str]:
     for number, member in enumerate(found.front[:SHOWN], 1):
         told.append(f"  {f'front {number}':14} {_values(member)}")
         told += _member_lines(member)
+    if len(found.front) > SHOWN:
+        told.append(f"  {'more':14} {len(found.front) - SHOWN} designs of the front, in {COMMAND}.json")
     if found.closest is not None:
         told += [f"  {'nearest':14} {_values(found.closest)}", *_member_lines(found.closest)]
     if found.start is not None:
@@ -43,7 +46,13 @@ def lines(found: Optimisation) -> list[str]:
     tier = found.rows.question.tier
     by = f"{len(found.rows.rows)} designs{f' by {tier}' if tier else ''}, {found.judged} judged"
     spent = f"{found.evaluations} evaluations, {found.reused} reused, {found.seconds:.3g} s"
-    return [*told, f"  tried          {by}; {spent}"]
+    told.append(f"  tried          {by}; {spent}")
+    if found.untried:
+        count = combinations(found.rows.knobs)
+        told.append(
+            f"  not tried      {found.untried} of {count} combinations; `evaluations = {count}` tries all"
+        )
+    return told
 
 
 def _first(found: Optimisation) -> str:

@@ -46,6 +46,7 @@ class Optimisation(Result):
     """The judged `front` of a study, the best of the first objective first; where it is empty, the `closest`.
 
     `rows` are all evaluations of the searching model; `start` is the subject as the study has it, judged.
+    `untried` is how many combinations were not tried; None if a key has a continuous range.
     """
 
     shown_by = "skincad.outputs.optimisations"
@@ -56,6 +57,7 @@ class Optimisation(Result):
     start: Member | None
     rows: SweepResult
     judged: int
+    untried: int | None
     evaluations: int
     reused: int
     seconds: float
@@ -93,6 +95,7 @@ class Optimisation(Result):
             "tier": self.rows.question.tier,
             "judge": self.study.judge,
             "judged": self.judged,
+            "untried": self.untried,
             "evaluations": self.evaluations,
             "reused": self.reused,
             "feasible": self.feasible,

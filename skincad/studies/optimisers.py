@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -25,6 +25,7 @@ SPREAD, NEAR = (
     0.12,
 )  # of the cube: CMA's first standard deviation, from the middle and from a known start
 WORST = 1e30  # the loss and the broken limit of a place without a result
+MAX_IDLE = 50  # batches without a new design, after which a search ends
 MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II begins with around a start
 
 
@@ -245,13 +246,22 @@ def minimise(
     function: Callable[[list[Array]], list[Told]],
     asking: Optimiser,
     most: int,
-    stop: Callable[[], bool] = lambda: False,
+    design: Callable[[Array], Hashable] = bytes,
+    known: Collection[Hashable] = (),
 ) -> Tried:
     """Return the front of a function that tells of a batch of places, in about `most` evaluations: a batch
-    that was begun is ended."""
-    tried = Tried()
-    while len(tried.found) < most and not stop():
-        told = function(asking.ask())
+    that was begun is ended.
+
+    Places of one `design` count once, those of a `known` one don't count. The search also ends if the
+    optimiser has no more places, or has had no new design for long.
+    """
+    tried: dict[Hashable, Told] = {}
+    before, new, idle = frozenset(known), 0, 0
+    while new < most and idle < MAX_IDLE and (places := asking.ask()):
+        told = function(places)
         asking.tell(told)
-        tried.found += told
-    return tried
+        batch = {design(place): each for place, each in zip(places, told, strict=True)}
+        fresh = len(batch.keys() - tried.keys() - before)
+        new, idle = new + fresh, 0 if fresh else idle + 1
+        tried = batch | tried
+    return Tried(list(tried.values()))

@@ -11,7 +11,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,13 +26,14 @@ from skincad.studies.knobs import Knob, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded
 from skincad.studies.optimisation import Member, Optimisation
-from skincad.studies.optimisers import Optimiser, Told, Tried, levels, minimise, optimiser
+from skincad.studies.optimisers import Optimiser, Told, Tried, levels, minimise
 from skincad.studies.question import Evaluation, Kind, Question, first_able, question_of
 from skincad.studies.ranking import ranking
 from skincad.studies.running import Run, Values, Workers
 from skincad.studies.running import workers as working
+from skincad.studies.searches import Surrogate, combinations, search
 from skincad.studies.study import Study
-from skincad.studies.subject import SKIN, Subject
+from skincad.studies.subject import SKIN, Subject, Value
 from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in
 from skincad.studies.weighing import Model, Results, Weighing
 
@@ -69,7 +70,8 @@ def optimise(
         place, members = hunt.coarse(who)
         for number in range(ROUNDS):
             front = hunt.searched(place, (number + 1) * study.evaluations // ROUNDS, who)
-            judged = [hunt.judged(hunt.values(told.place), who) for told in _spread(front, JUDGED)]
+            chosen = front if hunt.judges_free else _spread(front, JUDGED)
+            judged = [hunt.judged(hunt.values(told.place), who) for told in chosen]
             there = [member for member in judged if member is not None]
             members += [each for each in there if each.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
@@ -78,13 +80,16 @@ def optimise(
     allowed = [each for each in hunt.weighing.ordered(members) if each.allowed]
     found = tuple(hunt.weighing.unbeaten(allowed))
     closest = None if found else next(iter(hunt.weighing.ordered(members)), None)
-    rows = hunt.rows()
+    rows, count = hunt.rows(), combinations(varied)
+    untried = None if count is None else count - len(hunt.known["search"])
     asked, reused = (
         sum(run.asked for run in hunt.runs.values()),
         sum(run.reused for run in hunt.runs.values()),
     )
     seconds = perf_counter() - began
-    return Optimisation(study, subject, found, closest, start, rows, len(members), asked, reused, seconds)
+    return Optimisation(
+        study, subject, found, closest, start, rows, len(members), untried, asked, reused, seconds
+    )
 
 
 def _searching(study: Study, subject: Subject) -> Question:
@@ -104,9 +109,17 @@ def _spread(front: Sequence[Told], most: int) -> list[Told]:
     return [placed[round(i)] for i in np.linspace(0, len(placed) - 1, most)]
 
 
+class Known(NamedTuple):
+    """A place, a model's answer there, and all numbers of the design; None where one of them is refused."""
+
+    place: Array
+    answer: Evaluation
+    results: Results | None
+
+
 @dataclass
 class _Hunt:
-    """One optimisation under way: its runs by question, and what the searching model was asked."""
+    """One optimisation under way: its runs by question, and by model all that it knows, by the values."""
 
     study: Study
     subject: Subject
@@ -116,8 +129,9 @@ class _Hunt:
     tick: Tick | None
     weighing: Weighing
     runs: dict[Question, Run] = field(default_factory=dict)
-    seen: list[Evaluation] = field(default_factory=list)
-    tried: list[tuple[Array, Results | None]] = field(default_factory=list)
+    known: dict[Model, dict[tuple[Value, ...], Known]] = field(
+        default_factory=lambda: {"guide": {}, "search": {}}
+    )
     asking: Optimiser | None = None
     best: float | None = None  # loss of the first objective
     aims: dict[Any, Any] = field(default_factory=dict)
@@ -146,7 +160,7 @@ class _Hunt:
         if self.question.kind != "check" or self.question.tier == GUIDE:
             return place, members
         for _ in range(MAPPED):
-            tried = self._minimised("guide", self._optimiser(place), COARSE, Workers())
+            tried = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
             best = tried.front[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
@@ -165,12 +179,21 @@ class _Hunt:
         One objective is searched anew from its best place where the judge has moved it, since CMA-ES has
         settled by then; `start` is where the first search begins.
         """
-        aims = dict(self.weighing.differs)
+        aims, budget = dict(self.weighing.differs), self.study.evaluations
+        count = combinations(self.knobs)
+        if count is not None and count <= budget:
+            most = count
+        elif not self.judges_free:
+            budget = max(budget // ROUNDS, 1)  # of a search, which begins again as the judge moves it
         if self.asking is None or (len(self.study.objectives) == 1 and aims != self.aims):
-            known = self._front()
-            self.asking = self._optimiser(known[0].place if known and known[0].there else start)
+            front = self._front()
+            self.asking = self._search(front[0].place if front and front[0].there else start, budget)
         self.aims, self.best = aims, _better(None, self._front())
-        self._minimised("search", self.asking, max(most - len(self.seen), 1), who)
+        self._minimised("search", self.asking, most - len(self.known["search"]), who)
+        if count is not None and len(self.known["search"]) < min(most, count):
+            objectives, known = len(self.study.objectives), self._evaluations()
+            self.asking = Surrogate(self.knobs, objectives, budget, self.study.seed, start, known)
+            self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 
     def _so_far(self) -> str:
@@ -181,7 +204,21 @@ class _Hunt:
         return f"best {worded(objective.key, self.best * (1 if objective.goal == 'min' else -1))}"
 
     def _front(self) -> list[Told]:
-        return Tried([self.weighing.told(*each, "search") for each in self.tried]).front
+        return Tried(self._evaluations()).front
+
+    def _evaluations(self) -> list[Told]:
+        return [
+            self.weighing.told(known.place, known.results, "search")
+            for known in self.known["search"].values()
+        ]
+
+    @property
+    def judges_free(self) -> bool:
+        """Whether the judge is the model that searches, so that its word costs nothing."""
+        others = self.weighing.others()
+        return self._question("judge") == self._question("search") and all(
+            self._beside(kind, "judge") == self._beside(kind, "search") for kind in others
+        )
 
     def judged(self, values: Values, who: Workers) -> Member | None:
         """Return what the judge says of some values, of none the subject's own; None where it refuses."""
@@ -203,8 +240,11 @@ class _Hunt:
         """Return what the searching model was asked, as the rows of a sweep."""
         aims = self.study.aims
         unique = {
-            found.key: replace(found, results={**found.results, **_aimed_at(aims, results or {}, found)})
-            for found, (_, results) in zip(self.seen, self.tried, strict=True)
+            known.answer.key: replace(
+                known.answer,
+                results={**known.answer.results, **_aimed_at(aims, known.results or {}, known.answer)},
+            )
+            for known in self.known["search"].values()
         }
         rows = tuple(unique.values())
         known = {key for row in rows for key in row.results}
@@ -212,27 +252,29 @@ class _Hunt:
         ranked = tuple(ranking(rows, key, each.goal) for each, key in wanted if key)
         return SweepResult(self.subject, self.question, self.knobs, rows, ranked, None, 0, 0, 0.0)
 
-    def _optimiser(self, start: Array) -> Optimiser:
-        study = self.study
-        name = study.optimiser or ("cma" if len(study.objectives) == 1 else "nsga2")
-        return optimiser(name, self.knobs, len(study.objectives), study.seed + len(self.tried), start)
+    def _search(self, start: Array, budget: int) -> Optimiser:
+        study, known = self.study, self._evaluations()
+        seed = study.seed + len(known)
+        return search(study.optimiser, self.knobs, len(study.objectives), budget, seed, start, known)
 
     def _minimised(self, model: Model, asking: Optimiser, most: int, who: Workers) -> Tried:
+        known = self.known[model]
+
+        def design(place: Array) -> tuple[Value, ...]:
+            return tuple(self.values(place).values())
+
         def function(places: list[Array]) -> list[Told]:
-            answers = self._told([self.values(place) for place in places], model, who)
-            results = [each for _, each in answers]
-            if model == "search":
-                self.seen += [found for found, _ in answers]
-                self.tried += zip(places, results, strict=True)
-            told = [
-                self.weighing.told(place, each, model) for place, each in zip(places, results, strict=True)
-            ]
+            fresh = {design(place): place for place in places if design(place) not in known}
+            answers = self._told([self.values(place) for place in fresh.values()], model, who)
+            for (values, place), answer in zip(fresh.items(), answers, strict=True):
+                known[values] = Known(place, *answer)
+            told = [self.weighing.told(place, known[design(place)].results, model) for place in places]
             if model == "search" and self.tick is not None:
                 self.best = _better(self.best, told)
-                self.tick(self._so_far(), len(self.seen))
+                self.tick(self._so_far(), len(known))
             return told
 
-        return minimise(function, asking, most)
+        return minimise(function, asking, most, design, tuple(known) if model == "search" else ())
 
     def _told(
         self, points: list[Values], model: Model, who: Workers

@@ -71,7 +71,7 @@ class Study(Document):
     constraints: tuple[Limit, ...] = Field(default=(), strict=False, description="what must hold")
     optimiser: Literal["cma", "nsga2", "sobol"] | None = Field(
         default=None,
-        description="cma for one objective, nsga2 for several if not given; sobol fills the ranges",
+        description="cma, nsga2 or sobol; if not given, the one that suits the keys and objectives",
     )
     evaluations: int = Field(default=200, ge=1, le=1_000_000, description="of the model that searches, about")
     tier: str | None = Field(default=None, description="the model that searches; linear if not given")

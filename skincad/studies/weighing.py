@@ -95,14 +95,24 @@ class Weighing:
         return sorted(members, key=lambda each: (not each.allowed, self._losses(each.objectives, "judge")[0]))
 
     def unbeaten(self, members: Sequence[Member]) -> list[Member]:
-        """Return the members that no other one beats in all objectives; of one objective the first alone."""
+        """Return the members that no other one beats in all objectives; of one objective the first alone.
+
+        The first few cover the front: each is the one that is farthest from those before it.
+        """
         if len(self.study.objectives) == 1:
             return list(members[:1])
         told = [
             Told(np.zeros(0), np.array(self._losses(m.objectives, "judge")), np.zeros(0)) for m in members
         ]
-        best = Tried(told).front if told else []
-        return [m for m, each in zip(members, told, strict=True) if any(each is one for one in best)]
+        best = {id(each) for each in (Tried(told).front if told else [])}
+        front = [member for member, each in zip(members, told, strict=True) if id(each) in best]
+        losses = np.array([each.losses for each in told if id(each) in best])
+        order = list(range(len(front)))
+        for i in range(1, len(front)):
+            gaps = np.abs(losses[order[i:], None] - losses[order[:i]]) / (np.ptp(losses, axis=0) + 1e-300)
+            farthest = i + int(np.argmax(gaps.max(axis=2).min(axis=1)))
+            order[i], order[farthest] = order[farthest], order[i]
+        return [front[i] for i in order]
 
     def _limits(self) -> list[tuple[Limit, str]]:
         return [
