@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import skincad
 from skincad.inputs.design import Design
+from tests.small_scene import last_of_each
 
 
 def bent(name: str, radius: float, *settings: str) -> Design:
     """A template's skin, bent along y to a radius in mm."""
-    return skincad.load(name, [f"skin.curvature_radius_y={radius}", *settings])
+    return skincad.load(name, last_of_each(f"skin.curvature_radius_y={radius}", *settings))
 
 
 def three_ridges() -> Design:

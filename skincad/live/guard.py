@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import socket
+import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from http import HTTPStatus
 from typing import Any
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+FORBIDDEN = 403  # status of a request that is refused
 HTTP_PORT = 80  # which browsers leave out
 ALL_ADDRESSES = ("0.0.0.0", "::")  # as a person may ask for
 
@@ -29,7 +29,7 @@ def own_pages_only(host: str) -> Iterator[None]:
         def answered(connection: Any, request: Any) -> Any:
             address = connection.local_address
             if rule := refusal(request.headers, host, address[0], address[1]):
-                return connection.respond(HTTPStatus.FORBIDDEN, f"{rule}\n")
+                return connection.respond(FORBIDDEN, f"{rule}\n")
             return process_request(connection, request)
 
         checked.append(True)
@@ -52,7 +52,7 @@ def refusal(headers: Any, host: str, reached: str, port: int) -> str:
     """
     names = {*LOOPBACK, host.lower(), reached.lower().removeprefix("::ffff:")}
     if host in ALL_ADDRESSES:
-        names.add(socket.gethostname().lower())
+        names.add(platform.node().lower())
     addresses = {f"{bracketed(name)}:{port}" for name in names}
     if port == HTTP_PORT:
         addresses |= {bracketed(name) for name in names}

@@ -89,7 +89,7 @@ class ContactCheck(Result):
     tipping: float = 0.0  # what the most loaded ridge bears of the force at which it tips over
     cause: str = ""  # why it fails, where that was asked
     changes: tuple[Change, ...] | None = None  # single ones with which it would pass; None: not looked for
-    advice_notes: tuple[str, ...] = ()  # what the search for changes could not do
+    changes_notes: tuple[str, ...] = ()  # what the search for changes could not do
     hurried: bool = False  # whether that search took cheaper models to end in time
     friction: float | None = None  # the plate's coefficient; None where it is not known
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False)  # by the linear tier, if it solved
@@ -190,7 +190,7 @@ class ContactCheck(Result):
             "cause": self.cause or None,
             "changes": [change.as_json() for change in self.changes or ()],
             "changes_searched": None if self.changes is None else "partial" if self.hurried else "complete",
-            "advice_notes": list(self.advice_notes),
+            "changes_notes": list(self.changes_notes),
         }
 
     def _manufacture(self) -> dict[str, Any]:

@@ -158,7 +158,7 @@ def advice_lines(check: ContactCheck) -> list[str]:
         ]
     if check.changes == ():
         lines += ["  would pass     no single change that was tried"]
-    return lines + [f"  note           {note}" for note in check.advice_notes]
+    return lines + [f"  note           {note}" for note in check.changes_notes]
 
 
 def manifest(check: ContactCheck) -> dict[str, Any]:

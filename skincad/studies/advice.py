@@ -106,7 +106,7 @@ def advising(
         )
     if search.notes or advised.changes is None:
         notes, hurried = tuple(search.notes), bool(search.hurried)
-        yield replace(advised, changes=advised.changes or (), advice_notes=notes, hurried=hurried)
+        yield replace(advised, changes=advised.changes or (), changes_notes=notes, hurried=hurried)
 
 
 def patience(verdict: ContactCheck) -> float:

@@ -25,7 +25,7 @@ SPREAD, NEAR = (
     0.12,
 )  # of the cube: CMA's first standard deviation, from the middle and from a known start
 WORST = 1e30  # the loss and the broken limit of a place without a result
-MAX_IDLE = 50  # batches without a new design, after which a search ends
+MAX_IDLE = 500  # places without a new design between them, after which a search ends
 MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II begins with around a start
 
 
@@ -262,6 +262,6 @@ def minimise(
         asking.tell(told)
         batch = {design(place): each for place, each in zip(places, told, strict=True)}
         fresh = len(batch.keys() - tried.keys() - before)
-        new, idle = new + fresh, 0 if fresh else idle + 1
+        new, idle = new + fresh, 0 if fresh else idle + len(places)
         tried = batch | tried
     return Tried(list(tried.values()))

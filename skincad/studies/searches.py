@@ -71,11 +71,11 @@ def search(
     discrete = [knob for knob in knobs if levels(knob)]
     share = budget / (combinations(discrete) or 1)  # evaluations for each combination of the discrete keys
     if count is not None and count <= budget:
-        return Grid(knobs)
+        return Combinations(knobs)
     if name in ("nsga2", "sobol"):
         return optimiser(name, knobs, losses, seed, start)
     if len(knobs) == 1 and not knobs[0].choices:
-        return Line(knobs[0], losses, budget, start, known)
+        return LineSearch(knobs[0], losses, budget, start, known)
     if count is not None:
         return Surrogate(knobs, losses, budget, seed, start, known)
     fits = share >= PER_CHOICE * (len(knobs) - len(discrete))
@@ -85,7 +85,7 @@ def search(
 
 
 @dataclass
-class Grid:
+class Combinations:
     """All combinations, once."""
 
     knobs: tuple[Knob, ...]
@@ -110,7 +110,7 @@ class _UnknownError(Exception):
 
 
 @dataclass
-class Line:
+class LineSearch:
     """One number: an even scan, the edges of the allowed range (Brent 1973, zero), the valleys (Brent 1973,
     bounded minimum), then a finer scan, its gaps beside the best designs first.
 
@@ -406,7 +406,7 @@ class Shared:
         share = (self.budget - self._spent) // len(fixed)
         self._fixed = fixed
         self._inner: list[Optimiser] = [
-            Line(numbers[0], 1, share, None if len(fixed) > 1 else start, known)
+            LineSearch(numbers[0], 1, share, None if len(fixed) > 1 else start, known)
             if len(numbers) == 1
             else Cma(numbers, self.seed + i, start)
             for i in range(len(fixed))

@@ -104,16 +104,16 @@ def test_a_named_silicone_is_changed_to_another_one(force: float) -> None:
 def test_that_no_silicone_is_soft_enough_is_a_note() -> None:
     advised = advise(named(0.05), check(named(0.05), tier="winkler"))
     assert not any(change.key.startswith("material.") for change in advised.changes or ())
-    (note,) = advised.advice_notes
+    (note,) = advised.changes_notes
     assert note.startswith("no silicone in the list was found soft enough: it takes about 0.0")
     assert advice_lines(advised)[-1] == f"  note           {note}"
-    assert advised.as_json()["advice_notes"] == [note]
+    assert advised.as_json()["changes_notes"] == [note]
 
 
 def test_a_silicone_that_strains_too_much_is_not_called_too_hard() -> None:
     """ecoflex-00-50 is soft enough, but the closed form's range ends before the strain that it needs."""
     design = skincad.load("plain-ridges").with_(contact={"force": 1.0})
-    (note,) = advise(design, check(design, tier="winkler")).advice_notes
+    (note,) = advise(design, check(design, tier="winkler")).changes_notes
     assert note.startswith(
         "it takes about 0.18 MPa; the winkler model can't confirm that the design passes with"
     )

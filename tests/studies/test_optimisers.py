@@ -138,3 +138,20 @@ def test_several_objectives_want_another_optimiser(monkeypatch: pytest.MonkeyPat
     name: Name = "nsga2"
     with pytest.raises(InputError, match=r"pip install 'skincad\[optuna\]'"):
         optimiser(name, UNIT, 2, 1, None)
+
+
+@pytest.mark.parametrize("known", [(), ((0, 0), (1, 1))])
+def test_a_design_counts_once(known: tuple[tuple[int, int], ...]) -> None:
+    """Sobol points on 25 designs: 16 new ones are asked, or all that are left and then the search ends."""
+
+    def design(place: Array) -> tuple[int, int]:
+        return (int(place[0] * 5), int(place[1] * 5))
+
+    def bare(places: list[Array]) -> list[Told]:
+        return [Told(x, np.array([x.sum()]), np.zeros(0)) for x in places]
+
+    for most, least in ((16, 16), (99, 25 - len(known))):
+        tried = minimise(bare, optimiser("sobol", UNIT[:2], 1, 1, None), most, design, known)
+        new = {design(told.place) for told in tried.found} - set(known)
+        assert len(new) >= least
+        assert len(tried.found) == len({design(told.place) for told in tried.found})

@@ -148,10 +148,10 @@ def test_a_named_optimiser_spends_its_budget_too(name: str) -> None:
     """A whole number has few places on the cube, which both ask again and again."""
     if name == "nsga2":
         pytest.importorskip("optuna")
-    vary = {"ridge.count": "3:13", "ridge.levelling": [0.0, 0.2, 0.4, 0.6, 0.8]}
-    result = optimise(study(vary, ["approach"], optimiser=name, evaluations=45))
-    assert 45 <= len(result.rows.rows) <= 55
-    assert result.untried == 55 - len(result.rows.rows)
+    vary = {"ridge.count": "3:13", "ridge.levelling": np.linspace(0.0, 0.95, 20).tolist()}
+    result = optimise(study(vary, ["approach"], optimiser=name, evaluations=219))
+    assert len(result.rows.rows) >= 219
+    assert result.untried == 220 - len(result.rows.rows)
 
 
 class Work:
@@ -273,19 +273,28 @@ def test_choices_beside_a_number_that_do_not_fit(monkeypatch: pytest.MonkeyPatch
         assert best <= 1e-4  # the next best choice has 0.25
 
 
-def test_three_keys_that_do_not_fit_come_near_the_best() -> None:
-    """A third of the combinations is enough for one of the best 5 % in 8 of 10 random studies."""
-    random = np.random.default_rng(8)
-    good = 0
-    for _ in range(10):
-        vary: dict[str, Any] = {}
-        while len(vary) < 2 or math.prod(len(v) if isinstance(v, list) else 2 for v in vary.values()) < 20:
-            vary = discrete_keys(random, 150)
-        wanted = study(vary, ["approach"])
-        kept, count = allowed_rows(wanted)
-        (best,) = front(optimise(wanted.with_(evaluations=count // 3)))
-        good += sum(row < best for row in kept) <= 0.05 * len(kept)
-    assert good >= 8
+def test_keys_that_do_not_fit_come_near_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    """60 of 1210 designs find one of the best ten; as many random ones would do so in two of five studies."""
+    radii, thicknesses = np.linspace(50.0, 150.0, 11), np.linspace(4.0, 8.0, 10)
+    for seed in range(4):
+        a, b, c = np.random.default_rng(seed).uniform(0.2, 0.8, 3)
+
+        def loss(radius: Any, thick: Any, count: Any, a=a, b=b, c=c) -> Any:  # type: ignore[no-untyped-def]
+            return ((radius - 50) / 100 - a) ** 2 + ((thick - 4) / 4 - b) ** 2 + ((count - 3) / 10 - c) ** 2
+
+        def force(design: Design, of=loss) -> float:  # type: ignore[no-untyped-def]
+            return float(of(design.skin.curvature_radius, design.skin.thickness, design.ridge.count))
+
+        work(monkeypatch, force=force, depth=lambda _: 0.0)
+        vary = {
+            "skin.curvature_radius": radii.tolist(),
+            "skin.thickness": thicknesses.tolist(),
+            "ridge.count": "3:13",
+        }
+        best = optimise(study(vary, ["force"], evaluations=60)).front[0].objectives["force"].value
+        every = loss(*np.meshgrid(radii, thicknesses, np.arange(3, 14)))
+        assert best is not None
+        assert (every < best - 1e-12).sum() < 10
 
 
 def test_the_same_seed_asks_the_same(tmp_path: Any) -> None:
@@ -293,7 +302,7 @@ def test_the_same_seed_asks_the_same(tmp_path: Any) -> None:
         (
             {"skin.thickness": "4:8"},
             {"material.name": "all", "ridge.count": "3:9"},
-            {"material.name": ["dragon-skin-10", "dragon-skin-20"], "skin.thickness": "4:8"},
+            {"material.name": "all", "skin.thickness": "4:8"},
         )
     ):
         wanted = study(vary, ["approach"], evaluations=30)

@@ -101,5 +101,7 @@ def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
 
     first, second, beaten = at(1.0, 3.0), at(2.0, 1.0), at(2.0, 3.5)
     assert two.unbeaten([first, second, beaten]) == [first, second]
-    middle = [at(1.0 + share, 3.0 - 2.0 * share) for share in (0.1, 0.4, 0.2)]  # the first few cover the front
+    middle = [
+        at(1.0 + share, 3.0 - 2.0 * share) for share in (0.1, 0.4, 0.2)
+    ]  # the first few cover the front
     assert two.unbeaten([first, *middle, second]) == [first, second, middle[1], middle[2], middle[0]]
