@@ -63,6 +63,7 @@ def missed(found: March) -> Array:
     return np.asarray(films[:, ::2, 0] + films[:, 1::2, 0])
 
 
+@pytest.mark.slow
 def test_a_few_chosen_steps_tell_what_finite_strain_in_each_tells() -> None:
     """Signals within what is told of their error, ridges' forces within a hundredth, and both far nearer than
     small strain; in a fraction of the steps."""

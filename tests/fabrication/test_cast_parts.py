@@ -186,7 +186,7 @@ def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     assert one.passes(heights[None])[0] == one.passes(heights[None] - 0.1)[0]
 
 
-@pytest.mark.parametrize("name", ["nozzle-04", "plain-ridges"])
+@pytest.mark.parametrize("name", [pytest.param("nozzle-04", marks=pytest.mark.slow), "plain-ridges"])
 def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
     """In the place of the mean crest's limit, so that it costs no more good parts than that."""
     one = judged(name)

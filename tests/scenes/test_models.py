@@ -46,6 +46,7 @@ def corrected(folder: Path) -> Simulation:
     return simulate(scene_in(folder), tol=0.1)
 
 
+@pytest.mark.slow
 def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folder: Path) -> None:
     found = corrected(folder)
     told = found.as_json()

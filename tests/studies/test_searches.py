@@ -143,7 +143,7 @@ def test_the_budget_is_spent_on_new_designs_alone() -> None:
         assert result.evaluations <= tried + 1  # and the start, for the judge
 
 
-@pytest.mark.parametrize("name", ["sobol", "nsga2"])
+@pytest.mark.parametrize("name", ["sobol", pytest.param("nsga2", marks=pytest.mark.slow)])
 def test_a_named_optimiser_spends_its_budget_too(name: str) -> None:
     """A whole number has few places on the cube, which both ask again and again."""
     if name == "nsga2":
@@ -189,7 +189,7 @@ def thickness(design: Design) -> float:
 GRID = np.linspace(0.0, 1.0, 2001)
 
 
-@pytest.mark.parametrize("budget", [60, 200])
+@pytest.mark.parametrize("budget", [60, pytest.param(200, marks=pytest.mark.slow)])
 def test_one_number_is_no_worse_than_a_dense_grid(budget: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of random functions with several minima, limits, and ranges that are refused."""
     random = np.random.default_rng(budget)
