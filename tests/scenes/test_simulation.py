@@ -378,9 +378,12 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     assert (folder / "signals.png").read_bytes().startswith(b"\x89PNG")
     # again, over its own earlier result
     scene = ("hold",) if whole else ("scene.toml", *small)
-    again = run_skincad("simulate", *scene, "--set", "history.steps=4", "-o", str(folder), cwd=tmp_path)
+    steps = 6 if whole else 4  # corners at a sixth and a third of `hold`: all steps are equal ones
+    again = run_skincad(
+        "simulate", *scene, "--set", f"history.steps={steps}", "-o", str(folder), cwd=tmp_path
+    )
     assert again.returncode == 0, again.stderr
-    assert again.stdout.startswith(f"{'hold' if whole else name}: 4 steps.")
+    assert again.stdout.startswith(f"{'hold' if whole else name}: {steps} steps.")
 
 
 @pytest.mark.parametrize("whole_first", [False, True])
