@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from skincad.material.fit import fit_material as fit_material
     from skincad.mechanics.film.stress import film_stress as _film_stress
     from skincad.mechanics.touching import check as _check
+    from skincad.outputs.delivery import save_picture as save_picture
     from skincad.outputs.delivery import write as write
     from skincad.packages.packing import package as _package
     from skincad.scenes.scene import Scene as Scene
@@ -78,6 +79,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "mold_solids": "solids.mold:mold_solids",
     "package": "packages.packing:package",
     "optimise": "studies.optimising:optimise",
+    "save_picture": "outputs.delivery:save_picture",
     "section": "shape.cross_section:section",
     "simulate": "scenes.simulation:simulate",
     "skin_solid": "solids.skin:skin_solid",

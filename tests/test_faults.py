@@ -417,6 +417,9 @@ def test_ctrl_c(job: str, tmp_path: Path) -> None:
         assert contents(tmp_path / "here").keys() == earlier.keys()
 
 
+STARTS_NOTHING = {"Lock", "RLock", "current_thread", "main_thread"}  # of threading
+
+
 def test_no_workers() -> None:
     """No part of skincad starts threads or processes: none can die alone. But for a study's, which says so
     and loses nothing that was finished (`tests/studies/test_running.py`), and a live page's, which says so
@@ -432,6 +435,6 @@ def test_no_workers() -> None:
                 names = (
                     [node.module or ""] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names]
                 )
-                if names == ["threading"] and {a.name for a in node.names} <= {"Lock", "RLock"}:
-                    continue  # locks start nothing
+                if names == ["threading"] and {a.name for a in node.names} <= STARTS_NOTHING:
+                    continue
                 assert not {name.split(".")[0] for name in names} & starters, file

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import importlib
 import json
 import os
 import random
@@ -12,13 +13,15 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType, SimpleNamespace
+from types import SimpleNamespace
 
 import pytest
 
 from skincad import __main__ as process
-from skincad import cli
+from skincad.base import interrupt
 from skincad.base.errors import ExhaustedError, FaultError, InputError, RefusedError
+from skincad.cli import main
+from skincad.cli.process import TRACEBACK
 from skincad.outputs.delivery import ready
 from skincad.outputs.newfile import write_new
 from tests.processes import started
@@ -145,7 +148,7 @@ def left(
     """Status, stdout and stderr of a command run in this process."""
     monkeypatch.setattr(sys, "argv", ["skincad", *arguments.split()])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        main()
     told = capsys.readouterr()
     return int(end.value.code or 0), told.out, told.err
 
@@ -236,11 +239,11 @@ def test_a_traceback_is_shown_to_who_asks_for_it(
         raise ZeroDivisionError
 
     monkeypatch.setattr("skincad.check", broken)
-    monkeypatch.setenv(cli.TRACEBACK, "1")
+    monkeypatch.setenv(TRACEBACK, "1")
     status, _, err = left(CHECK, capsys, monkeypatch)
     assert status == 3
     assert "Traceback" in err
-    assert cli.TRACEBACK in err.splitlines()[-1]
+    assert TRACEBACK in err.splitlines()[-1]
 
 
 TOO_LITTLE = """
@@ -295,24 +298,13 @@ def test_a_kernel_that_does_not_load_for_another_reason_is_no_missing_library(tm
         assert ("apt-get" in done.stderr) == (kind == "InputError")
 
 
-def working(text: str, **names: object) -> FunctionType:
-    """A function that a signal may break, as the command line's own: same module, same name."""
-    module: dict[str, object] = {"__name__": process.BREAKS_IN[0], **names}
-    exec(f"def {process.BREAKS_IN[1]}():\n{text}", module)
-    found = module[process.BREAKS_IN[1]]
-    assert isinstance(found, FunctionType)
-    return found
-
-
 @pytest.fixture
 def _listening() -> object:
-    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
-    for each in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(each, process._received)
+    before = {signum: signal.getsignal(signum) for signum in interrupt.SIGNALS}
+    interrupt.listen()
     yield
-    signal.setitimer(signal.ITIMER_REAL, 0)
-    for each, handler in before.items():
-        signal.signal(each, handler)
+    for signum, handler in before.items():
+        signal.signal(signum, handler)
 
 
 @pytest.mark.usefixtures("_listening")
@@ -329,46 +321,54 @@ def test_a_signal_waits_for_an_import_to_be_through(
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "half_made", raising=False)
+    importlib.import_module("half_made")
     with pytest.raises(kind):
-        working("    import half_made\n    import time\n    time.sleep(10)")()
-    assert "half_made" in sys.modules
+        interrupt.safe_point()
+    interrupt.safe_point()  # one signal ends one thing
 
 
 @pytest.mark.usefixtures("_listening")
 def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Between any two files that are moved, and in the removal of the old ones too."""
+    """Between the files that are moved, and in the removal of the old ones too."""
     from skincad.base import outfolder
 
-    rename, unlink = Path.rename, Path.unlink
+    for step in ("rename", "unlink"):  # the second time there is a result to be replaced
+        original, sent = getattr(Path, step), []
 
-    def moved(self: Path, target: Path) -> Path:
-        found = rename(self, target)
-        os.kill(os.getpid(), signal.SIGINT)
-        return found
+        def signalled(self: Path, *rest: object, original: object = original, sent: list = sent) -> object:
+            if not sent:
+                sent.append(os.kill(os.getpid(), signal.SIGINT))
+            return original(self, *rest)
 
-    def removed(self: Path, missing_ok: bool = False) -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-        unlink(self, missing_ok)
-
-    monkeypatch.setattr(Path, "rename", moved)
-    monkeypatch.setattr(Path, "unlink", removed)
-
-    def write() -> None:
+        monkeypatch.setattr(Path, step, signalled)
         with outfolder.replaced(tmp_path / "here", "make") as staging:
             (staging / "a").write_text("new")
-
-    for _ in range(2):  # the second time there is one to be replaced
-        with pytest.raises(KeyboardInterrupt):
-            working("    write()\n    time.sleep(10)", write=write, time=time)()
+        monkeypatch.setattr(Path, step, original)
+        if sent:
+            with pytest.raises(KeyboardInterrupt):
+                interrupt.safe_point()
+    assert sent
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
     assert sorted(p.name for p in (tmp_path / "here").iterdir()) == ["a", "make.json"]
     assert (tmp_path / "here" / "a").read_text() == "new"
 
 
-@pytest.mark.usefixtures("_listening")
-def test_a_signal_outside_the_command_breaks_nothing() -> None:
-    os.kill(os.getpid(), signal.SIGTERM)
-    time.sleep(10 * process.SOON)
+TWICE = """
+import os, signal, time
+from skincad.base.interrupt import listen
+listen()
+for _ in range(2):
+    os.kill(os.getpid(), signal.SIGINT)
+    print("here", flush=True)
+"""
+
+
+def test_a_second_signal_ends_the_process_at_once() -> None:
+    """The first one waits for a safe point, and there is none."""
+    done = subprocess.run(
+        [sys.executable, "-c", TWICE], capture_output=True, text=True, check=False, timeout=300
+    )
+    assert (done.returncode, done.stdout) == (-signal.SIGINT, "here\n")
 
 
 AT = """

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from skincad.commands import app
+from skincad.cli.app import app
 from tests.conftest import Made
 
 ROOT = Path(__file__).parent.parent

@@ -24,7 +24,7 @@ import pytest
 import typer
 
 import skincad
-from skincad.commands import app
+from skincad.cli.app import app
 from tests.conftest import run_skincad
 from tests.processes import started
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.errors import InputError
+from skincad.base.interrupt import safe_point
 from skincad.base.manifest import COMMANDS, listed, manifest_name, unchanged, write_manifest
 
 try:
@@ -246,6 +247,7 @@ def _lock(handle: int, folder: Path, wait: bool) -> bool:
         return False
     told_at: float | None = time.monotonic() + PATIENCE
     while True:
+        safe_point()
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

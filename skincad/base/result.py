@@ -43,6 +43,11 @@ class Result(ABC):
     def as_json(self) -> dict[str, Any]:
         """Return the object that `--json` prints: numbers with their unit in the key, errors beside them."""
 
+    @property
+    def exit_status(self) -> int:
+        """What a command that computes it exits with: 0 done and passed, 1 a check failed or is undecided."""
+        return 0
+
     def presenter(self) -> Presenter:
         """Return the module that shows results of this kind."""
         return cast(Presenter, import_module(self.shown_by))

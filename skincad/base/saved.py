@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from time import sleep
 
+from skincad.base.interrupt import safe_point
+
 POLL = 0.2  # s, assumption: no wait that a person notices, and next to no work
 
 
@@ -17,6 +19,7 @@ def saves(files: Sequence[Path]) -> Iterator[None]:
     """
     seen: list[tuple[int, int]] | None = None
     while True:
+        safe_point()
         now = _stamps(files)
         if now is not None and now != seen:
             sleep(POLL if seen else 0.0)

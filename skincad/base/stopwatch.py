@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Protocol
 
+from skincad.base.interrupt import safe_point
+
 
 class Progress(Protocol):
     """Told what is being done and, where a cost model knows, how many seconds are left to the job's end."""
@@ -45,6 +47,7 @@ class Stopwatch:
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Count the block's seconds under this name."""
+        safe_point()
         if self.progress:
             self.progress(name)
         begin = perf_counter()

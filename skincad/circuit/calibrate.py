@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from skincad.base.errors import InputError, RefusedError
+from skincad.base.interrupt import safe_point
 from skincad.circuit.constants import MAY_BE_0, Constants
 from skincad.circuit.elements import Real
 from skincad.circuit.response import checked_frequencies, decibels, response
@@ -116,6 +117,7 @@ def calibrate(
     low, high = _limits(largest_ratio)
 
     def misfit(point: Real) -> Real:
+        safe_point()
         rest = decibels(response(network(_constants(point, d33)), frequency)) - gain
         return np.asarray(rest - rest.mean())
 

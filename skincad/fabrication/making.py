@@ -152,6 +152,11 @@ class MakeResult(Result):
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "job": None}
 
+    @property
+    def exit_status(self) -> int:
+        """0 where it passed, else 1."""
+        return 0 if self.passed else 1
+
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys; `files` are those of `write`."""
         return {

@@ -13,6 +13,7 @@ import trimesh
 from manifold3d import Manifold
 
 from skincad.base.arrays import Array, Mask
+from skincad.base.interrupt import safe_point
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
@@ -147,6 +148,7 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     for step in assembled.opening:
         moving = [shapes.pop(name) for name in step.parts]
         for one in moving:
+            safe_point()
             name, way = one.part.name, swept(one.part, step.axis, step.travel, tolerance)
             # the skin bends, and the strips in it: the undercut rule judges it
             free = PartRole.CAVITY if one.part.role in (PartRole.SKIN, PartRole.STRIP) else None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
 from skincad.base.errors import needing
+from skincad.base.interrupt import safe_point
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape import curves
@@ -49,6 +50,7 @@ def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
 
     Raises ExhaustedError where memory does not suffice.
     """
+    safe_point()
     with needing(f"the mesh of {part.name}"):
         raw = manifold(part, tolerance).to_mesh64()
         corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)

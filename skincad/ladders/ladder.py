@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import Any, Protocol, TypeVar, cast
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.interrupt import safe_point
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.precision import PowerLaw, front, power_law
@@ -206,6 +207,7 @@ def timed(work: Callable[[], Found], repeats: int) -> tuple[Found, tuple[float, 
     runs: list[float] = []
     warm = False
     while True:
+        safe_point()
         began = perf_counter()
         found = work()
         runs.append(perf_counter() - began)

@@ -34,14 +34,14 @@ class Signals:
 def judged(design: Design, tell: Tell) -> None:
     """Tell each tier's verdict, then the last one as `skincad check` has it, its advice as it is found."""
     from skincad.mechanics.touching import check
-    from skincad.studies.advice import advising, patience
+    from skincad.studies.advice import advising, seconds_for_advice
 
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
     found = check(design, progress=stage, told=lambda verdict: tell("tier", verdict))
     tell("verdict", found)
-    for more in advising(design, found, stage, patience(found)):
+    for more in advising(design, found, stage, seconds_for_advice(found)):
         tell("verdict", more)
 
 

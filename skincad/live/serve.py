@@ -6,14 +6,17 @@ import socket
 import webbrowser
 from collections.abc import Callable
 from importlib.util import find_spec
+from time import sleep
 
 from skincad.base.errors import InputError
+from skincad.base.interrupt import safe_point
 from skincad.live.guard import LOOPBACK, bracketed
 from skincad.live.session import Edited
 
 PORT = 8642  # where nobody says another
 TRIES = 100  # ports from the asked one on
 FIRST = 60.0  # s, for the first picture
+POLL = 0.1  # s, until Ctrl-C ends it
 
 
 def serve(
@@ -39,7 +42,9 @@ def serve(
             say(f"Whoever reaches {host} can change it and write files here.")
         if browser:
             webbrowser.open(address)
-        page.server.sleep_forever()
+        while True:
+            safe_point()
+            sleep(POLL)
     finally:
         page.close()
 

@@ -148,6 +148,11 @@ class ContactCheck(Result):
         """The part of the all-touch force's error that is the model's, N."""
         return math.fsum(effect.threshold for effect in self.left_out) * (self.all_touch_force.value or 0.0)
 
+    @property
+    def exit_status(self) -> int:
+        """0 where all ridges touch, else 1."""
+        return 0 if self.passed else 1
+
     def as_json(self) -> dict[str, Any]:
         """Return the `check` object of `--json`; the unit is the key's suffix."""
         return {

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.freshfile import fresh
 from skincad.base.manifest import manifest_name
 from skincad.base.outfolder import checked_folder, replaced
 from skincad.base.result import Result, Writer
@@ -60,6 +61,20 @@ def write(
                 writer(staging / name)
         sizes = tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir()))
     return Written(target, manifest_name(presenter.COMMAND), sizes, watch.seconds())
+
+
+def save_picture(result: Result, path: Path | str, *, key: str = "path") -> bool:
+    """Draw a result's first figure into a PNG file of its own; return whether it has one.
+
+    Raises InputError, with nothing left behind, for a file that is there already or cannot be written; it
+    calls the file `key`.
+    """
+    draws = result.presenter().figures(result)
+    if not draws:
+        return False
+    with fresh(Path(path), key) as staging:
+        picture(next(iter(draws.values())))(staging)
+    return True
 
 
 def ready(folder: Path, command: str, names: Iterable[str]) -> None:

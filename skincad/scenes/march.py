@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array, Index
+from skincad.base.interrupt import safe_point
 from skincad.effects.kinds import MarchedPad, Reading, Step, Term
 from skincad.mechanics.contact.grip import Drive, Grip, GrossSlip
 from skincad.mechanics.problem import ContactError
@@ -84,6 +85,7 @@ def march(
     stopped, failed = None, False
     try:
         while (i := len(path.readings)) < len(drives) and stopped is None:
+            safe_point()
             step = Step(float(times[i - 1]), float(times[i]), drives[i - 1], drives[i], mass)
             wrong = ""
             try:

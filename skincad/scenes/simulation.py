@@ -13,6 +13,7 @@ import numpy as np
 from skincad.base.arguments import require_goals
 from skincad.base.arrays import Array, Mask
 from skincad.base.estimate import Estimate
+from skincad.base.interrupt import INTERRUPTED
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import Limited, band_limited, delay
@@ -105,6 +106,11 @@ class Simulation(Result):
             r: Estimate(float(np.abs(values).max()), self.stress_errors[r].total, "MPa")
             for r, values in self.raw.items()
         }
+
+    @property
+    def exit_status(self) -> int:
+        """0 where it ran to its end, 1 where it failed, 130 where Ctrl-C ended it."""
+        return INTERRUPTED if self.march.interrupted else 1 if self.march.failed else 0
 
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.errors import FaultError, InputError, exhausted, needing
+from skincad.base.interrupt import safe_point
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Revolved, Turned
@@ -112,6 +113,7 @@ def solid(part: Part) -> cq.Solid:
 
 
 def _checked_solid(part: Part) -> cq.Solid:
+    safe_point()
     if isinstance(part.body, Turned):
         return cq.Solid(_only_solid(_turned(_checked_solid(own(part)).wrapped, part.body), part.name))
     part = replace(part, body=_flattened(part.body), cuts=tuple(_flattened(cut) for cut in part.cuts))

@@ -109,9 +109,17 @@ def advising(
         yield replace(advised, changes=advised.changes or (), changes_notes=notes, hurried=hurried)
 
 
-def patience(verdict: ContactCheck) -> float:
-    """Return for how many seconds the commands look for advice: as long as the check took, or PATIENCE."""
-    return max(PATIENCE, verdict.seconds["total"])
+def seconds_for_advice(
+    verdict: ContactCheck, wanted: bool | None = None, budget: float | None = None
+) -> float:
+    """Return for how many seconds to look for advice.
+
+    If nobody has said whether it is `wanted`: as long as the check took, or PATIENCE, and 0 where the check
+    had a `budget`. Else as long as it takes, or 0.
+    """
+    if wanted is None:
+        return max(PATIENCE, verdict.seconds["total"]) if budget is None else 0.0
+    return math.inf if wanted else 0.0
 
 
 def cause(design: Design, verdict: ContactCheck) -> str:

@@ -84,6 +84,11 @@ class Optimisation(Result):
             raise InputError("number", f"must be from 1 to {len(self.front)}", number)
         return changed(self.subject, self.front[number - 1].values)
 
+    @property
+    def exit_status(self) -> int:
+        """0 where a design keeps all limits, else 1."""
+        return 0 if self.feasible else 1
+
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""
         return {

@@ -13,6 +13,7 @@ from typing import Any, Literal
 from skincad.base.arguments import require_goals
 from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
+from skincad.base.interrupt import safe_point
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
 from skincad.mechanics.tiers.table import able, tier_of
@@ -88,6 +89,7 @@ def first_able(tiers: Sequence[str], design: Design) -> str:
 
 def evaluate(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:
     """Return the answer for a subject with these values, which its own rules may refuse, or the model."""
+    safe_point()
     began, when = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     key, told, refused = "", dict[str, Any](), ""
     try:

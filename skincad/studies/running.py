@@ -17,6 +17,7 @@ from typing import Any
 
 from skincad.base.arguments import require_number
 from skincad.base.errors import ExhaustedError, InputError
+from skincad.base.interrupt import safe_point
 from skincad.studies.log import Log
 from skincad.studies.question import Evaluation, Question, evaluate, key_of
 from skincad.studies.subject import Subject, Value
@@ -78,6 +79,7 @@ class Run:
         waiting = list(todo)
         try:
             while waiting or flying:
+                safe_point()
                 claimed = self._next(waiting) if len(flying) < AHEAD * workers.count else None
                 self._look()  # after the claim: another run may have finished it just before
                 for key in [key for key in waiting if key in self.evaluations]:
@@ -92,7 +94,7 @@ class Run:
                     flying[future] = claimed
                     continue
                 if flying:
-                    yield from self._landed(flying, POLL if waiting else None)
+                    yield from self._landed(flying)
                 elif waiting:
                     time.sleep(POLL)
         finally:
@@ -112,8 +114,8 @@ class Run:
         self.reused += 1
         return self.evaluations[key]
 
-    def _landed(self, flying: dict[Future[Evaluation], str], patience: float | None) -> Iterator[Evaluation]:
-        done, _ = wait(flying, patience, FIRST_COMPLETED)
+    def _landed(self, flying: dict[Future[Evaluation], str]) -> Iterator[Evaluation]:
+        done, _ = wait(flying, POLL, FIRST_COMPLETED)
         for future in done:
             key = flying[future]
             try:

@@ -77,6 +77,11 @@ class Solution(Result):
             raise RefusedError(f"{self.name}: no value gives what is wanted, so there is nothing to write")
         return changed(self.subject, self.solutions[0].values)
 
+    @property
+    def exit_status(self) -> int:
+        """0 where a solution was found, else 1."""
+        return 0 if self.feasible else 1
+
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""
         return {

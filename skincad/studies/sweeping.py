@@ -82,6 +82,11 @@ class SweepResult(Result):
             raise InputError("number", f"must be from 1 to {len(ranks)}", number)
         return self.rows[ranks[number - 1].row - 1]
 
+    @property
+    def exit_status(self) -> int:
+        """0 where a row has an answer, else 1."""
+        return 0 if self.refused < len(self.rows) else 1
+
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys; rows count from 1."""
         first = self.rankings[0] if self.rankings else None

@@ -10,8 +10,8 @@ import typer
 
 from skincad.base.errors import InputError
 from skincad.cli import run
-from skincad.commands import app
-from skincad.options import PrinterOption
+from skincad.cli.app import app
+from skincad.cli.options import PrinterOption
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
 ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0"), ("--port", "0")}

@@ -131,7 +131,7 @@ def test_commands_are_ones_that_there_are(text: str, tmp_path: Path, monkeypatch
     """Each is parsed by the command line, and what it names is loaded."""
     import typer
 
-    from skincad.commands import app
+    from skincad.cli.app import app
 
     monkeypatch.chdir(tmp_path)
     for name, data in re.findall(r'download="([^"]*)" href="data:text/plain;base64,([^"]*)"', text):

@@ -18,6 +18,7 @@ import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.base.interrupt import safe_point
 from skincad.mechanics.contact.friction_law import law_of
 from skincad.mechanics.contact.grip import (
     LEFT,
@@ -157,6 +158,7 @@ class _Step:
         seen: set[bytes] = set()
         single, self.line = False, self.law.line(self.before.normal)
         for sweep in range(SWEEPS + SINGLE):
+            safe_point()
             trial = self._solve(status, all_slip)
             wrong, wanted = self._violations(trial, status, all_slip)
             missing = 0.0 if all_slip else self._missing(trial, status)

@@ -16,6 +16,7 @@ import numpy as np
 from scipy import linalg, sparse
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.base.interrupt import safe_point
 from skincad.mechanics.bodies.chain import SlabChain
 from skincad.mechanics.problem import ContactError
 
@@ -74,6 +75,7 @@ def press(
     if start is None or not active.any():
         active = may & (gap <= gap[may].min() + _first_approach(flexibility, gap[may], force))
     for _ in range(SWEEPS):
+        safe_point()
         known = {} if solved is None else solved
         nodal, approach = _equilibrium(flexibility, gap, force, active, known, definite)
         open_gap = gap - approach + flexibility @ nodal
@@ -146,6 +148,7 @@ def _descend(flexibility: Flexibility, gap: Array, force: float, may: Mask) -> N
     first = int(np.argmin(np.where(may, gap, np.inf)))
     nodal[first], active[first] = force, True
     for _ in range(20 * gap.size + 100):
+        safe_point()
         target, approach = _equilibrium(flexibility, gap, force, active, {})
         if (target[active] >= 0).all():
             nodal = target

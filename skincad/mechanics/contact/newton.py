@@ -16,6 +16,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from skincad.base.arrays import Array, Mask
+from skincad.base.interrupt import safe_point
 from skincad.mechanics.contact.elastic import Elastic, LinearisedBody
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.stability import stable
@@ -87,6 +88,7 @@ def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None 
     history: list[float] = []
     unbalanced = body.residual(values)
     for _ in range(STEPS):
+        safe_point()
         linear = linearised(body, values, unbalanced)
         ridges, base = seen_by_plate(pad, values, linear)
         force, contact = contact_under(ridges, load, active)

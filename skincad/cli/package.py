@@ -1,4 +1,4 @@
-"""The command that makes a package for simulators."""
+"""The command `package`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 import skincad
 from skincad.base.bars import stage_bar
-from skincad.options import (
+from skincad.cli.options import (
     DesignArgument,
     JsonOption,
     PrinterOption,
@@ -17,6 +17,7 @@ from skincad.options import (
     SiliconesOption,
     TierOption,
     deliver,
+    out_folder,
 )
 
 STAGES = 26  # of its bar, about: those of the springs' checks among them
@@ -47,13 +48,11 @@ def package(
     MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
     each number rests on appear in the output folder.
     """
-    from skincad.outputs.delivery import ready
     from skincad.outputs.packages import COMMAND
 
     design = skincad.load(source, settings, printer=printer, silicones=silicones)
-    target = folder or Path("out") / design.name / "package"
-    ready(target, COMMAND, ())
+    target = out_folder(folder, Path(design.name, "package"), COMMAND, ())
     with stage_bar(STAGES) as progress:
-        found = skincad.package(design, kinds, tier=tier, progress=progress)
-        written = skincad.write(found, target, progress=progress)
-    deliver(found, as_json, written)
+        result = skincad.package(design, kinds, tier=tier, progress=progress)
+        written = skincad.write(result, target, progress=progress)
+    deliver(result, as_json, written)

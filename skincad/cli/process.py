@@ -11,7 +11,8 @@ from typing import Any, NoReturn, TextIO
 import typer
 
 from skincad.base.errors import ExhaustedError, FaultError, InputError, RefusedError, exhausted, shown
-from skincad.commands import app
+from skincad.base.interrupt import INTERRUPTED, safe_point
+from skincad.cli.app import app
 
 TRACEBACK = "SKINCAD_TRACEBACK"  # the environment variable that lets a traceback of skincad's own faults pass
 SIGNALLED = 128  # a status above it tells a signal
@@ -37,7 +38,7 @@ def main() -> None:
         _drop(sys.stdout)
         status = 0
     except KeyboardInterrupt:
-        _leave("interrupted", 130)
+        _leave("interrupted", INTERRUPTED)
     except SystemExit as end:
         if not isinstance(end.code, int) or end.code < SIGNALLED:  # a shell's completion is done
             raise
@@ -45,15 +46,16 @@ def main() -> None:
     except Exception as failure:  # whatever it is, no traceback reaches a user who has not asked for it
         if os.environ.get(TRACEBACK):
             print_exc()
-        _leave(*_last_words(failure), as_json="--json" in arguments)
+        _leave(*describe_failure(failure), as_json="--json" in arguments)
     sys.exit(status)
 
 
 def run(arguments: list[str]) -> int:
-    """Run a command and return its status; signals may break in here, and only here (`__main__.py`)."""
+    """Run a command and return its status."""
     status, command = 0, typer.main.get_command(app)
     if COMPLETE in os.environ:
         command.main(arguments, prog_name="skincad")
+    safe_point()
     try:
         with command.make_context("skincad", arguments) as context:
             command.invoke(context)
@@ -86,7 +88,7 @@ def _by_flag(failure: InputError, flags: dict[str, str]) -> InputError:
     return InputError(key, failure.rule, failure.value, failure.remedy, others)
 
 
-def _last_words(failure: Exception) -> tuple[str, int]:
+def describe_failure(failure: Exception) -> tuple[str, int]:
     """Return the line that tells of a failure that is nobody's input, and its status."""
     if lacking := exhausted(failure):
         return f"out of {lacking} ({str(failure) or type(failure).__name__}); allow more, or ask for less", 3
@@ -105,7 +107,7 @@ def _leave(message: str, status: int, *, as_json: bool = False) -> NoReturn:
 
 
 def _say(stream: TextIO, text: str) -> None:
-    """Write where that can be; to whom it does not reach, the status tells what matters."""
+    """Write where that can be; if the stream is closed, the exit status still says it."""
     try:
         stream.write(text)
         stream.flush()
@@ -114,5 +116,5 @@ def _say(stream: TextIO, text: str) -> None:
 
 
 def _drop(stream: TextIO) -> None:
-    """Let go whatever is still to be written to a stream, lest Python try again and fail at its end."""
+    """Drop whatever is still to be written to a stream, so that Python doesn't fail at its end by trying."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -1,4 +1,4 @@
-"""The command of the page with sliders: live."""
+"""The command `live`: the page with sliders."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from skincad.base.errors import InputError
-from skincad.options import PrinterOption, SetOption, SiliconesOption, say
+from skincad.cli.options import PrinterOption, SetOption, SiliconesOption, say
 
 
 def live(

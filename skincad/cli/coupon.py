@@ -1,7 +1,8 @@
-"""The command of the calibration kit: coupon, which is made, measured and read back."""
+"""The command `coupon`: the calibration kit, which is made, measured and read back."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -10,20 +11,31 @@ import typer
 import skincad
 from skincad.base.bars import stage_bar
 from skincad.base.errors import InputError
-from skincad.options import JsonOption, OutOption, PrinterOption, SiliconesOption, deliver
+from skincad.cli.options import (
+    JsonOption,
+    OutOption,
+    PrinterOption,
+    SiliconesOption,
+    completes,
+    deliver,
+    out_folder,
+)
 
 
-def _names(incomplete: str) -> list[str]:
-    """What completes a process."""
+def _processes() -> Iterable[str]:
     from skincad.inputs.process import PROCESSES
 
-    return [name for name in PROCESSES if name.startswith(incomplete)]
+    return PROCESSES
 
 
 def coupon(
     process: Annotated[
         str,
-        typer.Argument(metavar="PROCESS", help="fdm, sla, cnc, edm, or one of yours.", autocompletion=_names),
+        typer.Argument(
+            metavar="PROCESS",
+            help="fdm, sla, cnc, edm, or one of yours.",
+            autocompletion=completes(_processes),
+        ),
     ],
     silicone: Annotated[
         str | None, typer.Option("--silicone", metavar="NAME", help="What bars and pad are cast in.")
@@ -44,16 +56,13 @@ def coupon(
     Writes parts to make, molds to cast in, a sheet that says how, and forms to fill in. With --measured the
     filled-in forms become a printer.toml: how much material grows, the narrowest gap, the crests' scatter.
     """
-    from skincad.outputs.delivery import ready
-
     if measured is None:
         from skincad.fabrication.coupon_kit import SILICONE
         from skincad.fabrication.coupon_kit import coupon as kit_of
         from skincad.outputs.coupons import COMMAND, files
 
         kit = kit_of(process, silicone or SILICONE, printer=printer, silicones=silicones)
-        target = folder or Path("out") / f"coupon-{process}"
-        ready(target, COMMAND, files(kit))
+        target = out_folder(folder, f"coupon-{process}", COMMAND, files(kit))
         with stage_bar(2) as progress:
             written = skincad.write(kit, target, progress=progress)
         deliver(kit, as_json, written)
@@ -63,5 +72,5 @@ def coupon(
             raise InputError(name, "is not used with --measured", str(given), "leave it out")
     from skincad.fabrication.coupon_reading import read_coupon
 
-    found = read_coupon(process, measured, printer=printer)
-    deliver(found, as_json, skincad.write(found, folder or measured))
+    reading = read_coupon(process, measured, printer=printer)
+    deliver(reading, as_json, skincad.write(reading, folder or measured))

@@ -1,0 +1,116 @@
+"""The command `make`."""
+
+from __future__ import annotations
+
+import webbrowser
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import skincad
+from skincad.base.bars import stage_bar, step_bar
+from skincad.base.errors import InputError
+from skincad.cli.check import advised
+from skincad.cli.options import (
+    AdviceOption,
+    BudgetOption,
+    DesignArgument,
+    FormatOption,
+    JsonOption,
+    OpenOption,
+    OutOption,
+    PrinterOption,
+    ScenesOption,
+    SetOption,
+    SiliconesOption,
+    TierOption,
+    deliver,
+    leave,
+    out_folder,
+)
+
+VIEW = "view.html"
+
+
+def make(
+    source: DesignArgument,
+    settings: SetOption = [],  # noqa: B006
+    folder: OutOption = None,
+    formats: FormatOption = [],  # noqa: B006
+    strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
+    checked: Annotated[
+        bool, typer.Option("--check/--no-check", help="Ask whether all ridges touch, or leave that out.")
+    ] = True,
+    tier: TierOption = "auto",
+    budget: BudgetOption = None,
+    preview: Annotated[
+        bool,
+        typer.Option(
+            "--preview",
+            help="Meshes, pictures and findings alone, in seconds: no check, STEP only by --format step.",
+        ),
+    ] = False,
+    opened: OpenOption = False,
+    advice: AdviceOption = None,
+    scenes: ScenesOption = [],  # noqa: B006
+    printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make skin and mold, check both, and write all files.
+
+    STEP, STL, 3MF, DXF, SVG, a picture, a casting sheet and a report appear in the output folder, all of
+    them or none.
+    """
+    from skincad.fabrication.making import STAGES
+    from skincad.outputs import makes
+    from skincad.outputs.delivery import of_formats
+
+    design = skincad.load(source, settings, printer=printer, silicones=silicones)
+    check_opened(opened, formats)
+    solids = not preview or "step" in formats
+    files = of_formats(makes.names(design, solids, preview), formats)
+    target = out_folder(folder, design.name, makes.COMMAND, files)
+    if scenes and preview:
+        raise InputError("scenes", "are for the report, which --preview leaves out", remedy="leave one out")
+    simulations = []
+    for scene in [skincad.load_scene(scene, skin=design) for scene in scenes]:  # all are read before one runs
+        with step_bar(scene.history.step_count) as tick:
+            simulations.append(skincad.simulate(scene, tick=tick))
+    with stage_bar(len(STAGES)) as progress:
+        result = skincad.make(
+            design,
+            strict=strict,
+            checked=checked,
+            tier=tier,
+            budget=budget,
+            preview=preview,
+            solids=solids,
+            scenes=simulations,
+            progress=progress,
+        )
+        written = skincad.write(result, target, formats=formats, progress=progress)
+    if not as_json:
+        deliver(result, False, written)
+    if opened:
+        open_view(target)
+    if result.check is not None:
+        result = replace(result, check=advised(design, result.check, advice, budget, as_json))
+    if as_json:
+        deliver(result, True, written)
+    leave(result)
+
+
+def check_opened(opened: bool, formats: list[str]) -> None:
+    """Raise InputError where the page that is to be opened is not among what is written."""
+    if opened and formats and "html" not in formats:
+        raise InputError("opened", "needs view.html", remedy="add --format html")
+
+
+def open_view(folder: Path) -> None:
+    """Show the page in the browser that the system names, or say where it lies."""
+    page = (folder / VIEW).resolve()
+    if not webbrowser.open(page.as_uri()):
+        typer.echo(f"skincad: no browser answers; open {page}", err=True)

@@ -1,0 +1,67 @@
+"""The command `simulate`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import skincad
+from skincad.base.bars import step_bar
+from skincad.base.errors import InputError
+from skincad.cli.options import (
+    BudgetOption,
+    JsonOption,
+    OutOption,
+    SetOption,
+    SiliconesOption,
+    deliver,
+    leave,
+    out_folder,
+    source_argument,
+)
+
+
+def simulate(
+    source: Annotated[str, source_argument("SCENE", "scenes")],
+    settings: SetOption = [],  # noqa: B006
+    silicones: SiliconesOption = None,
+    tol: Annotated[
+        float | None,
+        typer.Option("--tol", metavar="REL", help="Relative error of the differential stress to meet."),
+    ] = None,
+    budget: BudgetOption = None,
+    at: Annotated[
+        list[int],
+        typer.Option(
+            "--at", metavar="STEP", help="Draw the section with its stress at this step; repeat for several."
+        ),
+    ] = [],  # noqa: B006
+    gif: Annotated[bool, typer.Option("--gif", help="Animate the section over the scene.")] = False,
+    folder: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a scene, and say which ridge slips when.
+
+    Only the effects that the scene names are computed. Signals as CSV and a picture appear in the output
+    folder; Ctrl-C keeps what is done by then.
+    """
+    from skincad.inputs.catalog import setting_key
+
+    for key, option, given in (("readout.steps", "at", at), ("readout.frames", "gif", gif)):
+        if given and key in map(setting_key, settings):
+            raise InputError(option, f"gives {key}, and --set does too", remedy="leave one of them out")
+    drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
+    try:
+        scene = skincad.load_scene(source, [*settings, *drawn], silicones=silicones)
+    except InputError as failure:
+        if not (at and failure.key.startswith("readout.steps")):
+            raise
+        raise InputError("at", failure.rule, failure.value, failure.remedy) from None
+    from skincad.outputs import simulations
+
+    target = out_folder(folder, scene.name, simulations.COMMAND, simulations.names(scene))
+    with step_bar(scene.history.step_count) as tick:
+        result = skincad.simulate(scene, tol=tol, budget=budget, tick=tick, partial=True)
+    deliver(result, as_json, skincad.write(result, target))
+    leave(result)

@@ -1,0 +1,118 @@
+"""The command `solve`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import skincad
+from skincad.base.bars import stage_bar
+from skincad.base.errors import InputError
+from skincad.cli.options import (
+    ForceOption,
+    JsonOption,
+    PrinterOption,
+    SetOption,
+    SiliconesOption,
+    SubjectArgument,
+    leave,
+    show,
+)
+
+
+def solve(
+    source: SubjectArgument,
+    target: Annotated[
+        list[str],
+        typer.Option(
+            "--target",
+            metavar="KEY=VALUE",
+            help="What a result is to be, by its key in --json: all_touch_force=3; repeat for several.",
+        ),
+    ],
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="KEY=LOW:HIGH",
+            help="A key and its range, or its choices as A,B,C or all; repeat for several.",
+        ),
+    ],
+    settings: SetOption = [],  # noqa: B006
+    force: ForceOption = None,
+    tier: Annotated[
+        str | None,
+        typer.Option(
+            "--model",
+            "--tier",
+            help="The model of all checks; default: corrected, where that takes the design.",
+        ),
+    ] = None,
+    tol: Annotated[
+        float, typer.Option("--tol", metavar="REL", help="How near to the target is enough, relative.")
+    ] = 0.005,
+    evaluations: Annotated[
+        int | None,
+        typer.Option("--evaluations", metavar="N", help="At most so many; default: 40, of several keys 100."),
+    ] = None,
+    printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
+    copy: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", metavar="FILE", help="Write the first solution as a TOML file."),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="PNG", help="Draw the result against the one key that is varied."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the values that give a wanted result.
+
+    Any number of a design, scene or circuit may be varied, and any number of its result wanted. With one
+    key its whole range is searched before it is said that no value exists; with several the least change is
+    looked for.
+    """
+    from skincad.base.freshfile import checked_fresh
+    from skincad.studies.knobs import knobs, texts
+    from skincad.studies.subject import load_subject
+
+    for path, suffix, key in ((copy, ".toml", "copy"), (picture, ".png", "picture")):
+        if path is not None:
+            checked_fresh(path, suffix, key)
+    wishes = {key: _number(key, text) for key, text in texts(target, "target").items()}
+    varied = texts(vary, "vary")
+    subject = load_subject(source, settings, printer=printer, silicones=silicones)
+    if picture is not None and (len(varied) > 1 or knobs(subject, varied)[0].choices):
+        raise InputError("picture", "is drawn of one key with a range", remedy="leave it out")
+    with stage_bar(8) as progress:
+        solution = skincad.solve(
+            subject,
+            wishes,
+            varied,
+            tier=tier,
+            tol=tol,
+            force=force,
+            evaluations=evaluations,
+            progress=progress,
+        )
+    written = []
+    if copy is not None and solution.solutions:
+        from skincad.outputs.solutions import write_solution
+
+        write_solution(solution, copy, source)
+        written.append(f"\nwritten to {copy}")
+    if picture is not None and skincad.save_picture(solution, picture, key="picture"):
+        written.append(f"\n  picture        {picture}")
+    file = str(copy) if copy and solution.solutions else None
+    show({**solution.as_json(), "file": file}, as_json, f"{solution}{''.join(written)}")
+    leave(solution)
+
+
+def _number(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"target {key}", "must be a number", text) from None

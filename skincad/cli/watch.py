@@ -1,0 +1,60 @@
+"""The command `watch`: make --preview again at each save."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import skincad
+from skincad.base.bars import stage_bar
+from skincad.base.errors import InputError, RefusedError, shown
+from skincad.cli.make import check_opened, open_view
+from skincad.cli.options import (
+    FormatOption,
+    OpenOption,
+    OutOption,
+    PrinterOption,
+    SetOption,
+    SiliconesOption,
+    deliver,
+    say,
+)
+
+
+def watch(
+    source: Annotated[Path, typer.Argument(metavar="DESIGN", help="A design's TOML file.")],
+    settings: SetOption = [],  # noqa: B006
+    folder: OutOption = None,
+    formats: FormatOption = [],  # noqa: B006
+    opened: OpenOption = False,
+    printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
+) -> None:
+    """Preview a design again at each save of its file.
+
+    Like make --preview: meshes, pictures and findings alone, in the output folder. What is wrong with the
+    file is said, and the next save tried. Load view.html again to see what has changed. Ctrl-C ends it.
+    """
+    from skincad.base.saved import saves
+    from skincad.fabrication.making import STAGES
+
+    check_opened(opened, formats)
+    if not source.is_file():
+        remedy = "write one to edit: skincad new my-skin.toml --template NAME"
+        raise InputError("source", "must be a design's file", str(source), remedy)
+    for _ in saves([path for path in (source, printer, silicones) if path]):
+        try:
+            design = skincad.load(str(source), settings, printer=printer, silicones=silicones)
+            with stage_bar(len(STAGES)) as progress:
+                result = skincad.make(design, preview=True, solids="step" in formats, progress=progress)
+                target = folder or Path("out") / design.name
+                written = skincad.write(result, target, formats=formats, progress=progress)
+            deliver(result, False, written)
+            if opened:
+                open_view(target)
+            opened = False  # from now on a person loads the page again
+        except (InputError, RefusedError) as failure:
+            typer.echo(shown(f"skincad: {failure}"), err=True)
+        say(f"Watching {source}; Ctrl-C ends.")
