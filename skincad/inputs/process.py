@@ -195,8 +195,8 @@ def processes(own: Mapping[str, Process] | None = None) -> dict[str, Process]:
     result, shipped = dict(_shipped()), _shipped()
     for name, change in (own or {}).items():
         base = shipped[change.based_on or name]
-        given = {key: getattr(change, key) for key in change.model_fields_set}
-        result[name] = base.model_copy(update={**given, "based_on": base.based_on})
+        values = {key: getattr(change, key) for key in change.model_fields_set}
+        result[name] = base.model_copy(update={**values, "based_on": base.based_on})
     return result
 
 

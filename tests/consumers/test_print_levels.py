@@ -11,7 +11,7 @@ import skincad
 from skincad.base.arrays import Array
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.fabrication.printed_heights import on_layers, unsure
+from skincad.fabrication.printed_heights import snapped_to_layers, uncertain_ridges
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.export import write_stl
@@ -48,7 +48,7 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
 @pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
 def test_crests_on_layers_come_out_as_designed(name: str, tmp_path: Path) -> None:
     design = skincad.load(name)
-    found = on_layers(design, mold(design))
+    found = snapped_to_layers(design, mold(design))
     assert found is not None
     heights, floor = found
     snapped = skincad.load(name, [f"ridge.heights={list(heights)}", f"mold.floor={floor}"])
@@ -61,7 +61,7 @@ def test_crests_are_within_20_um_of_the_sheet_or_told_as_unsure(floor: float, tm
     design = skincad.load("plain-ridges", [f"mold.floor={floor}"])
     closed = mold(design)
     off = np.abs(crests_as_sliced(design, tmp_path) - inspection(design, closed).crests.heights)
-    told = unsure(design, closed)
+    told = uncertain_ridges(design, closed)
     assert {i for i, each in enumerate(off, 1) if each > CLOSE} <= set(told)
     assert bool(told) == (floor in (9.0, 9.013, 9.0195, 9.0475))
 

@@ -7,7 +7,7 @@ import pytest
 
 import skincad
 from skincad.circuit.film import capacitance, electrode
-from skincad.fabrication.bond_steps import kit, released_where
+from skincad.fabrication.bond_steps import bonding_kit, release_agent_places
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
@@ -102,7 +102,7 @@ def test_a_film_is_never_baked(yamada: Design) -> None:
 
 def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     """18 strips and two to spare; primer for 2 x 20 x 0.25 x 12 mm2 is 0.024 ml, less than the least told."""
-    rows = " | ".join(kit(yamada))
+    rows = " | ".join(bonding_kit(yamada))
     for words in (
         "18 strips of PVDF film, 28 µm",
         "sputtered metal on both faces",
@@ -116,18 +116,18 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "10.7 g together, and 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
-    cast = " | ".join(kit(skincad.load("cast-in")))
+    cast = " | ".join(bonding_kit(skincad.load("cast-in")))
     assert "36 weights of 5.1 g and 10.8 m of thread" in cast
     assert "cyanoacrylate" not in cast
 
 
 def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     bare = yamada.with_(film=None, contact={"film": "loose"})
-    assert kit(bare) == []
+    assert bonding_kit(bare) == []
     words = [step.words for step in opening_steps(bare, mold(bare))]
     assert words[1] == "Draw each shim out along y, towards end b."
     assert not any("film" in each or "strip" in each for each in words)
-    assert "cover and shims" in released_where(bare)
+    assert "cover and shims" in release_agent_places(bare)
 
 
 @pytest.mark.parametrize("name", FILMED)

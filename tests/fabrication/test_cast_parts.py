@@ -16,7 +16,7 @@ import pytest
 
 import skincad
 from skincad.base.arrays import Array, Mask
-from skincad.fabrication.crest_limits import AGAIN, READINGS, edge
+from skincad.fabrication.crest_limits import READINGS, READINGS_NEAR_EDGE, undecided_margin
 from skincad.fabrication.inspection import Inspection, inspection
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -76,7 +76,9 @@ def judged(name: str) -> Judged:
         return np.asarray(force - all_touch(model, drops, force / solved.scale) * upper / own)
 
     drops, room = allowance(check)
-    return Judged(design, inspection(design, mold(design), drops, room), passes, margin, edge(room, drops))
+    return Judged(
+        design, inspection(design, mold(design), drops, room), passes, margin, undecided_margin(room, drops)
+    )
 
 
 def rejected(one: Judged, parts: Parts) -> Mask:
@@ -112,7 +114,7 @@ def measured_verdict(one: Judged, parts: Parts) -> Mask:
 
 
 def parts_of(one: Judged, seed: int, worse: float = 1.0) -> Parts:
-    readings = (1, 1) if one.decides else (READINGS, AGAIN)
+    readings = (1, 1) if one.decides else (READINGS, READINGS_NEAR_EDGE)
     return drawn(one.design, mold(one.design), PARTS, seed, worse, readings)
 
 

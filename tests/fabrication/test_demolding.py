@@ -3,7 +3,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import drafted
+from skincad.fabrication.demolding import freeing_widths
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.design import Design
 from skincad.solids.undercut import SAFE_SHARE, safe_strain, squeezes, undercuts
@@ -75,7 +75,7 @@ def test_what_leans_more_than_it_is_wide_is_locked() -> None:
 
 def test_the_draft_told_is_just_enough() -> None:
     design = upright(20.0)
-    root, tip = drafted(design)
+    root, tip = freeing_widths(design)
     assert root is not None
     assert tip is not None
     for key, value, back in (("root_width", root, -0.005), ("tip_width", tip, 0.005)):
@@ -87,7 +87,7 @@ def test_the_draft_told_is_just_enough() -> None:
 
 
 def test_a_root_that_the_pitch_forbids_is_not_told() -> None:
-    root, tip = drafted(upright(12.0, material={"name": "sylgard-184"}))
+    root, tip = freeing_widths(upright(12.0, material={"name": "sylgard-184"}))
     assert root is None  # 0.75 + 0.36 is above the pitch
     assert tip is not None
 

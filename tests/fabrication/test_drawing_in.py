@@ -7,7 +7,7 @@ import pytest
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.drawing_in import at_once, drawing_findings, drawing_time, lap, pull_test
+from skincad.fabrication.drawing_in import drawing_findings, drawing_time, lap, pull_test, strips_per_mix
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strip_rules import strip_findings
 from skincad.inputs.catalog import template_names
@@ -126,8 +126,8 @@ def test_a_contact_that_ends_in_its_notch_is_told() -> None:
 
 def test_strips_of_one_mix_fit_half_its_pot_life(yamada: Design) -> None:
     """20 min: 600 s at 14 s each."""
-    assert at_once(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}})) == 42
-    assert at_once(yamada.with_(material={"name": None, "young_modulus": 0.5})) is None
+    assert strips_per_mix(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}})) == 42
+    assert strips_per_mix(yamada.with_(material={"name": None, "young_modulus": 0.5})) is None
     fast = yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 0.4}})
     found = by_rule(fast)["strip batch"]
     assert (found.measured, found.limit, found.severity) == (14.0, pytest.approx(12.0), "error")
@@ -142,7 +142,7 @@ def test_a_long_strip_is_drawn_in_slowly_for_its_drags_sake(yamada: Design) -> N
     assert 40e-6 * speed / 0.011 * 2 * 0.25 * 100.0 == pytest.approx(pull, rel=1e-12)
     tight = long.with_(slot={"thickness": 0.028})
     assert drawing_time(tight) == pytest.approx(1.1 * drawing_time(long), rel=1e-12)  # a coat of 0.010
-    assert at_once(long) == int(0.5 * 45 * 60 / (7 + drawing_time(long)))
+    assert strips_per_mix(long) == int(0.5 * 45 * 60 / (7 + drawing_time(long)))
 
 
 def test_the_pull_test_is_a_third_of_the_weaker_of_film_and_bond(yamada: Design) -> None:

@@ -11,11 +11,11 @@ from skincad.fabrication.electrodes import (
     LEAST_LEAD,
     PAD,
     PITCH,
-    aside,
     electrode_findings,
     faces,
     half_gap,
     half_tab,
+    label_offset,
     tab,
 )
 from skincad.fabrication.finding import Finding
@@ -62,7 +62,8 @@ def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
     film = yamada.film
     assert film is not None
     assert half_tab(film, 0.25) == pytest.approx((2.54 + 1.5) / 2 + 0.5)
-    assert half_tab(film, 6.0) == pytest.approx(aside(6.0) + 1.5)  # the label is beside leads of 3 mm each
+    # the label is beside leads of 3 mm each
+    assert half_tab(film, 6.0) == pytest.approx(label_offset(6.0) + 1.5)
     assert tab(film)[1] - tab(film)[0] == pytest.approx(3.0 + 0.5 + 1.0)  # pad, bare film, cut corner
 
 

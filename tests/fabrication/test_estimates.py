@@ -12,7 +12,7 @@ from skincad.base.estimate import Estimate
 from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, lines
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
-from skincad.fabrication.resin import exposed
+from skincad.fabrication.resin import exposure_time
 from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
@@ -48,11 +48,11 @@ def test_resin_takes_the_tallest_part_of_each_plate() -> None:
     (found,) = estimated(design)
     sla = processes()["sla"]
     assert found.plates == 2
-    assert float(found.time) == pytest.approx((exposed(23.06, sla) + exposed(4.0, sla)) / 3600)
+    assert float(found.time) == pytest.approx((exposure_time(23.06, sla) + exposure_time(4.0, sla)) / 3600)
     assert float(found.time) < sum(float(part.time) for part in found.parts)
     (one,) = estimated(skincad.load("lab-bench", ["printer.sla.build_y=120.0"]))
     assert one.plates == 1
-    assert float(one.time) == pytest.approx(exposed(23.06, sla) / 3600)
+    assert float(one.time) == pytest.approx(exposure_time(23.06, sla) / 3600)
 
 
 def test_filament_takes_all_parts_one_after_the_other() -> None:

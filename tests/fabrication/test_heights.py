@@ -7,7 +7,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import drafted, neediest, undercut_findings
+from skincad.fabrication.demolding import freeing_widths, least_drafted_ridge, undercut_findings
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.rules import Case, grooves, teeth
@@ -69,8 +69,8 @@ def test_each_crest_is_inspected_at_its_own_height(unlike: Design) -> None:
 def test_the_draft_is_for_the_ridge_that_needs_most() -> None:
     """A high third ridge leans half as much as the outermost, and needs more: flanks must clear it too."""
     high = upright(20.0).with_(ridge={"heights": [0.5, 0.5, 1.6, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]})
-    assert neediest(high) == 3
-    root, tip = drafted(high)
+    assert least_drafted_ridge(high) == 3
+    root, tip = freeing_widths(high)
     assert root is None  # beyond the pitch
     freed = high.with_(ridge={"tip_width": tip})
     assert all(undercut.width == 0.0 for undercut in squeezes(freed).values())

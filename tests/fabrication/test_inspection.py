@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import skincad
-from skincad.fabrication.crest_limits import edge
+from skincad.fabrication.crest_limits import undecided_margin
 from skincad.fabrication.inspection import Measure, inspection
 from skincad.fabrication.inspection_form import inspection_lines
 from skincad.inputs.catalog import load, template_names
@@ -114,8 +114,8 @@ def test_a_margin_that_the_process_uses_up_is_told(yamada: Design) -> None:
 
 def test_how_near_to_its_edge_a_measured_verdict_is_the_gauges_own_doing() -> None:
     """By hand: means of 4 readings of 2 um are off by 1 um; by slopes of 3 and 4 N/mm that is 0.005 N."""
-    assert edge(1.2, (0.4, math.inf, 0.3)) == pytest.approx(2.5 * 0.005)
-    assert edge(0.0, (0.0, math.inf)) == 0.0  # no margin, no slopes
+    assert undecided_margin(1.2, (0.4, math.inf, 0.3)) == pytest.approx(2.5 * 0.005)
+    assert undecided_margin(0.0, (0.0, math.inf)) == 0.0  # no margin, no slopes
     coarse = skincad.load("plain-ridges")
     drops = (0.1, *[math.inf] * 7, 0.1)
     said = " ".join(inspection(coarse, mold(coarse), drops, 1.0).said)

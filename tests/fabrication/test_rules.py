@@ -10,7 +10,7 @@ import skincad
 from bench.table_processes import by
 from skincad.fabrication import meshes
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.findings import design_findings, judged
+from skincad.fabrication.findings import design_findings, part_findings
 from skincad.fabrication.reach import ERROR
 from skincad.fabrication.rules import Case, Feature, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
@@ -153,7 +153,7 @@ def test_a_horizontal_bore_beyond_the_bridge_needs_support() -> None:
     design = skincad.load("nozzle-04")
     for radius, rules in ((2.5, []), (2.6, ["overhang"])):
         bored = replace(block, cuts=(Bore((0.0, 0.0, 0.0), "y", 10.0, radius),))
-        told = judged(Case(design, bored, "fdm", processes()["fdm"]))
+        told = part_findings(Case(design, bored, "fdm", processes()["fdm"]))
         assert [f.rule for f in told if f.rule == "overhang"] == rules
 
 
@@ -163,7 +163,7 @@ def test_what_is_dear_is_worked_out_once(yamada: Design, monkeypatch: pytest.Mon
     mesh, distance = meshes.mesh, shapely.distance
     monkeypatch.setattr(meshes, "mesh", lambda *a: made.append(a) or mesh(*a))
     monkeypatch.setattr(shapely, "distance", lambda *a: combs.append(a) or distance(*a))
-    told = judged(Case(yamada, roof(61.0), "fdm", processes()["fdm"]))
+    told = part_findings(Case(yamada, roof(61.0), "fdm", processes()["fdm"]))
     assert "overhang" in [f.rule for f in told]
     assert len(made) == 1
     design_findings(by(yamada.with_(name="once"), "cnc"))

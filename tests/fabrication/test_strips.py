@@ -10,15 +10,15 @@ from scipy.integrate import solve_bvp
 import skincad
 from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.strip_rules import misplaced, strip_findings
+from skincad.fabrication.strip_rules import placement_error, strip_findings
 from skincad.fabrication.strips import (
     Strip,
     _ahead,
     deflection,
     drag,
     pour,
-    released,
-    straight_pull,
+    release_strain,
+    straightening_tension,
     strip,
     weight,
 )
@@ -95,7 +95,7 @@ def test_weight_is_less_by_what_floats() -> None:
 
 
 def test_the_pull_asked_for_keeps_the_sag_below_its_limit() -> None:
-    pull = straight_pull(ROD, LOAD, 1e-3)
+    pull = straightening_tension(ROD, LOAD, 1e-3)
     assert pull == pytest.approx(LOAD * 400 / 8e-3, rel=1e-12)
     sag = deflection(replace(ROD, tension=pull), LOAD)
     assert 0.95e-3 < sag < 1e-3  # stiffness takes off a little
@@ -151,8 +151,8 @@ def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -
     own = 0.05 / (0.052 * 0.375 * 3000)
     area = skincad.skin_solid(cast).val().Volume() / 18.0
     film = 18 * 0.052 * 0.375 * 3000
-    assert released(cast) == pytest.approx(own * film / (film + 0.356 * area), rel=1e-9)
-    assert released(yamada) == 0.0
+    assert release_strain(cast) == pytest.approx(own * film / (film + 0.356 * area), rel=1e-9)
+    assert release_strain(yamada) == 0.0
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -198,12 +198,12 @@ def test_a_strip_that_comes_back_too_late_is_told(cast: Design) -> None:
 
 
 def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> None:
-    assert misplaced(cast) == pytest.approx(0.01 + 0.003)
-    assert misplaced(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
+    assert placement_error(cast) == pytest.approx(0.01 + 0.003)
+    assert placement_error(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
     grown = cast.with_(mold={"slit_clearance": 0.04}, printer={"edm": {"growth": 0.03}})
-    assert misplaced(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
+    assert placement_error(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
     coated = skincad.load("lab-bench", ["mold.slit_clearance=0.028", "printer.sla.coating=0.02"])
-    assert misplaced(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
+    assert placement_error(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
     found = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
     assert (found.severity, found.limit) == ("note", pytest.approx(0.024))
     assert "may differ by 50 %" in found.remedy  # 2 x 0.06 / 0.24

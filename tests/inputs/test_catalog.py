@@ -8,7 +8,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import KINDS, Kind, entitled, load, template_names, template_text
+from skincad.inputs.catalog import KINDS, Kind, display_name, load, template_names, template_text
 from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad
 
@@ -82,9 +82,9 @@ def test_the_command_leaves_with_2_and_one_line(command: str, source: str, tmp_p
 
 def test_a_changed_template_says_so_and_has_another_revision() -> None:
     as_shipped, changed = load("yamada-2002"), load("yamada-2002", ["ridge.height=0.45"])
-    assert entitled(as_shipped) == "yamada-2002"
-    assert entitled(changed) == "yamada-2002 (changed)"
-    assert entitled(changed.with_(name="my-skin")) == "my-skin"
+    assert display_name(as_shipped) == "yamada-2002"
+    assert display_name(changed) == "yamada-2002 (changed)"
+    assert display_name(changed.with_(name="my-skin")) == "my-skin"
     assert re.fullmatch("[0-9a-f]{8}", as_shipped.revision)
     assert as_shipped.revision != changed.revision
     assert load("yamada-2002").revision == as_shipped.revision

@@ -16,15 +16,24 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
-from skincad.solids.closing import BOW, COVER, PRESSURE, ScrewRow, Spans, bow, closed_by, rows, thick_enough
+from skincad.solids.closing import (
+    LEAST_COVER,
+    MOST_BOW,
+    PRESSURE,
+    ScrewRow,
+    Spans,
+    bow,
+    choose_screws,
+    screw_rows,
+    thick_enough,
+)
 from skincad.solids.layout import Layout, cover_pins, layout, lid_process
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.undercut import split_ridges
 
 NU = 0.35  # the formula has none
-TINY = (
-    1e-6  # N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none
-)
+# N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none
+TINY = 1e-6
 
 
 POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (3, 1), (1, 3)]
@@ -98,7 +107,7 @@ def plate_bow(place: Layout, modulus: float, size: float, points: tuple[tuple[fl
 
 @cache
 def placed(name: str, cavities: int) -> tuple[Design, Layout]:
-    design = poured(skincad.load(name).with_(mold={"cavities": cavities}))
+    design = scaled_for_shrinkage(skincad.load(name).with_(mold={"cavities": cavities}))
     return design, layout(design, section(design), split_cavity=bool(split_ridges(design)))[0]
 
 
@@ -113,7 +122,7 @@ def test_no_cover_bows_by_more_than_its_limit_and_the_formula_is_on_the_safe_sid
     modulus = lid_process(design).part_modulus
     formula = bow(place.spans, place.lid, modulus)
     found = plate_bow(place, modulus, 2.0, place.bolts)
-    assert found <= formula <= BOW == 0.02
+    assert found <= formula <= MOST_BOW == 0.02
     assert found > 0.1 * formula  # a plate on its walls' screws is stiffer than beams, not tenfold
 
 
@@ -146,16 +155,16 @@ def test_a_beam_under_a_load_in_its_middle_bows_as_integrated() -> None:
 def test_a_cover_is_as_thick_as_it_must_and_has_as_few_screws_as_it_may() -> None:
     spans = Spans(60.0, 50.0, 0.0)
     thick = thick_enough(spans, 2000.0, 0.5)
-    assert bow(spans, thick, 2000.0) <= BOW < bow(spans, thick - 0.5, 2000.0)
-    assert thick_enough(Spans(10.0, 5.0, 0.0), 2000.0, 0.5) == COVER
-    choices = rows(40.0, 10.0, 3.2, 8.0)
+    assert bow(spans, thick, 2000.0) <= MOST_BOW < bow(spans, thick - 0.5, 2000.0)
+    assert thick_enough(Spans(10.0, 5.0, 0.0), 2000.0, 0.5) == LEAST_COVER
+    choices = screw_rows(40.0, 10.0, 3.2, 8.0)
     assert choices[:2] == [ScrewRow(1, 0.0, 60.0), ScrewRow(2, pytest.approx(33.6), pytest.approx(33.6))]
-    assert all(row.apart >= 8.0 for row in choices[1:])
-    row, least = closed_by(choices, 60.0, 50.0, 2000.0, None, 0.5)
+    assert all(row.spacing >= 8.0 for row in choices[1:])
+    row, least = choose_screws(choices, 60.0, 50.0, 2000.0, None, 0.5)
     assert least == thick
     fewer = [each for each in choices if each.screws < row.screws]
-    assert all(bow(Spans(60.0, 50.0, each.reach), thick, 2000.0) > BOW for each in fewer)
-    assert closed_by(choices, 60.0, 50.0, 2000.0, 3.0, 0.5)[1] == 3.0  # given, so kept
+    assert all(bow(Spans(60.0, 50.0, each.reach), thick, 2000.0) > MOST_BOW for each in fewer)
+    assert choose_screws(choices, 60.0, 50.0, 2000.0, 3.0, 0.5)[1] == 3.0  # given, so kept
 
 
 def test_screws_stand_between_the_skins_and_clear_of_all_else() -> None:

@@ -27,9 +27,9 @@ from skincad.solids.bowl import gap_beside
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import solid, volume
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.split import notch_rise
 from skincad.solids.undercut import undercuts
 from tests.bent_skin import bent, three_ridges
@@ -229,7 +229,7 @@ def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
 
 
 def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: ClosedMold) -> None:
-    upright = own(closed.part("end-b-comb"))
+    upright = unturned(closed.part("end-b-comb"))
     shim = closed.part("shim-2-S1")
     assert isinstance(shim.body, Revolved)
     straight = replace(shim, body=Prism(shim.body.outline, "y", -10.0, 16.0))
@@ -285,7 +285,7 @@ def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
         moved = shim.translate(tuple(rise * up + [x, 0.0, 0.0]))
         return float((moved ^ comb).volume() + (moved ^ keeper).volume())
 
-    rise = notch_rise(design, section(poured(design)).slots)
+    rise = notch_rise(design, section(scaled_for_shrinkage(design)).slots)
     assert rise > 50 * play  # the notch is that much higher than the shim, and still
     for sign in (-1, 1):
         assert shared(0.9 * sign * play, 0.0) < 1e-9

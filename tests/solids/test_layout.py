@@ -18,7 +18,7 @@ from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part, bores
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.templates import KINDS
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
@@ -152,7 +152,7 @@ def test_too_short_a_skin_is_told_by_the_length_that_was_written(
 
     def refused(length: float) -> list[InputError]:
         skin = {"length": length, "curvature_radius_y": bent}
-        design = poured(yamada.with_(mold={"shrinkage": shrinks}, skin=skin))
+        design = scaled_for_shrinkage(yamada.with_(mold={"shrinkage": shrinks}, skin=skin))
         return [each for each in layout(design, section(design))[1] if each.key == "skin.length"]
 
     (told,) = refused(2.5)

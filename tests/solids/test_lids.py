@@ -19,7 +19,7 @@ from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_do
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
 from skincad.solids.screws import TAP_RADIUS
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 BARE = {"slot": None, "film": None, "contact": {"film": None}}
 CHANGES = {
@@ -36,7 +36,7 @@ CHANGES = {
 def planned(name: str, change: str) -> tuple[Design, Layout]:
     """What is poured, flat and without slots, and where its mold's bores lie."""
     design = skincad.load(name).with_(**BARE).with_(**CHANGES[change])
-    design = poured(design.with_(mold={"cavities": 1}))
+    design = scaled_for_shrinkage(design.with_(mold={"cavities": 1}))
     return design, layout(design, section(design))[0]
 
 

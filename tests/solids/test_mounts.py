@@ -24,7 +24,7 @@ from skincad.solids.mounts import fiducial_bores
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.mounted import IN_LINE, NAMES, mounted_design
 
 HOLES = (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL)
@@ -218,7 +218,7 @@ def test_the_most_that_is_told_is_taken_and_no_more(name: str) -> None:
 
 def test_a_dimple_is_refused_rather_than_drawn_to_the_middle() -> None:
     """All but the carrier's inner third is taken: three there would lie too near to each other to tell."""
-    design = poured(skincad.load("gripper-pad").with_(mount={"fiducials": 3}))
+    design = scaled_for_shrinkage(skincad.load("gripper-pad").with_(mount={"fiducials": 3}))
     place = layout(design, section(design))[0]
     x, y = place.trough - 1.7, place.end - 1.7  # of a corner's dimple, about
     free = 0.3 * math.hypot(x, y)

@@ -15,7 +15,15 @@ from skincad.solids.layout import cavity_process
 from skincad.solids.mold import mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
-from skincad.solids.screws import DIAMETER, LENGTHS, blind, engagement, into, longer, torque
+from skincad.solids.screws import (
+    DIAMETER,
+    LENGTHS,
+    blind_depth,
+    engagement,
+    screw_for,
+    standard_length,
+    torque,
+)
 from tests.bent_skin import three_ridges
 
 LISTED = {5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120}  # ISO 4762
@@ -53,20 +61,20 @@ def test_a_blind_hole_is_as_deep_as_its_screw_needs_and_no_deeper() -> None:
     for name in PROCESSES:
         process = known[name]
         for grip in (1.0, 4.0, 4.5, 10.0, 33.3):
-            deep = blind(grip, process)
-            long, washers = into(grip, deep, process)
-            assert (long, washers) == (longer(grip + engagement(process)), 0)
-            assert into(grip, deep - 0.4, process)[1] <= 1
+            deep = blind_depth(grip, process)
+            long, washers = screw_for(grip, deep, process)
+            assert (long, washers) == (standard_length(grip + engagement(process)), 0)
+            assert screw_for(grip, deep - 0.4, process)[1] <= 1
             if process.thread == "tapped":
                 assert deep == pytest.approx(long - grip + 1.0 + 2.5, abs=1e-12)
-                assert into(grip, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
-                assert into(grip, deep - 2.5, process, bottomed=True) == (long, 0)
+                assert screw_for(grip, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
+                assert screw_for(grip, deep - 2.5, process, bottomed=True) == (long, 0)
 
 
 def test_lengths_are_the_next_of_the_list_and_beyond_it_a_rods() -> None:
     assert set(LENGTHS) == LISTED
-    assert [longer(v) for v in (1.0, 5.0, 5.01, 20.5, 120.0)] == [5.0, 5.0, 6.0, 25.0, 120.0]
-    assert longer(133.2) == 134.0
+    assert [standard_length(v) for v in (1.0, 5.0, 5.01, 20.5, 120.0)] == [5.0, 5.0, 6.0, 25.0, 120.0]
+    assert standard_length(133.2) == 134.0
     far = skincad.load("plain-ridges", ["skin.length=130"])
     assert "threaded rods with nuts at both ends: 4 M3 x 139 along y" in casting_sheet(
         far, mold(far), [], "", True

@@ -9,8 +9,8 @@ import pytest
 from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import processes
 from skincad.solids.layout import INSERT_RADIUS
-from skincad.solids.screws import spare
-from skincad.solids.threads import METRIC, UNDER, blind_thread, least_thickness
+from skincad.solids.screws import run_out_room
+from skincad.solids.threads import LEAST_UNDER_HOLE, METRIC, blind_thread, least_thickness
 
 METAL, RESIN = processes()["edm"], processes()["sla"]
 # source: ISO 261 (diameter, coarse pitch), ISO 273 (medium clearance hole)
@@ -46,7 +46,9 @@ def test_an_m3_is_the_mold_s_own() -> None:
     for process in (METAL, RESIN):
         blind = blind_thread("M3", process)
         assert 2 * blind.radius == (2.5 if not blind.insert else 2 * INSERT_RADIUS)
-        assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(spare(process))
+        assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(
+            run_out_room(process)
+        )
 
 
 def test_a_carrier_is_as_thick_as_the_deepest_hole_asks() -> None:
@@ -57,5 +59,5 @@ def test_a_carrier_is_as_thick_as_the_deepest_hole_asks() -> None:
         (Mount(fiducials=3, fiducial_depth=2.0), METAL, 2.0, "fiducials"),
     ):
         need, what = least_thickness(mount, process)
-        assert math.isclose(need, deepest + UNDER, abs_tol=1e-9)
+        assert math.isclose(need, deepest + LEAST_UNDER_HOLE, abs_tol=1e-9)
         assert word in what
