@@ -179,7 +179,7 @@ class Process(Table):
         return self.tool_radius + self.spark_gap
 
     @model_serializer(mode="wrap")
-    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
         """Dump what was given only, so that a copy of a design's own process changes no more than it did."""
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 

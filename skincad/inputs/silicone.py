@@ -72,7 +72,7 @@ class _Given(Table):
     """A table that dumps what was given only."""
 
     @model_serializer(mode="wrap")
-    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
         """Dump what was given only, so that a copy of a design's own silicone changes no more than it did."""
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 

@@ -93,10 +93,10 @@ def test_a_template_with_bytes_changed(kind: str, data: st.DataObject) -> None:
 
 
 def paths(table: dict[str, Any], at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    found: list[tuple[str, ...]] = []
+    rows: list[tuple[str, ...]] = []
     for key, value in table.items():
-        found += [(*at, key), *(paths(value, (*at, key)) if isinstance(value, dict) else [])]
-    return found
+        rows += [(*at, key), *(paths(value, (*at, key)) if isinstance(value, dict) else [])]
+    return rows
 
 
 @kinds
@@ -286,10 +286,10 @@ def test_the_bounds_change_no_answer(text: str) -> None:
 @settings(max_examples=150, deadline=None, derandomize=True)
 def test_whatever_is_read_is_shallow(text: str) -> None:
     try:
-        found = tables_of(f"{text}\nx = {'{a=' * (len(text) % 12)}1{'}' * (len(text) % 12)}", "file")
+        table = tables_of(f"{text}\nx = {'{a=' * (len(text) % 12)}1{'}' * (len(text) % 12)}", "file")
     except InputError:
         return
-    assert depth(found) <= 2 * MOST_PARTS + DEEPEST * (MOST_PARTS + 1)
+    assert depth(table) <= 2 * MOST_PARTS + DEEPEST * (MOST_PARTS + 1)
 
 
 @given(

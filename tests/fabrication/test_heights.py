@@ -53,9 +53,9 @@ def test_a_tooth_too_slender_says_between_which_ridges() -> None:
             "root_fillet": 0.0,
         },
     )
-    (found,) = (f for f in design_findings(thin) if f.rule == "slender")
-    assert "ridges 4 and 5" in found.where
-    assert found.measured == pytest.approx(1.9 / 0.4)
+    (finding,) = (f for f in design_findings(thin) if f.rule == "slender")
+    assert "ridges 4 and 5" in finding.where
+    assert finding.measured == pytest.approx(1.9 / 0.4)
 
 
 def test_each_crest_is_inspected_at_its_own_height(unlike: Design) -> None:
@@ -90,7 +90,7 @@ def test_a_cavity_is_split_alike_on_both_sides() -> None:
 
 
 def test_the_drawing_tells_the_heights(unlike: Design, yamada: Design) -> None:
-    told = drawing(unlike, mold(unlike))
-    assert "along the arc, 0.47 to 0.55 high" in told
-    assert ">0.5<" in told  # of the ridge that it enlarges
+    sheet = drawing(unlike, mold(unlike))
+    assert "along the arc, 0.47 to 0.55 high" in sheet
+    assert ">0.5<" in sheet  # of the ridge that it enlarges
     assert "high<" not in drawing(yamada, mold(yamada))

@@ -23,16 +23,16 @@ HOLES = tuple(Bore((x, 0.0, 0.0), "z", 5.0, 1.5) for x in (-5.0, 5.0))
 def test_a_milled_block() -> None:
     stock = 44.0 * 24.0 * 9.0
     faces = 2 * (40.0 * 20.0 + 40.0 * 5.0 + 20.0 * 5.0)
-    found = machining(BLOCK, CNC)
-    assert found.volume == pytest.approx(stock)
+    effort = machining(BLOCK, CNC)
+    assert effort.volume == pytest.approx(stock)
     minutes = (stock - 4000.0) / CNC.removal_rate + faces / CNC.finish_rate
-    assert found.seconds == pytest.approx(60 * minutes)
+    assert effort.seconds == pytest.approx(60 * minutes)
 
 
 def test_a_wire_cuts_around_and_no_chips() -> None:
-    found = machining(BLOCK, EDM)
-    assert found.volume == pytest.approx(46.0 * 26.0 * 11.0)
-    assert found.seconds == pytest.approx(60 * (120.0 * 5.0 / EDM.finish_rate))
+    effort = machining(BLOCK, EDM)
+    assert effort.volume == pytest.approx(46.0 * 26.0 * 11.0)
+    assert effort.seconds == pytest.approx(60 * (120.0 * 5.0 / EDM.finish_rate))
 
 
 def test_each_hole_takes_its_time() -> None:

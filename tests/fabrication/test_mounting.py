@@ -33,17 +33,19 @@ def bought(design: Design) -> list[dict[str, str]]:
 def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
     design = mounted_design(name)
     closed = mold(design)
-    found = mount_of(design, closed)
-    assert found is not None
-    told = json.loads(json.dumps(found.as_json()))
+    mount = mount_of(design, closed)
+    assert mount is not None
+    manifest = json.loads(json.dumps(mount.as_json()))
     carrier = closed.part("carrier")
     for key, role in (("positions_mm", CutRole.MOUNT), ("fiducials_mm", CutRole.FIDUCIAL)):
         there = [bore.start[:2] for bore in bores(carrier, role)]
-        assert len(told[key]) == len(there)
-        assert all(math.dist(a, b) < 1e-8 for a, b in zip(told[key], there, strict=True))
+        assert len(manifest[key]) == len(there)
+        assert all(math.dist(a, b) < 1e-8 for a, b in zip(manifest[key], there, strict=True))
     for bore in bores(carrier, CutRole.MOUNT):
-        assert told["depth_mm"] == bore.length > told["engagement_mm"][1] > told["engagement_mm"][0]
-        assert told["top_mm"] == bore.start[2] + bore.length
+        assert (
+            manifest["depth_mm"] == bore.length > manifest["engagement_mm"][1] > manifest["engagement_mm"][0]
+        )
+        assert manifest["top_mm"] == bore.start[2] + bore.length
 
 
 def test_of_a_gang_places_count_from_each_carriers_middle() -> None:
@@ -99,9 +101,9 @@ def test_marks_alone_ask_for_nothing_to_buy() -> None:
     assert screws_to_buy(design, closed) == []
     assert "mount's fiducials are blind" in cleanliness_steps(design, closed)[0]
     assert not any(row["what"].startswith("mount") for row in bought(design))
-    found = mount_of(design, closed)
-    assert found is not None
-    assert found.as_json()["depth_mm"] is None
+    mount = mount_of(design, closed)
+    assert mount is not None
+    assert mount.as_json()["depth_mm"] is None
 
 
 def test_without_a_mount_nothing_is_said() -> None:

@@ -17,9 +17,9 @@ from skincad.solids.shrinkage import shrinkage
 
 
 def heights(design: Design) -> tuple[float, ...]:
-    found = printed_crests(design, mold(design))
-    assert found is not None
-    return found
+    crests = printed_crests(design, mold(design))
+    assert crests is not None
+    return crests
 
 
 def test_without_layers_crests_come_out_as_designed(yamada: Design) -> None:
@@ -89,9 +89,9 @@ def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
 @pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
 def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
     design = skincad.load(name)
-    found = snapped_to_layers(design, mold(design))
-    assert found is not None
-    tall, floor = found
+    heights_and_floor = snapped_to_layers(design, mold(design))
+    assert heights_and_floor is not None
+    tall, floor = heights_and_floor
     layer = processes(design.printer)[design.mold.process].layer
     snapped = skincad.load(name, [f"ridge.heights={list(tall)}", f"mold.floor={floor}"])
     closed = mold(snapped)

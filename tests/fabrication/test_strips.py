@@ -45,8 +45,8 @@ def test_without_tension_a_rod_is_a_beam() -> None:
     bending = 3000.0 * 0.4 * 0.05**3 / 12
     assert slack.bending == pytest.approx(bending, rel=1e-12)
     assert deflection(slack, LOAD) == pytest.approx(5 * LOAD * 20.0**4 / (384 * bending), rel=1e-12)
-    held = replace(slack, ends="built in")
-    assert deflection(held, LOAD) == pytest.approx(LOAD * 20.0**4 / (384 * bending), rel=1e-12)
+    clamped = replace(slack, ends="built in")
+    assert deflection(clamped, LOAD) == pytest.approx(LOAD * 20.0**4 / (384 * bending), rel=1e-12)
 
 
 def test_with_much_tension_a_rod_is_a_string() -> None:
@@ -148,10 +148,10 @@ def test_the_pour_by_hand(cast: Design) -> None:
 
 
 def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -> None:
-    own = 0.05 / (0.052 * 0.375 * 3000)
+    strain = 0.05 / (0.052 * 0.375 * 3000)
     area = skincad.skin_solid(cast).val().Volume() / 18.0
     film = 18 * 0.052 * 0.375 * 3000
-    assert release_strain(cast) == pytest.approx(own * film / (film + 0.356 * area), rel=1e-9)
+    assert release_strain(cast) == pytest.approx(strain * film / (film + 0.356 * area), rel=1e-9)
     assert release_strain(yamada) == 0.0
 
 
@@ -177,9 +177,9 @@ def test_the_cast_in_template_has_none_at_all(cast: Design) -> None:
 )
 def test_a_finding_goes_by_its_own_remedy(cast: Design, rule: str, change: dict, key: str) -> None:
     bad = cast.with_(**change)
-    found = by_rule(bad)[rule]
-    assert found.measured > found.limit
-    value = float(re.search(rf"{key} of (?:at most )?([\d.e+-]+)", found.remedy)[1])
+    finding = by_rule(bad)[rule]
+    assert finding.measured > finding.limit
+    value = float(re.search(rf"{key} of (?:at most )?([\d.e+-]+)", finding.remedy)[1])
     table, field = key.split(".")
     factor = 1.05 if rule in ("strip sag", "strip drift") else 0.95  # the remedy has two digits
     assert rule not in by_rule(bad.with_(**{table: {field: value * factor}}))
@@ -192,9 +192,9 @@ def test_beyond_yield_is_an_error(cast: Design) -> None:
 
 def test_a_strip_that_comes_back_too_late_is_told(cast: Design) -> None:
     late = cast.with_(film={"tension": 1e-5}, skin={"length": 60.0}, mold={"fill_time": 1e5})
-    found = by_rule(late)["strip drift"]
-    assert (found.unit, found.limit) == ("s", pytest.approx(0.1 * 25 * 60))
-    assert found.measured > found.limit
+    finding = by_rule(late)["strip drift"]
+    assert (finding.unit, finding.limit) == ("s", pytest.approx(0.1 * 25 * 60))
+    assert finding.measured > finding.limit
 
 
 def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> None:
@@ -204,9 +204,9 @@ def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> Non
     assert placement_error(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
     coated = skincad.load("lab-bench", ["mold.slit_clearance=0.028", "printer.sla.coating=0.02"])
     assert placement_error(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
-    found = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
-    assert (found.severity, found.limit) == ("note", pytest.approx(0.024))
-    assert "may differ by 50 %" in found.remedy  # 2 x 0.06 / 0.24
+    finding = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
+    assert (finding.severity, finding.limit) == ("note", pytest.approx(0.024))
+    assert "may differ by 50 %" in finding.remedy  # 2 x 0.06 / 0.24
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_a_circle_has_no_corner_but_its_begin() -> None:
 
 def test_contours_do_not_know_of_each_other() -> None:
     two = CrossSection.square((20.0, 20.0)) + CrossSection.circle(3.0, 24).translate((40.0, 0.0))
-    alone = [contour_moves(each, 45.0, FIRM) for each in two.decompose()]
+    alone = [contour_moves(contour, 45.0, FIRM) for contour in two.decompose()]
     assert contour_moves(two, 45.0, FIRM) == pytest.approx(tuple(map(sum, zip(*alone, strict=True))))
 
 

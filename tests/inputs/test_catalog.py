@@ -74,9 +74,9 @@ def test_a_scenes_skin_may_be_no_scene() -> None:
     [("make", "drop"), ("check", "drop"), ("simulate", "lab-bench"), ("circuit", "drop")],
 )
 def test_the_command_leaves_with_2_and_one_line(command: str, source: str, tmp_path: Path) -> None:
-    told = run_skincad(command, source, cwd=tmp_path)
-    assert (told.returncode, told.stdout, told.stderr.count("\n")) == (2, "", 1)
-    assert told.stderr.startswith(f"skincad: {source}: is a ")
+    result = run_skincad(command, source, cwd=tmp_path)
+    assert (result.returncode, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+    assert result.stderr.startswith(f"skincad: {source}: is a ")
     assert not list(tmp_path.iterdir())
 
 

@@ -72,12 +72,12 @@ def test_every_solid_is_valid_and_of_its_formulas_volume(radius: float) -> None:
 @pytest.mark.parametrize("radius", RADII)
 @pytest.mark.parametrize("name", ["yamada-2002", "lab-bench", "plain-ridges", "gripper-pad", "nozzle-04"])
 def test_templates_have_a_doubly_curved_mold(name: str, radius: float) -> None:
-    made = bent(name, radius if name != "nozzle-04" else 2 * radius)
-    closed = mold(made)
+    design = bent(name, radius if name != "nozzle-04" else 2 * radius)
+    closed = mold(design)
     for part in closed.parts:
         if part.made == "made":
             assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-9), part.name
-    assert interference(closed, min(made.mold.clearance, made.mold.slit_clearance) / 10) == []
+    assert interference(closed, min(design.mold.clearance, design.mold.slit_clearance) / 10) == []
 
 
 @cache
@@ -135,17 +135,17 @@ def test_nearly_flat_crowns_make_a_mold() -> None:
 @pytest.mark.slow
 def test_files_of_a_mold_with_flat_crowns_read_back(tmp_path: Path) -> None:
     design = bent("gripper-pad", 100.0, "ridge.crown=0", "ridge.count=9", "skin.width=16")
-    made = files_into(design, tmp_path / "out", ["step", "stl", "3mf"])
+    result = files_into(design, tmp_path / "out", ["step", "stl", "3mf"])
     closed = mold(design)
-    for part in made.parts:
+    for part in result.parts:
         assert part.valid
         assert part.watertight
         assert part.self_intersections == 0
         assert part.deviation <= part.asked_deviation
-        again = cq.importers.importStep(str(made.folder / f"{part.name}.step")).val()
+        again = cq.importers.importStep(str(result.folder / f"{part.name}.step")).val()
         assert again.isValid()
         assert volume(closed.part(part.name), again) == pytest.approx(part.volume, rel=1e-9)  # STEP's digits
-        assert trimesh.load_mesh(made.folder / f"{part.name}.stl").is_watertight
+        assert trimesh.load_mesh(result.folder / f"{part.name}.stl").is_watertight
 
 
 @pytest.mark.parametrize(("y", "wide"), [(0.0, 1.0), (3.0, 1.0), (-5.0, 1.6), (2.0, 0.7)])
@@ -235,8 +235,8 @@ def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed
     straight = replace(shim, body=Prism(shim.body.outline, "y", -10.0, 16.0))
     for wrong in (upright, straight):
         parts = tuple(wrong if part.name == wrong.name else part for part in closed.parts)
-        found = interference(ClosedMold(parts, ()), FINE)
-        assert any(wrong.name in finding.where for finding in found)
+        findings = interference(ClosedMold(parts, ()), FINE)
+        assert any(wrong.name in finding.where for finding in findings)
 
 
 def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:

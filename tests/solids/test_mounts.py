@@ -223,7 +223,7 @@ def test_a_dimple_is_refused_rather_than_drawn_to_the_middle() -> None:
     x, y = place.trough - 1.7, place.end - 1.7  # of a corner's dimple, about
     free = 0.3 * math.hypot(x, y)
     ring = [cmath.rect(math.hypot(x, y), math.radians(2 * i)) for i in range(180)]
-    taken = [((z.real, z.imag, 0.0), math.hypot(x, y) - free) for z in ring]
+    occupied = [((z.real, z.imag, 0.0), math.hypot(x, y) - free) for z in ring]
     with pytest.raises(InputError, match=r"^mount.fiducials: finds no room"):
-        fiducial_bores(design, place, taken)
+        fiducial_bores(design, place, occupied)
     assert len(fiducial_bores(design, place, [])) == 3

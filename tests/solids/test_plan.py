@@ -41,8 +41,8 @@ def test_a_pin_moved_across_its_axis_is_refused() -> None:
 def test_moved_aside_a_prism_sweeps_its_shadow_along_the_heading() -> None:
     part = Part("p", PartRole.COVER, box(1.0, (0.0, 2.0), (0.0, 1.0), "y"))
     path = swept(part, (math.sin(0.3), -math.cos(0.3)), 5.0, 1e-3)
-    across = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
-    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * across), rel=1e-12)
+    width = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
+    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * width), rel=1e-12)
 
 
 def test_a_blind_hole_leaves_no_way_open_in_what_is_swept() -> None:

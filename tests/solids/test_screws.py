@@ -35,21 +35,21 @@ def test_every_screw_is_in_the_standard_and_ends_free_in_its_hole(name: str) -> 
     design = three_ridges() if name == "bent" else skincad.load(name)
     closed = mold(design)
     text = casting_sheet(design, closed, [], "", True)
-    lengths = [int(each) for each in re.findall(r"M3 x (\d+)", text)]
+    lengths = [int(size) for size in re.findall(r"M3 x (\d+)", text)]
     assert len(lengths) == 2
     assert set(lengths) <= LISTED
     cover, blocks = closed.first(PartRole.COVER), closed.of(*CAVITIES)
     ((count, long),) = re.findall(r"(\d+) M3 x (\d+) for the cover", text)
     assert int(count) == len(bores(cover, CutRole.COVER_BOLT))
-    grip = cover.body.high - cover.body.low
-    grip += max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
+    clamped = cover.body.high - cover.body.low
+    clamped += max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
     hole = min(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     washers = re.search(r"for the cover.*?, (\d+) washers", text)
-    held = int(long) - grip - (0.5 * int(washers[1]) if washers else 0.0)
+    engaged = int(long) - clamped - (0.5 * int(washers[1]) if washers else 0.0)
     process = cavity_process(design)
     tap = 0.0 if closed.of(PartRole.BASE) or process.thread != "tapped" else 2.5  # a split base's are open
-    assert hole - held >= 1.0 + tap - 1e-9
-    assert held >= 1.25 * 3 - 1e-9
+    assert hole - engaged >= 1.0 + tap - 1e-9
+    assert engaged >= 1.25 * 3 - 1e-9
     if name != "bent":  # along y: through both plates, and a nut or the thread of the second
         ends = [p for p in closed.of(*END_PLATES) if p.end == "b"]
         tapped = any(bores(p, CutRole.END_THREAD) for p in ends)
@@ -60,15 +60,15 @@ def test_a_blind_hole_is_as_deep_as_its_screw_needs_and_no_deeper() -> None:
     known = processes()
     for name in PROCESSES:
         process = known[name]
-        for grip in (1.0, 4.0, 4.5, 10.0, 33.3):
-            deep = blind_depth(grip, process)
-            long, washers = screw_for(grip, deep, process)
-            assert (long, washers) == (standard_length(grip + engagement(process)), 0)
-            assert screw_for(grip, deep - 0.4, process)[1] <= 1
+        for clamped in (1.0, 4.0, 4.5, 10.0, 33.3):
+            deep = blind_depth(clamped, process)
+            long, washers = screw_for(clamped, deep, process)
+            assert (long, washers) == (standard_length(clamped + engagement(process)), 0)
+            assert screw_for(clamped, deep - 0.4, process)[1] <= 1
             if process.thread == "tapped":
-                assert deep == pytest.approx(long - grip + 1.0 + 2.5, abs=1e-12)
-                assert screw_for(grip, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
-                assert screw_for(grip, deep - 2.5, process, bottomed=True) == (long, 0)
+                assert deep == pytest.approx(long - clamped + 1.0 + 2.5, abs=1e-12)
+                assert screw_for(clamped, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
+                assert screw_for(clamped, deep - 2.5, process, bottomed=True) == (long, 0)
 
 
 def test_lengths_are_the_next_of_the_list_and_beyond_it_a_rods() -> None:

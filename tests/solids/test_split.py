@@ -98,12 +98,12 @@ def test_notches_lead_from_the_circle_round_each_slot_with_the_clearance(name: s
         notches, sorted(shape.slots, key=lambda s: s.at(0.0, -s.depth / 2).x), strict=True
     ):
         points = np.array(notch.exterior.coords) - slot.centre
-        across, along = points @ slot.across, points @ slot.direction
+        side, along = points @ slot.across, points @ slot.direction
         cast_in = design.mold.method == "cast-in"  # a strip stands on the notch's bottom
         assert along.max() == pytest.approx(slot.depth / 2 + (0.0 if cast_in else gap), abs=1e-6)
-        aside = rise(design, slot) * slot.direction.x  # what rises straight goes aside in a leaning slot
-        assert across.max() == pytest.approx(slot.thickness / 2 + gap + max(aside, 0.0), abs=1e-6)
-        assert across.min() == pytest.approx(-slot.thickness / 2 - gap + min(aside, 0.0), abs=1e-6)
+        shift = rise(design, slot) * slot.direction.x  # what rises straight goes aside in a leaning slot
+        assert side.max() == pytest.approx(slot.thickness / 2 + gap + max(shift, 0.0), abs=1e-6)
+        assert side.min() == pytest.approx(-slot.thickness / 2 - gap + min(shift, 0.0), abs=1e-6)
         low = sorted(notch.exterior.coords, key=lambda p: over_base(design, *p))[0]
         assert over_base(design, *low) == pytest.approx(height, abs=1e-5)
         assert along.min() < -slot.depth / 2  # the slit is open towards the keeper

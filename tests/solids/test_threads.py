@@ -30,16 +30,16 @@ def test_the_drill_is_a_pitch_narrower_than_the_thread(name: str) -> None:
 @pytest.mark.parametrize("name", COARSE)
 def test_a_screw_has_its_thread_and_the_tap_its_run_out(name: str) -> None:
     diameter, pitch, _ = COARSE[name]
-    tapped, held = blind_thread(name, METAL), blind_thread(name, RESIN)
+    tapped, insert = blind_thread(name, METAL), blind_thread(name, RESIN)
     assert tapped.insert == ""
     assert tapped.least == diameter  # in metal
     assert tapped.depth - tapped.most == pytest.approx(5 * pitch, abs=1e-9)  # DIN 76-1, short
     assert tapped.most - tapped.least == pytest.approx(1.0)  # a screw of a standard length finds its place
-    assert held.insert == "glued"
-    assert held.most == METRIC[name].insert >= held.least == 1.5 * diameter
-    assert held.depth == pytest.approx(held.most + 1.0, abs=1e-9)
-    own = RESIN.model_copy(update={"thread": "tapped"})
-    assert blind_thread(name, own).least == 1.5 * diameter  # in plastic
+    assert insert.insert == "glued"
+    assert insert.most == METRIC[name].insert >= insert.least == 1.5 * diameter
+    assert insert.depth == pytest.approx(insert.most + 1.0, abs=1e-9)
+    process = RESIN.model_copy(update={"thread": "tapped"})
+    assert blind_thread(name, process).least == 1.5 * diameter  # in plastic
 
 
 def test_an_m3_is_the_mold_s_own() -> None:
