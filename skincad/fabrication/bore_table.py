@@ -65,7 +65,7 @@ class HoleGroup:
     sides: tuple[str, ...]
     lean: float
     holes: tuple[Hole, ...]
-    asides: tuple[Aside, ...]
+    side_views: tuple[Aside, ...]
     full: float | None = None  # depth of its full thread, where that is not all of it
 
     @property
@@ -145,12 +145,12 @@ def _group(
         sides=tuple(sides),
         lean=abs(first.lean),
         holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
-        asides=tuple(_asides(alike, [one for one in seen if one is not view])),
+        side_views=tuple(_side_views(alike, [one for one in seen if one is not view])),
         full=full_thread(design, first.role),
     )
 
 
-def _asides(alike: list[_Drilled], seen: list[DrawnFrom]) -> list[Aside]:
+def _side_views(alike: list[_Drilled], seen: list[DrawnFrom]) -> list[Aside]:
     """Bores from their sides, those that lie behind others once."""
     rows = [
         Aside(view.name, view.of_part.at(one.start), view.of_part.at(one.end))

@@ -89,9 +89,9 @@ def _of_assembly(job: Job) -> list[str]:
     return wrong + short_tails(named)
 
 
-def short_tails(found: Read) -> list[str]:
+def short_tails(shapes: Read) -> list[str]:
     """Return every straight shim of an assembly that does not stand out of both ends' combs by `TAIL`."""
-    rows = list(zip(found.names, found.along, strict=True))
+    rows = list(zip(shapes.names, shapes.along, strict=True))
     if not all(any(name == f"end-{end}-comb" for name, _ in rows) for end in "ab"):
         return []
     low = min(along[0] for name, along in rows if name == "end-a-comb")

@@ -81,16 +81,16 @@ def judged(name: str) -> JudgedDesign:
     )
 
 
-def rejected(one: JudgedDesign, parts: Parts) -> Mask:
+def rejected(case: JudgedDesign, parts: Parts) -> Mask:
     """What a person rejects who follows the sheet: limits, and where these don't decide the verdict too."""
-    limits, measures = one.inspected.crests, one.inspected.measures
-    number = np.arange(one.design.ridge.count)
+    limits, measures = case.inspected.crests, case.inspected.measures
+    number = np.arange(case.design.ridge.count)
     errors = parts.crests - np.array(limits.heights)
     slope, middle = np.polyfit(number, errors.T, 1)
     beside = np.abs(errors - np.outer(slope, number) - middle[:, None]) > np.array(limits.beside)
     read = {
         "mean crest": parts.crests.mean(axis=1),
-        "tilt": slope * (one.design.ridge.count - 1),
+        "tilt": slope * (case.design.ridge.count - 1),
         "mean pitch": parts.pitch,
         "width": parts.width,
         "length": parts.length,
@@ -101,21 +101,21 @@ def rejected(one: JudgedDesign, parts: Parts) -> Mask:
     for what, values in read.items():
         (row,) = (m for m in measures if m.what.startswith(what))
         out |= (values < row.low) | (values > row.high)
-    return out if one.decides else out | ~measured_verdict(one, parts)
+    return out if case.decides else out | ~measured_verdict(case, parts)
 
 
-def measured_verdict(one: JudgedDesign, parts: Parts) -> Mask:
+def measured_verdict(case: JudgedDesign, parts: Parts) -> Mask:
     """Whether each part passes as it is measured, and read on where its margin is near 0."""
-    margins = one.margin(parts.crests)
-    near = np.abs(margins) < one.near
+    margins = case.margin(parts.crests)
+    near = np.abs(margins) < case.near
     passed = margins >= 0
-    passed[near] = one.passes(parts.crests_again[near])
+    passed[near] = case.passes(parts.crests_again[near])
     return passed
 
 
-def parts_of(one: JudgedDesign, seed: int, worse: float = 1.0) -> Parts:
-    readings = (1, 1) if one.decides else (READINGS, READINGS_NEAR_EDGE)
-    return drawn(one.design, mold(one.design), PARTS, seed, worse, readings)
+def parts_of(case: JudgedDesign, seed: int, worse: float = 1.0) -> Parts:
+    readings = (1, 1) if case.decides else (READINGS, READINGS_NEAR_EDGE)
+    return drawn(case.design, mold(case.design), PARTS, seed, worse, readings)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -150,12 +150,12 @@ def test_parts_that_fail_are_caught(name: str) -> None:
 
 
 @cache
-def allowed_least(one: JudgedDesign) -> float:
+def allowed_least(case: JudgedDesign) -> float:
     """By how much the crest that counts most may lie lower alone, mm, by bisection of the verdict itself."""
-    count = one.design.ridge.count
-    depths = np.linspace(0.0, one.design.ridge.height, 201)
-    out = np.array(summits(one.design)) - depths[:, None] * (np.arange(count) == 0)
-    return float(depths[int(one.passes(out).argmin())])
+    count = case.design.ridge.count
+    depths = np.linspace(0.0, case.design.ridge.height, 201)
+    out = np.array(summits(case.design)) - depths[:, None] * (np.arange(count) == 0)
+    return float(depths[int(case.passes(out).argmin())])
 
 
 @pytest.mark.slow

@@ -100,14 +100,14 @@ def test_clearance_is_told_once_for_all_that_slides(yamada: Design) -> None:
 def test_the_slits_fit_is_that_of_what_growth_leaves(yamada: Design) -> None:
     """0.005 drawn a side; wire keeps ± 0.003: 0.003 of growth leaves 0.002, and 0.006 no gap, but a jam."""
 
-    def told(growth: float) -> dict[str, Finding]:
+    def by_rule(growth: float) -> dict[str, Finding]:
         return {f.rule: f for f in design_findings(yamada.with_(printer={"edm": {"growth": growth}}))}
 
-    assert "slit fit" not in told(0.0)
-    assert told(0.003)["slit fit"].measured == pytest.approx(0.002, abs=1e-12)
-    assert "slit fit" not in told(0.006)
-    assert "notch" in told(0.006)
-    assert told(0.003)["clearance"].limit == pytest.approx(0.005 + 2 * 0.003)
+    assert "slit fit" not in by_rule(0.0)
+    assert by_rule(0.003)["slit fit"].measured == pytest.approx(0.002, abs=1e-12)
+    assert "slit fit" not in by_rule(0.006)
+    assert "notch" in by_rule(0.006)
+    assert by_rule(0.003)["clearance"].limit == pytest.approx(0.005 + 2 * 0.003)
 
 
 def test_platinum_silicone_against_resin_is_a_note() -> None:

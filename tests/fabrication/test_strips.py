@@ -68,12 +68,12 @@ def test_between_beam_and_string_it_is_the_tie_rods_equation(ends: str, u: float
     def slope(_: np.ndarray, y: np.ndarray) -> np.ndarray:
         return np.vstack([y[1], y[2], y[3], 1.0 + u**2 * y[2]])
 
-    def held(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    def end_residuals(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         second = 2 if ends == "hinged" else 1
         return np.array([a[0], b[0], a[second], b[second]])
 
     x = np.linspace(0.0, 2.0, 41)
-    solved = solve_bvp(slope, held, x, np.zeros((4, x.size)), tol=1e-8, max_nodes=10_000)
+    solved = solve_bvp(slope, end_residuals, x, np.zeros((4, x.size)), tol=1e-8, max_nodes=10_000)
     assert solved.success
     assert deflection(middle, 1.0) == pytest.approx(float(solved.sol(1.0)[0]), rel=1e-6)  # its own tolerance
 

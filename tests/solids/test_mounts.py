@@ -31,7 +31,7 @@ HOLES = (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL)
 SLACK = 1e-9  # mm, rounding
 
 
-def asked(design: Design) -> list[tuple[float, float]]:
+def requested(design: Design) -> list[tuple[float, float]]:
     """Where the keys say that screws are, by another formula than the program's."""
     mount = design.mount
     assert mount is not None
@@ -70,7 +70,7 @@ def test_holes_lie_where_the_keys_say_inside_and_apart(name: str) -> None:
     closed = mold(design)
     part, over = closed.part("carrier"), closed.part("cover")
     screws, all_holes = bores(part, CutRole.MOUNT), bores(part, *HOLES, CutRole.PULL)
-    places = asked(design)
+    places = requested(design)
     assert len(screws) == len(places) > 0
     assert all(min(math.dist(at(screw), place) for place in places) < SLACK for screw in screws)
     assert len(bores(part, CutRole.MOUNT_PIN)) == (design.mount.pin is not None)

@@ -94,12 +94,12 @@ def test_torque_is_what_the_head_bears() -> None:
     known, ring = processes(), math.pi / 4 * (5.5**2 - 3.4**2)
     assert torque(known["sla"]) == torque(known["fdm"]) == pytest.approx(0.2 * 3e-3 * 20 * ring, abs=0.01)
     assert torque(known["edm"]) == pytest.approx(0.2 * 3e-3 * 60 * ring, abs=0.01)
-    assert "a torque of 0.17 N m" in casting_sheet(*_made("lab-bench"), [], "", True)
-    assert "a torque of 0.52 N m" in casting_sheet(*_made("yamada-2002"), [], "", True)
+    assert "a torque of 0.17 N m" in casting_sheet(*made_parts("lab-bench"), [], "", True)
+    assert "a torque of 0.52 N m" in casting_sheet(*made_parts("yamada-2002"), [], "", True)
     assert engagement(known["cnc"]) == 1.5 * DIAMETER
 
 
-def _made(name: str) -> tuple[skincad.Design, skincad.solids.mold.ClosedMold]:
+def made_parts(name: str) -> tuple[skincad.Design, skincad.solids.mold.ClosedMold]:
     design = skincad.load(name)
     return design, mold(design)
 
