@@ -1,4 +1,4 @@
-"""What the casting sheet says otherwise of a doubly curved mold: screws, shims as arcs, and the order."""
+"""Lines of the casting sheet that differ for a doubly curved mold: screws, shims as arcs, and the order."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skincad.solids.inserts import GRIP
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 DEGAS = (
     "Degas the mix in its open cup, four times as high as the mix, for it rises; never put the closed mold, "
@@ -43,11 +43,11 @@ def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
         return []
     size = f"{slot.thickness:g} x {slot.depth:g} mm"
     arms = [f"{s.ridge} {s.side} {arc_radius(design, s.ridge, s.side):.2f}" for s in section(design).slots]
-    strain, found, film = 100 * shim_bend(design), lap(design), design.film
+    strain, joint, film = 100 * shim_bend(design), lap(design), design.film
     thin = ""
-    if found is not None and film is not None and found.tail < slot.thickness:
+    if joint is not None and film is not None and joint.tail < slot.thickness:
         thin = (
-            f", the last {GRIP:g} mm at end {film.wiring_side} thinned to {found.tail:.3f} mm (etched or "
+            f", the last {GRIP:g} mm at end {film.wiring_side} thinned to {joint.tail:.3f} mm (etched or "
             "stoned, by micrometer), so that film and shim, glued, pass the notches together"
         )
     return [
@@ -67,7 +67,7 @@ def arc_length(closed: ClosedMold) -> float:
 def arc_radius(design: Design, ridge: int, side: str) -> float:
     """Return the radius of a slot's shim laid flat, mm: it is a part of a cone whose lines run along its
     depth, so the distance along them from the axis to the middle of the depth."""
-    poured_design = poured(design)
+    poured_design = scaled_for_shrinkage(design)
     slot = next(s for s in section(poured_design).slots if (s.ridge, s.side) == (ridge, side))
     radius = poured_design.skin.curvature_radius_y or math.inf
     return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)

@@ -1,25 +1,25 @@
-"""What makes a film stay in its slot: lines of the casting sheet on release, cleaning, priming, drawing in,
-curing and testing, and what of it is to be bought."""
+"""Bonding of films in their slots: lines of the casting sheet on release, cleaning, priming, drawing in,
+curing and testing, and what to buy for them."""
 
 from __future__ import annotations
 
 import math
 
 from skincad.fabrication.drawing_in import (
-    HANDLED,
-    HOTTEST,
+    HANDLING_SECONDS,
+    HIGHEST_FILM_TEMPERATURE,
     POT_SHARE,
-    at_once,
     drawing_time,
     lap,
     pull_test,
+    strips_per_mix,
 )
 from skincad.fabrication.electrodes import PITCH, strip_capacitance, tab
-from skincad.fabrication.pattern import GLUED
+from skincad.fabrication.pattern import GLUED_LENGTH
 from skincad.fabrication.strips import GRAVITY, strip
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.solids.inserts import drawn_to
+from skincad.solids.inserts import drawing_end
 
 NUMBERS = (
     "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
@@ -29,18 +29,18 @@ TOWARDS = "towards the higher numbers in every slot"  # +x
 PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
 PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
 GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
-MIX = 2.0  # g, assumption: the least that is weighed within 1 % on a balance of 0.01 g
-SPARE = 0.1  # assumption: of the strips, for those that crease
-THREAD = 0.3  # m, assumption: over a rod and tied twice
-ALCOHOL = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
+MIX_GRAMS = 2.0  # g, assumption: the least that is weighed within 1 % on a balance of 0.01 g
+SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
+THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
+ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 
 
-def count(design: Design) -> int:
+def strip_count(design: Design) -> int:
     """Return how many strips go into the skins of a mold."""
     return 2 * design.ridge.count * design.mold.cavities if design.slot else 0
 
 
-def released_where(design: Design) -> str:
+def release_agent_places(design: Design) -> str:
     """Return where release agent goes, and what it is kept from, so that films hold."""
     if design.slot is None:
         return "cavity, end plates and cover; none on the carrier."
@@ -61,14 +61,14 @@ def released_where(design: Design) -> str:
 
 
 def masked_length(design: Design) -> float:
-    """Return what of lead and tab is masked while a strip is drawn in, mm: no mask passes a notch."""
+    """Return how much of lead and tab is masked while a strip is drawn in, mm: no mask passes a notch."""
     if design.film is None:
         return 0.0
     bent, lead = design.skin.curvature_radius_y is not None, design.film.lead
     return tab(design.film)[1] + (max(0.0, lead - design.mold.end_plate) if bent else lead)
 
 
-def made_ready(design: Design) -> list[str]:
+def preparation_steps(design: Design) -> list[str]:
     """Return how strips are cleaned, masked and primed; nothing without film."""
     film = design.film
     if film is None:
@@ -78,7 +78,10 @@ def made_ready(design: Design) -> list[str]:
         masked = "the lead and both tabs (write number and + side on a tab first) while you prime, and take "
         masked += "it off before they are laid in"
     else:
-        when, rest = "Late in the cure, make", f"up to the cut-off mark: the {GLUED:g} mm beyond are glued"
+        when, rest = (
+            "Late in the cure, make",
+            f"up to the cut-off mark: the {GLUED_LENGTH:g} mm beyond are glued",
+        )
         masked = f"the last {masked_length(design):g} mm of the wired end (end {film.wiring_side})"
         masked += ", where it stays for now, its number and + side written on it"
     return [
@@ -91,73 +94,76 @@ def made_ready(design: Design) -> list[str]:
     ]
 
 
-def joined(design: Design) -> list[str]:
+def gluing_steps(design: Design) -> list[str]:
     """Return how films are glued to their shims; nothing where none is drawn in."""
-    found, film = lap(design), design.film
-    if found is None or film is None:
+    joint, film = lap(design), design.film
+    if joint is None or film is None:
         return []
     passes = (
-        f"With its glue the lap is about {found.stack:.3f} mm thick. No notch is on its way, only the slot, "
-        f"whose soft wall stretches by {100 * found.stretch:.2g} %."
-        if found.notch is None
-        else f"Measure each lap: above {found.notch:.3f} mm it jams in the combs' notches."
+        f"With its glue the lap is about {joint.stack:.3f} mm thick. No notch is on its way, only the slot, "
+        f"whose soft wall stretches by {100 * joint.stretch:.2g} %."
+        if joint.notch is None
+        else f"Measure each lap: above {joint.notch:.3f} mm it jams in the combs' notches."
     )
     return [
         f"Glue each strip to its own shim's tail at end {film.wiring_side} ({NUMBERS}). Wipe the tail. Lay "
-        f"the strip's unwired end on it, {GLUED:g} mm up to the cut-off mark, flat and in line, + side "
+        f"the strip's unwired end on it, {GLUED_LENGTH:g} mm up to the cut-off mark, flat and in line, + "
+        "side "
         f"{TOWARDS}, a trace of thin cyanoacrylate between. Press it for 1 min between two slips of "
         f"polythene, which keep it off its neighbours, and leave it for {GLUE_MIN} min. {passes}"
     ]
 
 
-def drawn(design: Design) -> str:
+def drawing_step(design: Design) -> str:
     """Return how shims are drawn out, and films in behind them. Call where there are shims."""
-    end, straight = drawn_to(design), design.skin.curvature_radius_y is None
+    end, straight = drawing_end(design), design.skin.curvature_radius_y is None
     way = f"{'along y' if straight else 'along its arc'}, towards end {end}"
     if lap(design) is None:
         return f"Draw each shim out {way}."
     other = "b" if end == "a" else "a"
     stop = f"skin's end {other} (its cut-off mark is at end {end} then)" if straight else f"end plate {other}"
     return (
-        f"Mix {MIX:g} g of the same silicone and draw in {_batches(design)}. Coat both faces of a strip, all "
+        f"Mix {MIX_GRAMS:g} g of the same silicone and draw in {_batches(design)}. Coat both faces of a "
+        "strip, all "
         f"but the mask, grip its shim with pliers at end {end}, and draw it out {way}, in "
         f"{drawing_time(design):.2g} s or more: the strip follows it in, wired end last; it is too thin to "
         f"be pushed. Stop when its mask meets the {stop}. If the strip stretches or stays behind, its lap "
         "slips: draw it out, "
-        "clean it, begin anew. Wipe off what came out at both ends before the next."
+        "clean it and begin again. Wipe off what came out at both ends before the next."
     )
 
 
 def _batches(design: Design) -> str:
-    minutes, most, strips = silicone(design).pot_life_min, at_once(design), count(design)
-    seconds = HANDLED + drawing_time(design)
-    each = f"at {seconds:.2g} s each"
+    minutes, most, strips = silicone(design).pot_life_min, strips_per_mix(design), strip_count(design)
+    seconds = HANDLING_SECONDS + drawing_time(design)
+    pace = f"at {seconds:.2g} s each"
     if minutes is None or most is None:
-        return f"as many strips as half the pot life on its data sheet takes {each}, then mix anew"
+        return f"as many strips as half the pot life on its data sheet takes {pace}, then mix again"
     fresh = f"within {POT_SHARE * minutes:g} min, for later it no longer wets"
     if most >= strips:
-        return f"all {strips} strips with it ({strips * seconds / 60:.2g} min {each}) {fresh}"
+        return f"all {strips} strips with it ({strips * seconds / 60:.2g} min {pace}) {fresh}"
     mixes = math.ceil(strips / max(most, 1))
-    return f"{most} of the {strips} strips with it, {each}, {fresh}; then mix anew, {mixes} times in all"
+    return f"{most} of the {strips} strips with it, {pace}, {fresh}; then mix again, {mixes} times in all"
 
 
-def cured_in(design: Design) -> list[str]:
+def curing_steps(design: Design) -> list[str]:
     """Return the wait after films were drawn in; nothing where none was."""
-    own = silicone(design)
+    material = silicone(design)
     if lap(design) is None:
         return []
-    long = "as long as its data sheet asks" if own.cure_h is None else f"{own.cure_h:g} h"
-    warm = "room temperature" if own.cure_c is None else f"{own.cure_c:g} °C"
-    if own.cure_c is not None and own.cure_c > HOTTEST:
-        long, warm = "as long as its data sheet asks", f"{HOTTEST:g} °C or less"
+    long = "as long as its data sheet asks" if material.cure_h is None else f"{material.cure_h:g} h"
+    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
+    if material.cure_c is not None and material.cure_c > HIGHEST_FILM_TEMPERATURE:
+        long, warm = "as long as its data sheet asks", f"{HIGHEST_FILM_TEMPERATURE:g} °C or less"
     return [
-        f"Let the strips cure in, level and untouched: {long} at {warm}. Above {HOTTEST:g} °C film loses its "
+        f"Let the strips cure in, level and untouched: {long} at {warm}. Above "
+        f"{HIGHEST_FILM_TEMPERATURE:g} °C film loses its "
         "charge."
         + ("" if design.skin.curvature_radius_y is None else " Then cut the shims off outside the end plate.")
     ]
 
 
-def tested(design: Design) -> list[str]:
+def pull_test_steps(design: Design) -> list[str]:
     """Return how it is tested that each strip holds; nothing without film."""
     pull = pull_test(design)
     if pull is None:
@@ -188,13 +194,13 @@ def _wired(design: Design) -> str:
     )
 
 
-def kit(design: Design) -> list[str]:
+def bonding_kit(design: Design) -> list[str]:
     """Return what is to be bought so that films go in and hold, with amounts; nothing without film."""
     film, slot, rod, pull = design.film, design.slot, strip(design), pull_test(design)
     if film is None or slot is None or rod is None or pull is None:
         return []
-    strips, cast_in, most = count(design), lap(design) is None, at_once(design)
-    wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE * strips)
+    strips, cast_in, most = strip_count(design), lap(design) is None, strips_per_mix(design)
+    wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE_SHARE * strips)
     coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * design.skin.length / 100
     masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
     sheets = f"{design.mold.cavities} times, " if design.mold.cavities > 1 else ""
@@ -205,18 +211,23 @@ def kit(design: Design) -> list[str]:
         f"pin header of 2 x {2 * design.ridge.count}, {PITCH:g} mm, on a board by strip-board.kicad_mod",
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",
-        f"isopropanol, {math.ceil(ALCOHOL[0] + ALCOHOL[1] * wiped)} ml, and {wiped} lint-free wipes",
+        f"isopropanol, {math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped)} ml, and {wiped} lint-free wipes",
         f"low-tack masking tape, {(strips + spare) * masked / 1000:.2g} m",
     ]
     if cast_in:
         rows += [
-            f"{2 * strips} weights of {rod.hung:.3g} g and {2 * strips * THREAD:.3g} m of thread to hang "
+            f"{2 * strips} weights of {rod.hung:.3g} g and {2 * strips * THREAD_LENGTH:.3g} m of thread "
+            "to hang "
             "them by; 2 rods of 3 mm for it to run over, on one board with the mold"
         ]
     else:
         mixes = math.ceil(strips / most) if most else 1
         rows += [
-            f"thin cyanoacrylate, 1 g, polythene film, flat pliers; {MIX * mixes:g} g more of the silicone"
+            f"thin cyanoacrylate, 1 g, polythene film, flat pliers; {MIX_GRAMS * mixes:g} g more of the "
+            "silicone"
         ]
     hung = f"{1000 * pull.force / GRAVITY:.3g} g"
-    return [*rows, f"for the pull test a film clip and weight, {hung} together, and {THREAD:g} m of thread"]
+    return [
+        *rows,
+        f"for the pull test a film clip and weight, {hung} together, and {THREAD_LENGTH:g} m of thread",
+    ]

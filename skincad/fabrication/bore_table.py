@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 LETTERS = "DEFGHJKLMPQRSTUVXYZ"  # A to C are datums, N nuts, W a detail; I and O look like digits
-BESIDE = 0.01  # mm beyond a bore's end, where there is material or none
+PROBE_DISTANCE = 0.01  # mm beyond a bore's end, where there is material or none
 ORDER = tuple(CutRole)
 _SIDES = {"y": ("end a", "end b"), "z": ("below", "above")}
 
@@ -65,7 +65,7 @@ class HoleGroup:
     sides: tuple[str, ...]
     lean: float
     holes: tuple[Hole, ...]
-    asides: tuple[Aside, ...]
+    side_views: tuple[Aside, ...]
     full: float | None = None  # depth of its full thread, where that is not all of it
 
     @property
@@ -112,9 +112,9 @@ class _Drilled(NamedTuple):
         return (ORDER.index(self.role), self.bore.axis, *sizes)
 
 
-def hole_groups(design: Design, part: Part, made: cq.Solid) -> list[HoleGroup]:
+def hole_groups(design: Design, part: Part, shape: cq.Solid) -> list[HoleGroup]:
     """Return all bores of a made part, `made` its solid in the mold, in groups of a letter each."""
-    drilled, seen = sorted(_drilled(part, made), key=_Drilled.like), views(part)
+    drilled, seen = sorted(_drilled_bores(part, shape), key=_Drilled.like), views(part)
     alike = [list(group) for _, group in groupby(drilled, key=_Drilled.like)]
     letters = [*LETTERS, *(f"{a}{b}" for a in LETTERS for b in LETTERS)]
     return [_group(design, part, letter, group, seen) for letter, group in zip(letters, alike, strict=False)]
@@ -124,10 +124,10 @@ def _group(
     design: Design, part: Part, letter: str, alike: list[_Drilled], seen: list[DrawnFrom]
 ) -> HoleGroup:
     first = alike[0]
-    view = max(seen, key=lambda s: abs(_dot(s.own.towards, first.axis)))
+    view = max(seen, key=lambda s: abs(_dot(s.of_part.towards, first.axis)))
     places: dict[Place, None] = {}
     for one in alike:
-        x, y = view.own.at(one.mouth)
+        x, y = view.of_part.at(one.mouth)
         places[(round(x, 6) + 0.0, round(y, 6) + 0.0)] = None
     rows = sorted(places, key=lambda at: (-at[1], at[0]))
     names = _SIDES[first.bore.axis]
@@ -145,21 +145,25 @@ def _group(
         sides=tuple(sides),
         lean=abs(first.lean),
         holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
-        asides=tuple(_asides(alike, [one for one in seen if one is not view])),
+        side_views=tuple(_side_views(alike, [one for one in seen if one is not view])),
         full=full_thread(design, first.role),
     )
 
 
-def _asides(alike: list[_Drilled], seen: list[DrawnFrom]) -> list[Aside]:
+def _side_views(alike: list[_Drilled], seen: list[DrawnFrom]) -> list[Aside]:
     """Bores from their sides, those that lie behind others once."""
-    rows = [Aside(view.name, view.own.at(one.start), view.own.at(one.end)) for view in seen for one in alike]
+    rows = [
+        Aside(view.name, view.of_part.at(one.start), view.of_part.at(one.end))
+        for view in seen
+        for one in alike
+    ]
     return list({(row.view, *np.round([*row.start, *row.end], 6).tolist()): row for row in rows}.values())
 
 
-def _drilled(part: Part, made: cq.Solid) -> list[_Drilled]:
+def _drilled_bores(part: Part, shape: cq.Solid) -> list[_Drilled]:
     """The bores of a part. Whether they open at their ends is asked of the solid once for all that differ by
     their place alone."""
-    found: list[_Drilled] = []
+    rows: list[_Drilled] = []
     known: dict[tuple[object, ...], tuple[bool, bool]] = {}
     for cut in part.cuts:
         bore, turned = _bore(cut)
@@ -169,13 +173,13 @@ def _drilled(part: Part, made: cq.Solid) -> list[_Drilled]:
         level = bore.start[1 if bore.axis == "y" else 2]
         kind = (bore.role, bore.axis, level, bore.length, bore.radius, turned and turned.angle)
         if kind not in known:
-            low, high = (not made.isInside(_placed(turned, p), 1e-6) for p in _ends(bore, BESIDE))
+            low, high = (not shape.isInside(_placed(turned, p), 1e-6) for p in _ends(bore, PROBE_DISTANCE))
             known[kind] = low, high
         opens, lean = known[kind], 0.0
         if turned is not None and not isinstance(part.body, Turned):
             start, end, lean = _placed(turned, start), _placed(turned, end), turned.angle
-        found.append(_Drilled(bore, bore.role, opens, lean, start, end))
-    return found
+        rows.append(_Drilled(bore, bore.role, opens, lean, start, end))
+    return rows
 
 
 def _bore(cut: Body) -> tuple[Bore | None, Turned | None]:
@@ -185,12 +189,12 @@ def _bore(cut: Body) -> tuple[Bore | None, Turned | None]:
     return (body, turned) if isinstance(body, Bore) else (None, None)
 
 
-def _ends(bore: Bore, beyond: float) -> tuple[Vector, Vector]:
+def _ends(bore: Bore, extra: float) -> tuple[Vector, Vector]:
     """Where a bore's axis is at both ends, or this far beyond them, mm."""
     x, y, z = bore.start
     if bore.axis == "y":
-        return (x, y - beyond, z), (x, y + bore.length + beyond, z)
-    return (x, y, z - beyond), (x, y, z + bore.length + beyond)
+        return (x, y - extra, z), (x, y + bore.length + extra, z)
+    return (x, y, z - extra), (x, y, z + bore.length + extra)
 
 
 def _placed(turned: Turned | None, point: Vector) -> Vector:

@@ -8,34 +8,34 @@ from skincad.fabrication.fasteners import end_screws
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
-from skincad.solids.closing import BOW, PLAY, SHEETS, bow, thick_enough
-from skincad.solids.layout import STOCK, cavity_process, layout, lid_process, stack
+from skincad.solids.closing import MOST_BOW, SEAL_PLAY, SHEETS, bow, thick_enough
+from skincad.solids.layout import STOCK, cavity_process, layout, lid_process, stack_error
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.screws import WASHER, spare
-from skincad.solids.shrinkage import poured
+from skincad.solids.screws import WASHER, run_out_room
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 
 def closing_findings(design: Design, closed: ClosedMold | None = None) -> Iterator[Finding]:
-    """Yield a warning where a cover of a given thickness bows by more than `BOW` mm under 10 kPa, and one
-    where carrier and keepers may stand so high or low that no seal both lets the cover lie on the cavity's
-    walls and holds them down. `closed` saves the planning of a doubly curved mold.
+    """Yield the warnings `cover bow` and `closing stack`, and the note `thread run-out`.
 
-    Such a mold has no seal where its top narrows too much for one, and is short of thread: each is told.
+    A cover of a given thickness bows by more than `MOST_BOW` mm under 10 kPa. Carrier and keepers may stand
+    so high or low that no seal both lets the cover lie on the cavity's walls and holds them down. A doubly
+    curved mold may have too narrow a top for a seal, or too little thread. `closed` saves its planning.
     """
-    cast = poured(design)
+    cast = scaled_for_shrinkage(design)
     place, _ = layout(cast, section(cast))
     modulus = lid_process(design).part_modulus
     measured = bow(place.spans, place.lid, modulus)
-    if measured > BOW * (1 + 1e-9):
+    if measured > MOST_BOW * (1 + 1e-9):
         remedy = (
             f"mold.cover of {thick_enough(place.spans, modulus, STOCK):g} mm, or a stiffer mold.lid_process"
         )
-        yield Finding("cover bow", "cover, under 10 kPa", measured, BOW, "mm", "warning", remedy)
+        yield Finding("cover bow", "cover, under 10 kPa", measured, MOST_BOW, "mm", "warning", remedy)
     off, most, where = (
-        stack(cast, place.spans, place.lid),
-        PLAY * SHEETS[-1],
+        stack_error(cast, place.spans, place.lid),
+        SEAL_PLAY * SHEETS[-1],
         "carrier and keepers, under the ",
     )
     bent = design.skin.curvature_radius_y is not None
@@ -56,7 +56,7 @@ def _run_outs(design: Design, closed: ClosedMold) -> Iterator[Finding]:
     screws, process = end_screws(design, closed), cavity_process(design)
     deep = min(bore.length for bore in bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD))
     left = deep + design.mold.end_plate + screws.washers * WASHER - screws.length
-    if screws.bottoming and left < spare(process) - 1e-9:
+    if screws.bottoming and left < run_out_room(process) - 1e-9:
         remedy = "finish these threads by a bottoming tap, as the casting sheet says, or make the skin longer"
         where = "screws of the end plates, from tip to the hole's end"
-        yield Finding("thread run-out", where, left, spare(process), "mm", "note", remedy)
+        yield Finding("thread run-out", where, left, run_out_room(process), "mm", "note", remedy)

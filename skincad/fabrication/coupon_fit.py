@@ -1,4 +1,4 @@
-"""What a measured coupon says of its process: growth, narrowest gap, scatter and offset of crests.
+"""Properties of a process from a measured coupon: growth, narrowest gap, scatter and offset of crests.
 
 Each number has the half-width of its 95 % interval.
 """
@@ -19,12 +19,12 @@ from skincad.inputs.coupon_forms import CrestForm, NotchForm
 
 CONFIDENCE = 0.95
 SCATTERS = np.geomspace(0.001, 0.05, 24)  # mm, of one notch's width; assumption: no process is outside
-REACH, STEP = 0.15, 0.0005  # mm, of the losses of width that are weighed, about a first guess
+LOSS_RANGE, LOSS_STEP = 0.15, 0.0005  # mm, of the losses of width that are weighed, about a first guess
 FEWEST_OPEN = 3  # notches; assumption: fewer leave growth and scatter unknown
 # mm, by which a notch is wider or narrower than the blade that just slides in it; assumption: half of a
 # blade's own tolerance. The same for all notches, so that their number does not lessen it
-FEEL = 0.002
-LEAST = 1e-300  # a likelihood
+BLADE_TOLERANCE = 0.002
+LEAST_LIKELIHOOD = 1e-300  # a likelihood
 
 
 class NotchResult(NamedTuple):
@@ -49,7 +49,7 @@ class CrestResult:
 
 
 def notch_result(form: NotchForm) -> NotchResult:
-    """Return what the blades say that go into notches, and those that don't."""
+    """Return growth, scatter and narrowest gap by the blades that go into the notches or stop."""
     open_ = form.goes > 0
     middle = (form.goes + form.stops) / 2
     sides = np.abs(form.drawn - middle)[open_] / 2
@@ -57,7 +57,7 @@ def notch_result(form: NotchForm) -> NotchResult:
     if np.count_nonzero(open_) < FEWEST_OPEN:
         return NotchResult(None, 0.0, gap, worst)
     lost, half, scatter = _loss(form, float(np.median((form.drawn - middle)[open_])))
-    return NotchResult(Estimate(lost / 2, (half + FEEL) / 2, "mm"), scatter, gap, worst)
+    return NotchResult(Estimate(lost / 2, (half + BLADE_TOLERANCE) / 2, "mm"), scatter, gap, worst)
 
 
 def _loss(form: NotchForm, guess: float) -> tuple[float, float, float]:
@@ -67,18 +67,18 @@ def _loss(form: NotchForm, guess: float) -> tuple[float, float, float]:
     thicknesses it lies, and no blade at all says below which. Loss and the logarithm of the scatter have flat
     priors. Censored observations in a likelihood: Gelman et al., Bayesian Data Analysis, 3rd ed. 2013, 8.1.
     """
-    losses = np.arange(guess - REACH, guess + REACH, STEP)
+    losses = np.arange(guess - LOSS_RANGE, guess + LOSS_RANGE, LOSS_STEP)
     low = np.where(form.goes > 0, form.goes, -np.inf) - form.drawn
     high = form.stops - form.drawn
     width = SCATTERS[:, None, None]
     inside = ndtr((high + losses[:, None]) / width) - ndtr((low + losses[:, None]) / width)
-    logs = np.log(np.maximum(inside, LEAST)).sum(axis=2)
+    logs = np.log(np.maximum(inside, LEAST_LIKELIHOOD)).sum(axis=2)
     weight = np.exp(logs - logs.max())
     weight /= weight.sum()
-    each, scatters = weight.sum(axis=0), weight.sum(axis=1)
-    mean = float(each @ losses)
+    loss_weight, scatters = weight.sum(axis=0), weight.sum(axis=1)
+    mean = float(loss_weight @ losses)
     tail = (1 - CONFIDENCE) / 2
-    ends = np.interp([tail, 1 - tail], np.cumsum(each), losses)
+    ends = np.interp([tail, 1 - tail], np.cumsum(loss_weight), losses)
     return mean, float(max(mean - ends[0], ends[1] - mean)), float(scatters @ SCATTERS)
 
 

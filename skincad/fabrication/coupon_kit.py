@@ -95,9 +95,9 @@ def coupon(
     return CouponKit(process, pad, parts, clock.seconds())
 
 
-def _pad(process: str, silicone: str, printer: Own | None, own: Own | None) -> Design:
+def _pad(process: str, silicone: str, printer: Own | None, lab_tables: Own | None) -> Design:
     """The design of the pad, which carries the workshop's own tables with it."""
-    base = load_design("plain-ridges", printer=printer, silicones=own)
+    base = load_design("plain-ridges", printer=printer, silicones=lab_tables)
     for key, name, known in (
         ("process", process, processes(base.printer)),
         ("silicone", silicone, silicones(base.silicones)),

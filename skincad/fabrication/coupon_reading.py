@@ -27,7 +27,7 @@ class MeasuredKey(NamedTuple):
 
     key: str
     value: float
-    said: str
+    comment: str
 
 
 @dataclass(frozen=True, repr=False)
@@ -42,7 +42,7 @@ class CouponReading(Result):
     name: str
     folder: Path
     before: Process
-    own: str
+    printer_text: str
     notches: NotchResult | None
     crests: CrestResult | None
     seconds: dict[str, float] = field(compare=False)
@@ -68,41 +68,41 @@ class CouponReading(Result):
 
     def to_toml(self) -> str:
         """Return one's own printer.toml with the process's keys as they are known now."""
-        document = tomlkit.parse(self.own)
+        document = tomlkit.parse(self.printer_text)
         if self.name not in document:
             document[self.name] = tomlkit.table()
         table: Any = document[self.name]
-        for key, value, said in self.keys:
+        for key, value, comment in self.keys:
             item = tomlkit.item(value)
-            item.comment(said)
+            item.comment(comment)
             table[key] = item
         text = tomlkit.dumps(document).lstrip("\n")
         load_design("plain-ridges", printer=tomllib.loads(text))  # what is written can be read
         return text
 
 
-def _json(found: Estimate | None) -> dict[str, float | None]:
-    return found.as_json() if found else {"value": None, "error": None}
+def _json(estimate: Estimate | None) -> dict[str, float | None]:
+    return estimate.as_json() if estimate else {"value": None, "error": None}
 
 
-def _keys(found: CouponReading) -> Iterator[MeasuredKey]:
+def _keys(reading: CouponReading) -> Iterator[MeasuredKey]:
     by = "measured on a coupon"
-    if (notches := found.notches) is not None:
+    if (notches := reading.notches) is not None:
         if notches.gap:
             shut = "the narrowest notch that is open, of the ladder's"
             yield MeasuredKey("gap", float(notches.gap), f"{by}: {shut}")
         if notches.growth:
-            said = f"{by}: ± {notches.growth.error:.4f} (95 %)"
-            yield MeasuredKey("growth", round(float(notches.growth), 4), said)
-    if (crests := found.crests) is not None:
-        said = f"{by}: ± {crests.sigma.error:.4f} (95 %)"
-        yield MeasuredKey("crest_sigma", round(float(crests.sigma), 4), said)
-        said = f"{by}: ± {crests.offset.error:.4f} (95 %)"
-        yield MeasuredKey("crest_offset", round(float(crests.offset), 4), said)
-    worst = max((each.worst for each in (notches, crests) if each), default=0.0)
-    if worst > found.before.tolerance:
-        said = f"{by}: the largest error of a side or a crest"
-        yield MeasuredKey("tolerance", round(worst, 4), said)
+            comment = f"{by}: ± {notches.growth.error:.4f} (95 %)"
+            yield MeasuredKey("growth", round(float(notches.growth), 4), comment)
+    if (crests := reading.crests) is not None:
+        comment = f"{by}: ± {crests.sigma.error:.4f} (95 %)"
+        yield MeasuredKey("crest_sigma", round(float(crests.sigma), 4), comment)
+        comment = f"{by}: ± {crests.offset.error:.4f} (95 %)"
+        yield MeasuredKey("crest_offset", round(float(crests.offset), 4), comment)
+    worst = max((result.worst for result in (notches, crests) if result), default=0.0)
+    if worst > reading.before.tolerance:
+        comment = f"{by}: the largest error of a side or a crest"
+        yield MeasuredKey("tolerance", round(worst, 4), comment)
 
 
 def read_coupon(
@@ -118,7 +118,7 @@ def read_coupon(
         known = processes(load_design("plain-ridges", printer=printer).printer)
         if process not in known:
             raise InputError("process", "unknown process", process, did_you_mean(process, known))
-        own = text_of(printer, str(printer), LARGEST_FILE, "TOML") if printer else ""
+        printer_text = text_of(printer, str(printer), LARGEST_FILE, "TOML") if printer else ""
         widths = drawn_notches(known[process])
         if not widths and (folder / NOTCH_FORM).exists():
             rule = f"must not be there: the tool of {process!r} cuts no ladder of notches"
@@ -131,11 +131,11 @@ def read_coupon(
     with clock.stage("fit"):
         ladder = notch_result(notches) if notches else None
         steps = crest_result(crests) if crests else None
-    return CouponReading(process, folder, known[process], own, ladder, steps, clock.seconds())
+    return CouponReading(process, folder, known[process], printer_text, ladder, steps, clock.seconds())
 
 
-def shut_words() -> str:
-    """Return what is said where no growth can be told."""
+def no_growth_words() -> str:
+    """Return the words for a ladder that does not show the growth."""
     return (
         f"fewer than three notches are open: growth is not known, and the gap may be above {NOTCHES[-1]:g} mm"
     )

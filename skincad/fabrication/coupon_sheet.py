@@ -15,8 +15,8 @@ BAR_FORM, PAD_FORM, PAD_DESIGN = "tensile.csv", "pad.csv", "pad.toml"
 # mm; assumption: up to a strain of 0.3 for the modulus, in steps that a calliper tells, to 0.6 for the laws
 EXTENSIONS = (*(0.5 * i for i in range(13)), *(6.0 + 0.75 * i for i in range(1, 9)))
 APPROACHES = tuple(0.05 * i for i in range(1, 13))  # mm; the pad's model goes to 0.64 mm at 0.5 MPa
-TELLS = 3  # assumption: a gauge that resolves a third of the scatter adds 0.5 % to it
-FINEST = 0.001  # mm, of common gauges
+GAUGE_SHARE = 3  # assumption: a gauge that resolves a third of the scatter adds 0.5 % to it
+FINEST_GAUGE = 0.001  # mm, of common gauges
 PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
 
 
@@ -50,8 +50,8 @@ def fit_pad_command(file: str, design: str) -> str:
 
 def read_command(kit: CouponKit) -> str:
     """Return the command that reads the forms back."""
-    own = " --printer FILE" if kit.pad.printer else ""
-    return f"skincad coupon {kit.name}{own} --measured DIR"
+    option = " --printer FILE" if kit.pad.printer else ""
+    return f"skincad coupon {kit.name}{option} --measured DIR"
 
 
 def coupon_sheet(kit: CouponKit) -> str:
@@ -60,7 +60,7 @@ def coupon_sheet(kit: CouponKit) -> str:
         f"# Coupon sheet: {kit.name}, {markdown_text(kit.silicone.name)}",
         "",
         "Make these parts once on your own machine, and measure them. What they say replaces the assumptions "
-        "about the process and the silicone. Do it anew after a change of machine, resin, exposure or batch.",
+        "about the process and the silicone. Repeat it after a change of machine, resin, exposure or batch.",
         "",
         *_make(kit),
         *(_notches() if kit.notches else _no_notches(kit)),
@@ -119,7 +119,7 @@ def _no_notches(kit: CouponKit) -> list[str]:
 
 
 def _steps(process: Process) -> list[str]:
-    resolved = max(process.crest_sigma / TELLS, FINEST)
+    resolved = max(process.crest_sigma / GAUGE_SHARE, FINEST_GAUGE)
     return _section(
         f"Steps: fill in {CREST_FORM}",
         f"There are {len(HEIGHTS)} heights from {HEIGHTS[0]:g} to {HEIGHTS[-1]:g} mm, each {REPEATS} times, "
@@ -137,8 +137,8 @@ def _steps(process: Process) -> list[str]:
 
 
 def _cast(kit: CouponKit) -> list[str]:
-    material, taken = kit.silicone, kit.grams
-    parts, times = mixing(material, sum(taken.values()) + DEAD_VOLUME)
+    material, grams_by_part = kit.silicone, kit.grams
+    parts, times = mixing(material, sum(grams_by_part.values()) + DEAD_VOLUME)
     sealed = ""
     if kit.process.inhibits_platinum and material.platinum_cure:
         sealed = (
@@ -148,7 +148,7 @@ def _cast(kit: CouponKit) -> list[str]:
     return _section(
         "Cast bars and pad",
         f"{markdown_text(material.name)}: "
-        + ", ".join(f"{grams:.3g} g for {name}" for name, grams in taken.items())
+        + ", ".join(f"{grams:.3g} g for {name}" for name, grams in grams_by_part.items())
         + ". "
         f"With {DEAD_VOLUME:g} g more for the cup: {parts}. {times}",
         steps=(

@@ -1,4 +1,4 @@
-"""Within which limits a part's crests are what their process makes, and whether that passes the verdict.
+"""Limits of a part's crests by their process, and whether parts within these limits pass the verdict.
 
 Crests are judged beside the line through all of them, which neither a shifted nor a tilted gauge moves; the
 line's rise and its height have limits of their own. The mold's ledge, on which the back is cast, is taken
@@ -11,21 +11,28 @@ import math
 from statistics import NormalDist
 from typing import NamedTuple
 
-from skincad.fabrication.printed_heights import come_out, snapped_say, unknown_step, unsure
+from skincad.fabrication.printed_heights import (
+    printed_crests,
+    snapping_remarks,
+    uncertain_ridges,
+    unknown_step,
+)
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.crests import summits
 from skincad.solids.mold import ClosedMold
 from skincad.solids.shrinkage import shrinkage
 
-ODDS = 0.005  # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
-OFFSET = 0.1  # mm, asked: of a part that is so much too thick, or too thin, the thickness is to fail
+# assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
+REJECTED_SHARE = 0.005
+THICKNESS_FAULT = 0.1  # mm, asked: of a part that is so much too thick, or too thin, the thickness is to fail
 OTHER_ROWS = 6  # tilt, mean crest, width, length, pitch, mass
-GAUGE = 0.002  # mm, assumption: standard deviation of a measuring microscope's or projector's height
-READINGS = 4  # of each crest, where single parts are judged: so that GAUGE counts half
-AGAIN = 64  # of each crest in all, near the verdict's edge: so that GAUGE counts an eighth
-NEAR = 2.5  # standard deviations of what READINGS leave of GAUGE: beyond, one verdict in 160 is the gauge's
-SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
+GAUGE_SIGMA = 0.002  # mm, assumption: standard deviation of a measuring microscope's or projector's height
+READINGS = 4  # of each crest, where single parts are judged: so that GAUGE_SIGMA counts half
+READINGS_NEAR_EDGE = 64  # of each crest in all, near the verdict's edge: so that GAUGE_SIGMA counts an eighth
+# standard deviations of what READINGS leave of GAUGE_SIGMA: beyond, one verdict in 160 is the gauge's
+EDGE_DEVIATIONS = 2.5
+SHRINKAGE_SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
 
 
 class Crests(NamedTuple):
@@ -41,34 +48,34 @@ class Crests(NamedTuple):
     beside_mold: float
     deviations: float
     sigma: float  # mm, of one crest, ridge against ridge
-    told: bool  # whether layers, if there are any, are known where they fall
+    layers_known: bool  # whether layers, if there are any, are known where they fall
 
 
 def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     """Return the limits of a cast skin's crests."""
     process, count = processes(design.printer)[design.mold.process], design.ridge.count
-    told = come_out(design, closed)
-    step, offset = 0.0 if told else unknown_step(process), offset_of(design)
-    heights = tuple(high + offset for high in told or summits(design))
+    printed = printed_crests(design, closed)
+    step, offset = 0.0 if printed else unknown_step(process), offset_of(design)
+    heights = tuple(high + offset for high in printed or summits(design))
     sigma = math.hypot(process.crest_sigma, step / math.sqrt(12))  # a step falls anywhere
-    deviations = NormalDist().inv_cdf(1 - ODDS / 2 / (count + OTHER_ROWS))
-    read = math.hypot(sigma, GAUGE)
+    deviations = NormalDist().inv_cdf(1 - REJECTED_SHARE / 2 / (count + OTHER_ROWS))
+    read = math.hypot(sigma, GAUGE_SIGMA)
     places = [i - (count - 1) / 2 for i in range(count)]
     squares = math.fsum(place**2 for place in places)
     beside = [math.sqrt(1 - 1 / count - place**2 / squares) for place in places] if count > 2 else []
     rise = math.hypot(read * (count - 1) / math.sqrt(squares or 1.0), sigma * math.sqrt(2) * _span(design))
-    batch = SCATTER * math.fsum(heights) / count
-    own = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE, batch
-    gauges = GAUGE * math.sqrt(2 + 2 / count)  # part and mold: each one's datum and crests
+    batch = SHRINKAGE_SCATTER * math.fsum(heights) / count
+    deviation_parts = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE_SIGMA, batch
+    gauges = GAUGE_SIGMA * math.sqrt(2 + 2 / count)  # part and mold: each one's datum and crests
     return Crests(
         heights,
         tuple(deviations * read * share for share in beside),
         deviations * rise,
-        deviations * math.hypot(*own),
+        deviations * math.hypot(*deviation_parts),
         deviations * math.hypot(gauges, batch),
         deviations,
         sigma,
-        told is not None,
+        printed is not None,
     )
 
 
@@ -82,31 +89,31 @@ def _span(design: Design) -> float:
     return (design.ridge.count - 1) * design.ridge.spacing / design.skin.width
 
 
-def layers_say(design: Design, closed: ClosedMold, crests: Crests) -> tuple[str, ...]:
+def layer_remarks(design: Design, closed: ClosedMold, crests: Crests) -> tuple[str, ...]:
     """Return what layers do to the crests."""
     process, meant_all = processes(design.printer)[design.mold.process], offset_of(design)
     meant = tuple(high + meant_all for high in summits(design))
-    if crests.heights == meant and crests.told:
+    if crests.heights == meant and crests.layers_known:
         return ()
-    if not crests.told:
+    if not crests.layers_known:
         return (
-            f"Where the steps of {design.mold.process} fall on the crests is not known beforehand: the "
+            f"Where the steps of {design.mold.process} fall on the crests is not known: the "
             f"limits hold one of {unknown_step(process):g} mm.",
         )
     off = [out - high for out, high in zip(crests.heights, meant, strict=True)]
     middle = math.fsum(off) / len(off)
-    aside = max(abs(each - middle) for each in off)
+    largest = max(abs(value - middle) for value in off)
     return (
         f"Slice the cavity in layers of {process.layer:g} mm from the bed on, the first one too: then "
         f"crests come out as in the table, {middle:+.3f} mm from the design in the mean, and from there up "
-        f"to {aside:.3f} mm up or down.",
-        *_unsure_say(design, closed),
-        *snapped_say(design, closed),
+        f"to {largest:.3f} mm up or down.",
+        *_uncertain_remarks(design, closed),
+        *snapping_remarks(design, closed),
     )
 
 
-def _unsure_say(design: Design, closed: ClosedMold) -> tuple[str, ...]:
-    which, layer = unsure(design, closed), processes(design.printer)[design.mold.process].layer
+def _uncertain_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
+    which, layer = uncertain_ridges(design, closed), processes(design.printer)[design.mold.process].layer
     if not which:
         return ()
     return (
@@ -115,26 +122,30 @@ def _unsure_say(design: Design, closed: ClosedMold) -> tuple[str, ...]:
     )
 
 
-def thickness_says(design: Design, crests: Crests) -> tuple[str, ...]:
-    """Return how a fault of the thickness is seen where the process's own errors hide it."""
-    if crests.mean < OFFSET:
+def thickness_remarks(design: Design, crests: Crests) -> tuple[str, ...]:
+    """Return how to check the thickness where the process's own errors hide a fault of it."""
+    if crests.mean < THICKNESS_FAULT:
         return ()
     return (
-        f"The mean crest's limit passes a part that is {OFFSET:g} mm too thick: {design.mold.process} itself "
+        f"The mean crest's limit passes a part that is {THICKNESS_FAULT:g} mm too thick: "
+        f"{design.mold.process} itself "
         f"takes {crests.mean / crests.deviations:.3f} mm in the standard deviation. Measure the mold once, "
         "each groove's bottom under the ledge, by the same gauge: a part's mean crest is within "
         f"±{crests.beside_mold:.3f} mm of theirs times {1 - shrinkage(design):.4g}.",
     )
 
 
-def edge(margin: float, allowed_drops: tuple[float, ...]) -> float:
-    """Return how near to 0 a measured part's margin, N, is the gauge's own doing: `NEAR` standard deviations
-    of it by `READINGS` of each crest. `margin` N is the design's, and what `allowed_drops` use up."""
+def undecided_margin(margin: float, allowed_drops: tuple[float, ...]) -> float:
+    """Return the margin, N, within which the gauge's error alone may decide a measured part's verdict.
+
+    It is `EDGE_DEVIATIONS` standard deviations of the margin by `READINGS` of each crest. `margin` N is the
+    design's; a crest that lies lower by its entry of `allowed_drops` uses it up.
+    """
     slopes = (margin / drop for drop in allowed_drops if drop)
-    return NEAR * GAUGE / math.sqrt(READINGS) * math.hypot(*slopes)
+    return EDGE_DEVIATIONS * GAUGE_SIGMA / math.sqrt(READINGS) * math.hypot(*slopes)
 
 
-def verdict_says(design: Design, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
+def verdict_remark(design: Design, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
     """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
     each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
     if design.ridge.count == 1:
@@ -151,18 +162,20 @@ def verdict_says(design: Design, crests: Crests, allowed_drops: tuple[float, ...
         return "No crest that lies lower does harm to the verdict."
     # a crest counts against a mean of the others, at most against one of them; the ledge's sides are two more
     share = math.sqrt(2 + 2 * _span(design) ** 2)
-    taken = crests.deviations * crests.sigma * share
+    scatter = crests.deviations * crests.sigma * share
     one = f"crest {which + 1}, which counts most, {max(room, 0.0):.3f} mm against the others"
-    if taken < room:
+    if scatter < room:
         return (
-            f"The verdict allows {one}, and {design.mold.process} takes {taken:.3f} mm at most: parts within "
+            f"The verdict allows {one}, and {design.mold.process} takes {scatter:.3f} mm at most: parts "
+            "within "
             "these limits pass it."
         )
     return (
         f"**These limits don't decide.** The verdict allows {one}, and {design.mold.process} alone may take "
-        f"{taken:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good ones "
+        f"{scatter:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good ones "
         f"pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
-        f"margin is within ±{edge(margin, allowed_drops):.2g} N, read on until each crest is the mean of "
-        f"{AGAIN}: "
+        f"margin is within ±{undecided_margin(margin, allowed_drops):.2g} N, read on until each crest is "
+        "the mean of "
+        f"{READINGS_NEAR_EDGE}: "
         "that verdict counts. Or take a finer process or more margin (`ridge.levelling`)."
     )

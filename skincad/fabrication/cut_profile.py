@@ -1,4 +1,4 @@
-"""What is cut right through a made part along its body's axis: a closed outline and holes, at nominal size.
+"""Profile that is cut right through a made part along its body's axis: outline and holes, at nominal size.
 
 A wire, a laser or a router follows it; kerf and spark gap are the machine's to compensate. A conical hole is
 in it with its narrow end, to be reamed afterwards. Blind and crosswise cuts are not: the sheet's tables have
@@ -15,10 +15,10 @@ from skincad.fabrication.drawing_views import DrawnFrom, views
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, area
 from skincad.solids.body import Axis, Body, Bore, Prism, Vector
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.projection import View
 
-FLUSH = 1e-9  # mm, within which a cut reaches a face: rounding
+FLUSH_TOLERANCE = 1e-9  # mm, within which a cut reaches a face: rounding
 PLACES = 6  # decimals of a millimetre within which cuts are in line
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
@@ -39,13 +39,13 @@ class CutProfile(NamedTuple):
 
 def cut_profile(part: Part) -> CutProfile | None:
     """Return the profile of a part whose body is a prism; None for any other body."""
-    plain = own(part)
+    plain = unturned(part)
     body = plain.body
     if not isinstance(body, Prism):
         return None
     seen = _along(part, body.axis)
     loops = [body.outline, *body.holes, *_through(plain.cuts, body)]
-    return CutProfile(seen.name, tuple(_seen(loop, body.axis, seen.own) for loop in loops))
+    return CutProfile(seen.name, tuple(_seen(loop, body.axis, seen.of_part) for loop in loops))
 
 
 def cut_words(design: Design, part: Part) -> str:
@@ -60,7 +60,7 @@ def cut_words(design: Design, part: Part) -> str:
 
 def _along(part: Part, axis: Axis) -> DrawnFrom:
     index = AXES.index(axis)
-    return next(view for view in views(part) if abs(view.own.towards[index]) == 1.0)
+    return next(view for view in views(part) if abs(view.of_part.towards[index]) == 1.0)
 
 
 def _through(cuts: tuple[Body, ...], body: Prism) -> tuple[Loop, ...]:
@@ -83,8 +83,8 @@ def _spans(row: list[Prism | Bore], body: Prism) -> bool:
     """Whether cuts in line with each other go through without a gap."""
     reached = body.low
     for low, high in sorted(map(_range, row)):
-        reached = max(reached, high) if low <= reached + FLUSH else reached
-    return reached >= body.high - FLUSH
+        reached = max(reached, high) if low <= reached + FLUSH_TOLERANCE else reached
+    return reached >= body.high - FLUSH_TOLERANCE
 
 
 def _range(cut: Prism | Bore) -> tuple[float, float]:

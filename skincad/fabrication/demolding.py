@@ -13,14 +13,14 @@ from skincad.solids.undercut import SAFE_SHARE, VISIBLE, safe_strain, split_ridg
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 
 
-def drafted(design: Design) -> tuple[float | None, float | None]:
+def freeing_widths(design: Design) -> tuple[float | None, float | None]:
     """Return the root_width, or the tip_width, that frees the ridge that needs most; None where it can't be.
 
     A flank from (root / 2, -s) to (tip / 2, h - c) in the ridge's frame, s the base circle's fall over half a
     root, has the draft of the ridge's lean. A little is added, so that the design's own test finds none.
     """
     ridge, radius = design.ridge, design.skin.curvature_radius
-    worst = neediest(design)
+    worst = least_drafted_ridge(design)
     slope, height = 2 * math.tan(abs(design.lean(worst))), design.heights[worst - 1]
 
     def draft(root: float) -> float:
@@ -30,14 +30,14 @@ def drafted(design: Design) -> tuple[float | None, float | None]:
     for _ in range(_ROUNDS):
         root = ridge.tip_width + draft(root)
     changes = {"root_width": root, "tip_width": ridge.root_width - draft(ridge.root_width)}
-    found = []
+    widths = []
     for key, value in changes.items():
         size = math.ceil(value * 1000) / 1000 if key == "root_width" else math.floor(value * 1000) / 1000
-        found.append(size if size > 0 and _free(design, key, size) else None)
-    return found[0], found[1]
+        widths.append(size if size > 0 and _leaves_freely(design, key, size) else None)
+    return widths[0], widths[1]
 
 
-def neediest(design: Design) -> int:
+def least_drafted_ridge(design: Design) -> int:
     """Return the ridge whose flanks need most draft: of ridges alike the outermost."""
     needs = [
         math.tan(abs(design.lean(ridge))) * (height - design.ridge.crown)
@@ -46,7 +46,7 @@ def neediest(design: Design) -> int:
     return needs.index(max(needs)) + 1
 
 
-def _free(design: Design, key: str, value: float) -> bool:
+def _leaves_freely(design: Design, key: str, value: float) -> bool:
     try:
         return not any(undercuts(design.with_(ridge={key: value})).values())
     except InputError:
@@ -57,8 +57,8 @@ def undercut_findings(design: Design) -> list[Finding]:
     """Return a finding for every ridge that is squeezed on its way out; an error beyond what is safe. One
     whose groove is split leaves freely."""
     limit, free = safe_strain(design), split_ridges(design)
-    found = {r: undercut for r, undercut in squeezes(design).items() if undercut.width > 0 and r not in free}
-    if not found:
+    caught = {r: undercut for r, undercut in squeezes(design).items() if undercut.width > 0 and r not in free}
+    if not caught:
         return []
     material = silicone(design)
     breaks = (
@@ -75,18 +75,18 @@ def undercut_findings(design: Design) -> list[Finding]:
             "error" if undercut.strain > limit else "note",
             f"{cure} (limit: {breaks})",
         )
-        for ridge, undercut in found.items()
+        for ridge, undercut in caught.items()
     ]
 
 
 def _cure(design: Design) -> str:
-    root, tip = drafted(design)
+    root, tip = freeing_widths(design)
     ways = [
         *([f"root_width of {root:g} mm"] if root else []),
         *([f"tip_width of {tip:g} mm"] if tip else []),
         'a split cavity (mold.split = "auto")' if design.mold.split == "none" else "",
         "a larger curvature_radius, or fewer ridges",
     ]
-    worst = neediest(design)
+    worst = least_drafted_ridge(design)
     freed = "the outermost ridge" if worst in (1, design.ridge.count) else f"ridge {worst}"
     return ", or ".join(way for way in ways if way) + f" frees {freed}"

@@ -1,4 +1,4 @@
-"""A film drawn into its slot behind a shim: the lap that joins them, what that passes, and how it then holds.
+"""A film drawn into its slot behind a shim: the lap that joins them, the gaps it passes, and the bond after.
 
 Film and shim overlap, glued, and are thicker there than a comb's notch (0.088 mm in 0.060 for `yamada-2002`).
 So a straight mold's end plates slide off over the shims first. What is left on the lap's way is the slot,
@@ -23,15 +23,18 @@ from skincad.inputs.material import silicone
 from skincad.solids.layout import end_process
 from skincad.solids.undercut import SAFE_SHARE
 
-GLUE = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
+GLUE_THICKNESS = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
 LEAST_TAIL = 0.015  # mm, assumption: the thinnest that can be handled; shim steel is sold from 0.01 mm
 LEAST_CONTACT = 2.0  # mm, assumption: of a lead that stays out of a notch and clean, to be contacted
-HANDLED, DRAWN = 7.0, 7.0  # s a strip, assumption: to coat it and wipe its ends, and to draw it in at best
+HANDLING_SECONDS = 7.0  # a strip, assumption: to coat it and wipe its ends
+DRAWING_SECONDS = 7.0  # a strip, assumption: to draw it in at best
 POT_SHARE = 0.5  # assumption: of the pot life, after which a silicone wets badly
-THICKER = 2.0  # assumption: a mix's viscosity when it is drawn in last, by that of a fresh one
-COAT = 0.01  # mm, assumption: of silicone on each face, to which a soft slot opens at least
-HOTTEST = 80.0  # C, source: piezo film technical manual (Measurement Specialties), use of PVDF: -40 to 80
-BOND = 0.1  # MPa, assumption: shear of a primed film; cohesive failure of a silicone is near 1, bare film 0
+THICKENING = 2.0  # assumption: a mix's viscosity when it is drawn in last, by that of a fresh one
+COAT_THICKNESS = 0.01  # mm, assumption: of silicone on each face, to which a soft slot opens at least
+# C, source: piezo film technical manual (Measurement Specialties), use of PVDF: -40 to 80
+HIGHEST_FILM_TEMPERATURE = 80.0
+# MPa, assumption: shear of a primed film; cohesive failure of a silicone is near 1, bare film 0
+BOND_STRENGTH = 0.1
 
 
 class Lap(NamedTuple):
@@ -55,16 +58,18 @@ def lap(design: Design) -> Lap | None:
     if design.skin.curvature_radius_y is not None:
         maker, drawn = end_process(design), slot.thickness + 2 * design.mold.slit_clearance
         notch = max(slot.thickness, drawn - 2 * walls_close(design, maker) - maker.tolerance)
-        passing = math.floor(1e6 * (notch - film.thickness - GLUE) + 1e-3) / 1e6  # a nanometre is rounding
+        room = notch - film.thickness - GLUE_THICKNESS
+        passing = math.floor(1e6 * room + 1e-3) / 1e6  # a nanometre is rounding
         tail = min(slot.thickness, max(LEAST_TAIL, passing))
-    stack = tail + GLUE + film.thickness
+    stack = tail + GLUE_THICKNESS + film.thickness
     girth = slot.depth + slot.thickness
     return Lap(tail, stack, notch, max(0.0, (stack - slot.thickness) / girth))
 
 
 def drawing_time(design: Design) -> float:
-    """Return the seconds in which a strip is drawn in: `DRAWN`, or those that its drag asks for. Call where
-    there is a lap.
+    """Return the seconds in which a strip is drawn in: `DRAWING_SECONDS`, or more where its drag asks for it.
+
+    Call it where there is a lap.
 
     Couette flow in the coats on both faces, over the whole length, drags with 2 mu b l^2 / (coat t); that may
     be `MOST_PULL` of the film's yield force. The lap's own friction is the shim's to bear, not the film's.
@@ -72,16 +77,18 @@ def drawing_time(design: Design) -> float:
     slot, film = design.slot, design.film
     if slot is None or film is None:
         raise ValueError("without a film nothing is drawn in")
-    coat = max((slot.thickness - film.thickness) / 2, COAT)
-    thick = THICKER * silicone(design).viscosity * 1e-6
+    coat = max((slot.thickness - film.thickness) / 2, COAT_THICKNESS)
+    thick = THICKENING * silicone(design).viscosity * 1e-6
     slow = 2 * thick * design.skin.length**2 / (coat * MOST_PULL * PVDF_YIELD * film.thickness)
-    return max(DRAWN, slow)
+    return max(DRAWING_SECONDS, slow)
 
 
-def at_once(design: Design) -> int | None:
+def strips_per_mix(design: Design) -> int | None:
     """Return how many strips are drawn in with one mix of silicone; None where its pot life isn't known."""
     minutes = silicone(design).pot_life_min
-    return None if minutes is None else int(60 * minutes * POT_SHARE / (HANDLED + drawing_time(design)))
+    return (
+        None if minutes is None else int(60 * minutes * POT_SHARE / (HANDLING_SECONDS + drawing_time(design)))
+    )
 
 
 class Pull(NamedTuple):
@@ -99,7 +106,7 @@ def pull_test(design: Design) -> Pull | None:
     if slot is None or film is None:
         return None
     faces = 2 * slot.depth * design.skin.length
-    by_film, by_bond = PVDF_YIELD * slot.depth * film.thickness, BOND * faces
+    by_film, by_bond = PVDF_YIELD * slot.depth * film.thickness, BOND_STRENGTH * faces
     force = MOST_PULL * min(by_film, by_bond)
     return Pull(force, by_film <= by_bond, force / faces)
 
@@ -108,19 +115,19 @@ def drawing_findings(design: Design) -> list[Finding]:
     """Return the rules `strip lap`, `strip lead`, `strip batch` and `film heat`; none without film."""
     if design.film is None:
         return []
-    found = lap(design)
-    if found is None:
+    joint = lap(design)
+    if joint is None:
         return list(_heat(design))
-    return [*_notches(design, found), *_slot(design, found), *_batch(design)]
+    return [*_notches(design, joint), *_slot(design, joint), *_batch(design)]
 
 
-def _notches(design: Design, found: Lap) -> Iterator[Finding]:
+def _notches(design: Design, joint: Lap) -> Iterator[Finding]:
     """The lap against the combs' notches, where they are on its way; and the contact that stays out."""
     slot, film, choice = design.slot, design.film, design.mold
-    if found.notch is None or slot is None or film is None:
+    if joint.notch is None or slot is None or film is None:
         return
-    if found.stack > found.notch + 1e-6:  # mm; a nanometre is rounding
-        need = LEAST_TAIL + GLUE + film.thickness
+    if joint.stack > joint.notch + 1e-6:  # mm; a nanometre is rounding
+        need = LEAST_TAIL + GLUE_THICKNESS + film.thickness
         maker = end_process(design)
         least = (need - slot.thickness + maker.tolerance) / 2 + walls_close(design, maker)
         wide = math.ceil(1e3 * least - 1e-6) / 1e3  # whole micrometres
@@ -129,38 +136,38 @@ def _notches(design: Design, found: Lap) -> Iterator[Finding]:
             f"is straight along y; its shim's tail is thinned to {LEAST_TAIL:g} mm already"
         )
         where = "lap of film and shim, in the combs' notches"
-        yield Finding("strip lap", where, found.stack, found.notch, "mm", "error", remedy)
+        yield Finding("strip lap", where, joint.stack, joint.notch, "mm", "error", remedy)
     if (out := film.lead - choice.end_plate) < LEAST_CONTACT:
         remedy = f"film.lead of {choice.end_plate + LEAST_CONTACT:g} mm or more"
         where = "lead beyond its end plate, in which it meets wet silicone"
         yield Finding("strip lead", where, out, LEAST_CONTACT, "mm", "warning", remedy)
 
 
-def _slot(design: Design, found: Lap) -> Iterator[Finding]:
+def _slot(design: Design, joint: Lap) -> Iterator[Finding]:
     """The lap against the slot's soft walls, which must not tear round it."""
     limit = SAFE_SHARE * silicone(design).elongation_at_break
-    if found.stretch <= limit or design.slot is None:
+    if joint.stretch <= limit or design.slot is None:
         return
-    deeper = (found.stack - design.slot.thickness) / limit - design.slot.thickness
+    deeper = (joint.stack - design.slot.thickness) / limit - design.slot.thickness
     remedy = f"slot.depth of {math.ceil(1e3 * deeper) / 1e3:g} mm or more, a thinner film"
     remedy += ', a silicone that stretches further, or mold.method = "cast-in"'
     where = "lap of film and shim, stretching the slot's walls"
-    yield Finding("strip lap", where, found.stretch, limit, "", "error", remedy)
+    yield Finding("strip lap", where, joint.stretch, limit, "", "error", remedy)
 
 
 def _batch(design: Design) -> Iterator[Finding]:
     """A pot life in which not one strip is drawn in."""
     minutes = silicone(design).pot_life_min
-    if minutes is not None and at_once(design) == 0:
-        where, needs = "one strip, drawn in behind its shim", HANDLED + drawing_time(design)
+    if minutes is not None and strips_per_mix(design) == 0:
+        where, needs = "one strip, drawn in behind its shim", HANDLING_SECONDS + drawing_time(design)
         remedy = "a thinner silicone or one with a longer pot life, a shorter skin, or a thicker slot"
         yield Finding("strip batch", where, needs, 60 * minutes * POT_SHARE, "s", "error", remedy)
 
 
 def _heat(design: Design) -> Iterator[Finding]:
-    """A cure that a film in the mold goes through; what is drawn in after it is told to cure cooler."""
+    """A cure that is too hot for a film that is cast in; a film that is drawn in has its own, cooler cure."""
     warm = silicone(design).cure_c
-    if warm is not None and warm > HOTTEST:
-        remedy = f"a silicone, or a longer cure by its data sheet, at {HOTTEST:g} °C or less"
+    if warm is not None and warm > HIGHEST_FILM_TEMPERATURE:
+        remedy = f"a silicone, or a longer cure by its data sheet, at {HIGHEST_FILM_TEMPERATURE:g} °C or less"
         where = "film in the mold while it cures: it loses its charge"
-        yield Finding("film heat", where, warm, HOTTEST, "°C", "warning", remedy)
+        yield Finding("film heat", where, warm, HIGHEST_FILM_TEMPERATURE, "°C", "warning", remedy)

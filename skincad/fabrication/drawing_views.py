@@ -25,7 +25,7 @@ class DrawnFrom(NamedTuple):
 
     name: str
     words: str
-    own: View
+    of_part: View
     of_solid: View
 
 
@@ -34,14 +34,14 @@ def views(part: Part) -> list[DrawnFrom]:
     right, up = _front(part)
     front = View(right, up)
     x, y, z = front.towards
-    below, aside = View(right, (-x, -y, -z)), View(front.towards, up)
+    below, from_left = View(right, (-x, -y, -z)), View(front.towards, up)
     if part.role in LIDS:
         words = "from above", "from end b", "from the left"
     else:
         words = f"from outside end {part.end or 'a'}", "from above", "from its left"
     return [
-        DrawnFrom(name, said, view, _turned(part, view))
-        for name, said, view in zip((FRONT, ABOVE, LEFT), words, (front, below, aside), strict=True)
+        DrawnFrom(name, caption, view, _turned(part, view))
+        for name, caption, view in zip((FRONT, ABOVE, LEFT), words, (front, below, from_left), strict=True)
     ]
 
 

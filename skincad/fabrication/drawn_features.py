@@ -1,5 +1,7 @@
-"""What a shop drawing dimensions besides bores: datums, overall sizes, the carrier's seat, nuts' pockets, a
-comb's slits and a cavity's grooves. Places are those of the part's own views, mm."""
+"""Features on a shop drawing besides bores: datums, sizes, the carrier's seat, nuts' pockets, slits, grooves.
+
+Places are those of the part's own views, mm.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +14,14 @@ from skincad.shape.cross_section import SlotPlace, frame, section
 from skincad.shape.curves import Loop, Point
 from skincad.solids.body import Prism, Turned
 from skincad.solids.layout import layout
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.projection import Place
 from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 Edge = Literal["left", "right", "bottom", "top"]
 _Faces = tuple[tuple[str, Edge, str], ...]
-SEAT = 1e-6  # mm, how level the seat's corners lie
+SEAT_TOLERANCE = 1e-6  # mm, how level the seat's corners lie
 
 
 class Datum(NamedTuple):
@@ -124,10 +126,10 @@ def datums(part: Part) -> tuple[Datum, ...]:
 def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
     """Return the sizes of the carrier's seat in a cavity in one piece: widths of trough and skin, and how
     deep it lies below the part's `top`, mm; of the first trough of a gang."""
-    straight = own(part.straight or part)
+    straight = unturned(part.straight or part)
     if part.role is not PartRole.CAVITY or not isinstance(straight.body, Prism):
         return ()
-    level = sorted({s.start.x for s in straight.body.outline if abs(s.start.z) < SEAT})
+    level = sorted({s.start.x for s in straight.body.outline if abs(s.start.z) < SEAT_TOLERANCE})
     if len(level) < 4:
         return ()
     wide = Length(FRONT, "u", level[0], level[3], "seat")
@@ -138,43 +140,43 @@ def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
 def pockets(part: Part) -> tuple[NutPocket, ...]:
     """Return the nuts' pockets of an end plate."""
     mirrored = -1.0 if part.end == "b" else 1.0
-    found = []
-    for cut in own(part).cuts:
+    rows = []
+    for cut in unturned(part).cuts:
         if isinstance(cut, Prism) and cut.role is CutRole.NUT:
             x, z = zip(*(s.start for s in cut.outline), strict=True)
             at = mirrored * (min(x) + max(x)) / 2, (min(z) + max(z)) / 2
-            found.append(NutPocket(at, max(z) - min(z), cut.high - cut.low))
-    return tuple(sorted(found, key=lambda p: (-p.at[1], p.at[0])))
+            rows.append(NutPocket(at, max(z) - min(z), cut.high - cut.low))
+    return tuple(sorted(rows, key=lambda p: (-p.at[1], p.at[0])))
 
 
 def notches(part: Part) -> tuple[Notch, ...]:
     """Return the notches across an end plate's upright edges."""
-    mirrored, found = -1.0 if part.end == "b" else 1.0, []
-    for cut in own(part).cuts:
+    mirrored, rows = -1.0 if part.end == "b" else 1.0, []
+    for cut in unturned(part).cuts:
         if isinstance(cut, Prism) and cut.role in (CutRole.PRY, CutRole.MARK):
             x, y = zip(*((s.start.x, s.start.z) for s in cut.outline), strict=True)
             side: Edge = "right" if mirrored * (min(x) + max(x)) > 0 else "left"
-            found.append(Notch(cut.role, max(y) - min(y), side, cut.low, cut.high, cut.role is CutRole.MARK))
-    return tuple(found)
+            rows.append(Notch(cut.role, max(y) - min(y), side, cut.low, cut.high, cut.role is CutRole.MARK))
+    return tuple(rows)
 
 
 def skins_at(design: Design) -> tuple[float, ...]:
     """Return the x, mm, of the middle of each skin of a gang, 0 for one alone."""
-    made = poured(design)
-    return layout(made, section(made))[0].centres
+    cast = scaled_for_shrinkage(design)
+    return layout(cast, section(cast))[0].centres
 
 
 def slits(design: Design, part: Part) -> tuple[Slit, ...]:
     """Return a comb's slits, of the first skin of a gang, as its outline has them."""
-    body = own(part).body
+    body = unturned(part).body
     if part.role is not PartRole.COMB or not isinstance(body, Prism):
         return ()
     mirrored = -1.0 if part.end == "b" else 1.0
-    shape, aside = section(poured(design)), skins_at(design)[0]
-    return tuple(_slit(design, slot, body.outline, aside, mirrored) for slot in shape.slots)
+    shape, shift = section(scaled_for_shrinkage(design)), skins_at(design)[0]
+    return tuple(_slit(design, slot, body.outline, shift, mirrored) for slot in shape.slots)
 
 
-def _slit(design: Design, slot: SlotPlace, outline: Loop, aside: float, mirrored: float) -> Slit:
+def _slit(design: Design, slot: SlotPlace, outline: Loop, shift: float, mirrored: float) -> Slit:
     """The outline's corners that are nearest to where the slot ends are the slit's bottom, their neighbours
     its mouth."""
     gap = design.mold.slit_clearance
@@ -182,7 +184,7 @@ def _slit(design: Design, slot: SlotPlace, outline: Loop, aside: float, mirrored
     corners = [s.start for s in outline]
 
     def nearest(wanted: Point) -> int:
-        place = wanted.x + aside, -wanted.z
+        place = wanted.x + shift, -wanted.z
         return min(range(len(corners)), key=lambda i: math.dist(corners[i], place))
 
     ends = [nearest(slot.at(side * (slot.thickness / 2 + gap), along)) for side in (-1, 1)]
@@ -202,11 +204,11 @@ def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
     body = (part.straight or part).body
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
-    made, found, aside = poured(design), [], skins_at(design)[0]
+    cast, rows, shift = scaled_for_shrinkage(design), [], skins_at(design)[0]
     cut = {s.ridge for s in body.outline if s.ridge is not None}
-    for ridge, high in enumerate(made.heights, 1):
+    for ridge, high in enumerate(cast.heights, 1):
         if ridge in cut:
-            summit = frame(made, ridge).at(0.0, high)
-            lean, sizes = -math.degrees(made.lean(ridge)), (made.ridge.root_width, made.ridge.tip_width)
-            found.append(Groove(ridge, (summit.x + aside, -summit.z), lean, high, *sizes))
-    return tuple(found)
+            summit = frame(cast, ridge).at(0.0, high)
+            lean, sizes = -math.degrees(cast.lean(ridge)), (cast.ridge.root_width, cast.ridge.tip_width)
+            rows.append(Groove(ridge, (summit.x + shift, -summit.z), lean, high, *sizes))
+    return tuple(rows)

@@ -54,10 +54,10 @@ def half_gap(film: Film, depth: float) -> float:
 
 def half_tab(film: Film, depth: float) -> float:
     """Return half the width of the tab, mm: for the pads, and for the label beside the leads."""
-    return max((PITCH + PAD[1]) / 2 + _edge(film), aside(depth) + LABEL[1] + EDGE)
+    return max((PITCH + PAD[1]) / 2 + _edge(film), label_offset(depth) + LABEL[1] + EDGE)
 
 
-def aside(depth: float) -> float:
+def label_offset(depth: float) -> float:
     """Return how far from a tab's middle its label begins, mm: clear of the leads, which a mark could cut."""
     return depth / 2 + EDGE / 2
 

@@ -1,4 +1,4 @@
-"""What a mold takes to make: mass, time and cost of each part and process, as estimates with their errors.
+"""Mass, time and cost of each part and process of a mold, as estimates with their errors.
 
 Prints are estimated by their layers, what is cut from stock by its faces. Errors and prices are the
 process's own; a part's errors are those of its process, and so add up.
@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from skincad.base.estimate import Estimate
 from skincad.fabrication.filament import Spent, filament
-from skincad.fabrication.machining import machined
+from skincad.fabrication.machining import machining
 from skincad.fabrication.plates import Laid, plates
-from skincad.fabrication.resin import exposed
+from skincad.fabrication.resin import exposure_time
 from skincad.fabrication.rules import maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
@@ -79,37 +79,40 @@ def estimates(
 ) -> tuple[ProcessEstimate, ...]:
     """Return what each process takes for a mold's parts, in the parts' order; `prints` are the meshes of what
     is made as they lie on the bed, mm, by part name."""
-    made: dict[str, list[Part]] = {}
+    parts_by_process: dict[str, list[Part]] = {}
     for part in closed.parts:
         if part.made == "made":
-            made.setdefault(maker(design, part), []).append(part)
+            parts_by_process.setdefault(maker(design, part), []).append(part)
     known = processes(design.printer)
-    return tuple(_of_process(name, known[name], parts, prints) for name, parts in made.items())
+    return tuple(_of_process(name, known[name], parts, prints) for name, parts in parts_by_process.items())
 
 
-def by_part(found: tuple[ProcessEstimate, ...]) -> dict[str, PartEstimate]:
+def by_part(process_estimates: tuple[ProcessEstimate, ...]) -> dict[str, PartEstimate]:
     """Return the estimates of all parts by name."""
-    return {part.name: part for each in found for part in each.parts}
+    return {part.name: part for estimate in process_estimates for part in estimate.parts}
 
 
-def lines(design: Design, found: tuple[ProcessEstimate, ...]) -> list[str]:
+def lines(design: Design, process_estimates: tuple[ProcessEstimate, ...]) -> list[str]:
     """Return what each process takes as sentences."""
-    return [_line(each, processes(design.printer)[each.process]) for each in found]
+    return [_line(estimate, processes(design.printer)[estimate.process]) for estimate in process_estimates]
 
 
-def _line(each: ProcessEstimate, process: Process) -> str:
-    count = f"{len(each.parts)} part" + "s" * (len(each.parts) != 1)
-    on = f" on {each.plates} plate" + "s" * (each.plates != 1) if each.plates else ""
-    what = f"{each.mass.span()} of {'material' if each.plates else 'stock'}"
+def _line(estimate: ProcessEstimate, process: Process) -> str:
+    count = f"{len(estimate.parts)} part" + "s" * (len(estimate.parts) != 1)
+    on = f" on {estimate.plates} plate" + "s" * (estimate.plates != 1) if estimate.plates else ""
+    what = f"{estimate.mass.span()} of {'material' if estimate.plates else 'stock'}"
     prices = f"{process.price:g} EUR/kg and {process.rate:g} EUR/h"
-    return f"By {each.process}, {count}{on}: {what}, {each.time.span()}, {each.cost.span()} at {prices}."
+    return (
+        f"By {estimate.process}, {count}{on}: {what}, {estimate.time.span()}, {estimate.cost.span()} "
+        f"at {prices}."
+    )
 
 
 def _of_process(
     name: str, process: Process, parts: list[Part], prints: Mapping[str, trimesh.Trimesh]
 ) -> ProcessEstimate:
     shapes = {part.name: prints[part.name] for part in parts}
-    took = {part.name: _taken(part, shapes[part.name], process) for part in parts}
+    took = {part.name: _effort(part, shapes[part.name], process) for part in parts}
     if process.layer > 0:
         lying = [Laid(n, *map(float, shape.extents)) for n, shape in shapes.items()]
         groups = [[part.name for part in plate] for plate in plates(lying, process)]
@@ -127,21 +130,21 @@ def _of_process(
             grams = took[n].volume * process.density / 1000
             cost[n] = _cost(grams, share, process.setup / MINUTES / len(group), process)
     basis = _basis(process)
-    found = tuple(
+    part_estimates = tuple(
         PartEstimate(n, name, _mass(took[n], process), _time(took[n].seconds / HOUR, process), cost[n], basis)
         for n in took
     )
-    mass, price = _sum([part.mass for part in found]), _sum([part.cost for part in found])
+    mass, price = _sum([part.mass for part in part_estimates]), _sum([part.cost for part in part_estimates])
     return ProcessEstimate(
-        name, found, len(groups) if process.layer else 0, mass, _time(hours, process), price
+        name, part_estimates, len(groups) if process.layer else 0, mass, _time(hours, process), price
     )
 
 
-def _taken(part: Part, shape: trimesh.Trimesh, process: Process) -> Spent:
+def _effort(part: Part, shape: trimesh.Trimesh, process: Process) -> Spent:
     if not process.layer:
-        return machined(part, process)
+        return machining(part, process)
     if process.exposure > 0:
-        return Spent(part.volume, exposed(float(shape.extents[2]), process))
+        return Spent(part.volume, exposure_time(float(shape.extents[2]), process))
     return filament(shape, process, notched=part.role is PartRole.COMB)
 
 
@@ -151,8 +154,8 @@ def _basis(process: Process) -> str:
     return MILLED if process.removal_rate > 0 else WIRED
 
 
-def _mass(taken: Spent, process: Process) -> Estimate:
-    grams = taken.volume * process.density / 1000
+def _mass(effort: Spent, process: Process) -> Estimate:
+    grams = effort.volume * process.density / 1000
     return Estimate(grams, grams * process.mass_error, "g")
 
 

@@ -17,7 +17,7 @@ from skincad.fabrication.electrodes import PITCH, half_tab
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import SlotPlace, section
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
 BEND = 50.0  # thicknesses of film, assumption: radius of a bend, 1 % of strain; it yields at 1.5 (strips.py)
@@ -28,9 +28,9 @@ class FanOut(NamedTuple):
     far the outermost is bent aside, and the lead that takes, mm."""
 
     strips: tuple[SlotPlace, ...]
-    apart: float
+    tab_gap: float
     spacing: float
-    aside: float
+    offset: float
     lead: float
 
 
@@ -39,55 +39,56 @@ def fan_out(design: Design) -> FanOut | None:
     film, slot = design.film, design.slot
     if film is None or slot is None:
         return None
-    made = poured(design) if design.mold.method == "cast-in" else design
-    strips = tuple(sorted(section(made).slots, key=lambda place: place.centre.x))
+    cast = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design
+    strips = tuple(sorted(section(cast).slots, key=lambda place: place.centre.x))
     half = half_tab(film, slot.depth)
     tabs = [shapely.LineString([s.at(0.0, -half), s.at(0.0, half)]) for s in strips]
     middle = (len(strips) - 1) / 2
-    aside = max(abs(PITCH * (i - middle) - s.centre.x) for i, s in enumerate(strips))
+    offset = max(abs(PITCH * (i - middle) - s.centre.x) for i, s in enumerate(strips))
     return FanOut(
         strips,
         min(a.distance(b) for a, b in pairwise(tabs)) - film.thickness,
         min(b.centre.x - a.centre.x for a, b in pairwise(strips)),
-        aside,
-        _lead(aside, BEND * film.thickness),
+        offset,
+        _lead(offset, BEND * film.thickness),
     )
 
 
-def _lead(aside: float, radius: float) -> float:
-    """How long an S is that goes `aside` by two arcs of a radius and a straight between, mm."""
+def _lead(offset: float, radius: float) -> float:
+    """Length of an S of two arcs and a straight, which moves a lead aside by `offset`, mm."""
     by_arcs = 2 * radius * (1 - math.cos(MOST_TURN))
-    if aside <= by_arcs:
-        return 2 * radius * math.acos(1 - aside / 2 / radius)
-    return 2 * radius * MOST_TURN + (aside - by_arcs) / math.sin(MOST_TURN)
+    if offset <= by_arcs:
+        return 2 * radius * math.acos(1 - offset / 2 / radius)
+    return 2 * radius * MOST_TURN + (offset - by_arcs) / math.sin(MOST_TURN)
 
 
-def fanned(design: Design) -> list[str]:
+def fan_out_steps(design: Design) -> list[str]:
     """Return how tabs are brought to a board, for the casting sheet; nothing without film."""
-    found, film = fan_out(design), design.film
-    if found is None or film is None:
+    spread, film = fan_out(design), design.film
+    if spread is None or film is None:
         return []
-    first, *_, last = found.strips
-    crossed = " Tabs cross as the slots hold them." if found.apart <= 0 else ""
+    first, *_, last = spread.strips
+    crossed = " Tabs cross as the slots hold them." if spread.tab_gap <= 0 else ""
     room = (
         f"the lead of {film.lead:g} mm is long enough"
-        if film.lead >= found.lead
+        if film.lead >= spread.lead
         else f"film.lead is {film.lead:g} mm, so give the outer ones single plugs on wires"
     )
     return [
         f"Bring the tabs to a board (strip-board.kicad_mod), strip by strip from {first.ridge} {first.side} "
         f"to {last.ridge} {last.side}.{crossed} Turn each tab upright, its cut corner to the ridges, crimp a "
-        f"contact on each pad, and spread the tabs from {found.spacing:.2f} mm at the slots to {PITCH:g} mm. "
-        f"The outermost ones go {found.aside:.1f} mm aside, in a lead of {found.lead:.1f} mm at least; "
+        f"contact on each pad, and spread the tabs from {spread.spacing:.2f} mm at the slots to {PITCH:g} "
+        "mm. "
+        f"The outermost ones go {spread.offset:.1f} mm aside, in a lead of {spread.lead:.1f} mm at least; "
         f"{room}. Don't pull: what bends is the lead, not what is in the skin."
     ]
 
 
 def fan_out_findings(design: Design) -> Iterator[Finding]:
     """A note where tabs cross. That contacts side by side need a longer lead, the casting sheet says."""
-    found, film = fan_out(design), design.film
-    if found is None or film is None or found.apart > 0:
+    spread, film = fan_out(design), design.film
+    if spread is None or film is None or spread.tab_gap > 0:
         return
     where = "tabs of neighbouring strips, which cross as their slots hold them"
     remedy = "turn each tab upright on its lead before the next one is laid in; or a smaller slot.tilt"
-    yield Finding("strip tabs", where, found.apart, 0.0, "mm", "note", remedy)
+    yield Finding("strip tabs", where, spread.tab_gap, 0.0, "mm", "note", remedy)

@@ -10,10 +10,10 @@ from skincad.inputs.design import Design
 from skincad.solids.body import Bore
 from skincad.solids.layout import cavity_process
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores, own
+from skincad.solids.plan import bores, unturned
 from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
-from skincad.solids.screws import LENGTHS, PITCH, into, longer
-from skincad.solids.shrinkage import poured
+from skincad.solids.screws import LENGTHS, PITCH, screw_for, standard_length
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: ISO 8734, nominal lengths of parallel pins of 2 mm
@@ -43,9 +43,11 @@ def cover_screws(design: Design, closed: ClosedMold) -> Screws | None:
     if not screws:
         return None
     passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
-    held = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
+    thread_length = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     split = bool(closed.of(PartRole.BASE))
-    long, washers = into(screws[0].length + passed, held, cavity_process(design), bottomed=split)
+    long, washers = screw_for(
+        screws[0].length + passed, thread_length, cavity_process(design), bottomed=split
+    )
     return Screws(len(screws), long, washers)
 
 
@@ -56,20 +58,20 @@ def end_screws(design: Design, closed: ClosedMold) -> Screws:
         count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in closed.of(*END_PLATES))
         threads = bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD)
         process, plate, deep = cavity_process(design), design.mold.end_plate, min(b.length for b in threads)
-        long, washers = into(plate, deep, process, bottomed=True)
-        bottoming = process.thread == "tapped" and into(plate, deep, process)[1] > washers
+        long, washers = screw_for(plate, deep, process, bottomed=True)
+        bottoming = process.thread == "tapped" and screw_for(plate, deep, process)[1] > washers
         return Screws(count, long, washers, bottoming=bottoming)
     cuts = [cut.role for part in closed.of(*END_PLATES) if part.end == "b" for cut in part.cuts]
     sunk, tapped = cuts.count(CutRole.NUT), cuts.count(CutRole.END_THREAD)
     count = cuts.count(CutRole.END_BOLT) + tapped
-    through = poured(design).skin.length + 2 * design.mold.end_plate
-    long = longer(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
+    through = scaled_for_shrinkage(design).skin.length + 2 * design.mold.end_plate
+    long = standard_length(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
     return Screws(count, long, nuts=0 if tapped else count * (2 if long > LENGTHS[-1] else 1))
 
 
 def dowels(closed: ClosedMold) -> dict[float, int]:
     """Return how many dowels there are of each greatest length, mm, whole tenths."""
-    pins = (own(part).body for part in closed.of(*PINS))
+    pins = (unturned(part).body for part in closed.of(*PINS))
     return dict(Counter(math.floor(10 * pin.length) / 10 for pin in pins if isinstance(pin, Bore)))
 
 

@@ -1,4 +1,4 @@
-"""What a print of molten filament takes: its material and time, by the lines of its layers.
+"""Material and time of a print of molten filament, by the lines of its layers.
 
 Each layer has loops along its contours, a filled rest, and ways between them. The layers' sections are the
 print mesh's. No number here is fitted: those of the machine are the process's, the rest is what PrusaSlicer
@@ -15,8 +15,8 @@ import numpy as np
 import trimesh
 from manifold3d import CrossSection, Manifold, Mesh
 
-from skincad.fabrication.printed_heights import CLOSED
-from skincad.fabrication.strokes import DIAGONAL, JERK, filled, looped, moves
+from skincad.fabrication.printed_heights import SLICE_CLOSING
+from skincad.fabrication.strokes import DIAGONAL, JERK, contour_moves, fill_moves, moves
 from skincad.inputs.process import Process
 
 SAMPLES = 16  # layers that are looked at; they stand for those between
@@ -24,7 +24,7 @@ OVERLAP = 0.25  # of a line, source: PrusaSlicer's infill_overlap, by which what
 SOLID_BELOW = 70.0  # mm2, source: PrusaSlicer's solid_infill_below_area
 RETRACTED, RETRACT_SPEED = 2.0, 40.0  # mm, mm/s, source: PrusaSlicer's retract_length and _speed
 RETRACT_ACCELERATION, RETRACT_JERK = 1500.0, 2.5  # mm/s2, mm/s, source: PrusaSlicer's machine limits
-COARSE = 0.01  # mm, by which contours are simplified: far below a line
+CONTOUR_TOLERANCE = 0.01  # mm, by which contours are simplified: far below a line
 
 
 class Spent(NamedTuple):
@@ -46,7 +46,7 @@ def filament(shape: trimesh.Trimesh, process: Process, notched: bool = False) ->
     solid = Manifold(Mesh(shape.vertices.astype(np.float32), shape.faces.astype(np.uint32)))
     count = max(1, round(float(shape.bounds[1, 2]) / process.layer))
     sections, known = _Sections(solid, process.layer, count, notched), dict[tuple[int, ...], Spent]()
-    volume = seconds = held = 0.0
+    volume = seconds = sampled = 0.0
     for layer, stands_for in _sampled(count):
         stack = sections.stack(layer, 0 if process.infill >= 1 else process.shells)
         key = (layer == 0, *map(id, stack))
@@ -54,8 +54,8 @@ def filament(shape: trimesh.Trimesh, process: Process, notched: bool = False) ->
             known[key] = _layer(stack, process, bottom=layer == 0)
         volume += stands_for * known[key].volume
         seconds += stands_for * known[key].seconds
-        held += stands_for * stack[0].area() * process.layer
-    scale = float(shape.volume) / held if held > 0 else 0.0  # what samples miss
+        sampled += stands_for * stack[0].area() * process.layer
+    scale = float(shape.volume) / sampled if sampled > 0 else 0.0  # what samples miss
     return Spent(volume * scale, seconds * scale)
 
 
@@ -77,45 +77,45 @@ class _Sections:
 
     def stack(self, layer: int, reach: int) -> tuple[CrossSection, ...]:
         """Return a layer's section, then those of other shape up to `reach` layers below and above it."""
-        found = [self._at(layer)]
+        sections = [self._at(layer)]
         for step in range(1, reach + 1):
             for near in (self._at(layer - step), self._at(layer + step)):
-                if not any(near is other for other in found):
-                    found.append(near)
-        return tuple(found)
+                if not any(near is other for other in sections):
+                    sections.append(near)
+        return tuple(sections)
 
     def _at(self, layer: int) -> CrossSection:
         """A layer's section, narrow gaps closed; an empty one below and above the print."""
         raw = CrossSection()
         if 0 <= layer < self._count:
-            raw = self._solid.slice((layer + 0.5) * self._layer).simplify(COARSE)
+            raw = self._solid.slice((layer + 0.5) * self._layer).simplify(CONTOUR_TOLERANCE)
         sign = raw.num_contour(), raw.num_vert(), round(raw.area(), 6)
         if sign not in self._kept:
             if self._notched:
-                raw = raw.offset(CLOSED / 2).offset(-CLOSED / 2).simplify(COARSE)
+                raw = raw.offset(SLICE_CLOSING / 2).offset(-SLICE_CLOSING / 2).simplify(CONTOUR_TOLERANCE)
             self._kept[sign] = raw
         return self._kept[sign]
 
 
 def _layer(stack: tuple[CrossSection, ...], process: Process, bottom: bool) -> Spent:
     """What the first layer of a stack takes; the `bottom` one of a print is laid slowly."""
-    section, apart, firm = stack[0], spacing(process), process.acceleration
+    section, pitch, firm = stack[0], spacing(process), process.acceleration
     length = seconds = 0.0
     for loop in range(process.loops):
         speed = process.outer_speed if loop == 0 else process.loop_speed
-        ring = section.offset(-(process.line / 2 + loop * apart))
-        line, time = looped(ring, process.first_speed if bottom else speed, firm)
+        ring = section.offset(-(process.line / 2 + loop * pitch))
+        line, time = contour_moves(ring, process.first_speed if bottom else speed, firm)
         length, seconds = length + line, seconds + time
-    inside = process.line / 2 + (process.loops - 0.5) * apart - OVERLAP * process.line
+    inside = process.line / 2 + (process.loops - 0.5) * pitch - OVERLAP * process.line
     core, speed = section.offset(-inside), process.first_speed if bottom else process.fill_speed
     sparse = _sparse(stack, core, process)
-    _, line, time = filled(core - sparse, apart, speed, firm)
+    _, line, time = fill_moves(core - sparse, pitch, speed, firm)
     length, seconds = length + line, seconds + time
     if process.infill > 0:
-        wide = apart / process.infill
-        count, line, time = filled(sparse, wide, speed, firm)
+        wide = pitch / process.infill
+        count, line, time = fill_moves(sparse, wide, speed, firm)
         length, seconds = length + line + count * DIAGONAL * wide, seconds + time
-    return Spent(length * apart * process.layer, seconds + _ways(section, process))
+    return Spent(length * pitch * process.layer, seconds + _ways(section, process))
 
 
 def _sparse(stack: tuple[CrossSection, ...], core: CrossSection, process: Process) -> CrossSection:
@@ -138,11 +138,11 @@ def _ways(section: CrossSection, process: Process) -> float:
         return 0.0
     left, low, right, high = section.bounds()
     far = math.sqrt((right - left) * (high - low) / contours)
-    drawn = moves(RETRACTED, 1, RETRACT_SPEED, RETRACT_JERK, RETRACT_ACCELERATION)
+    retraction = moves(RETRACTED, 1, RETRACT_SPEED, RETRACT_JERK, RETRACT_ACCELERATION)
 
-    near = moves(2 * process.line, 1, process.travel_speed, JERK, process.acceleration)
-    across = moves(far, 1, process.travel_speed, JERK, process.acceleration)
+    near_move = moves(2 * process.line, 1, process.travel_speed, JERK, process.acceleration)
+    far_move = moves(far, 1, process.travel_speed, JERK, process.acceleration)
     islands = len(section.decompose())
     far_ways = 2 * contours + (process.loops - 1) * islands
     near_ways = (process.loops - 1) * (contours - islands)
-    return float(far_ways * (2 * drawn + across) + near_ways * near)
+    return float(far_ways * (2 * retraction + far_move) + near_ways * near_move)

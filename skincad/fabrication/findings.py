@@ -29,7 +29,7 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
     `closed` saves the planning of the mold. Print meshes are looked at for overhangs only; no CAD kernel.
     """
     closed = closed or mold(design)
-    found = [
+    findings = [
         *process_findings(design, closed),
         *crest_findings(design, closed),
         *shim_findings(design),
@@ -39,39 +39,43 @@ def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Fi
         *material_findings(design),
         *undercut_findings(design),
     ]
-    return sorted(found, key=lambda finding: _ORDER[finding.severity])
+    return sorted(findings, key=lambda finding: _ORDER[finding.severity])
 
 
 def process_findings(design: Design, closed: ClosedMold) -> list[Finding]:
-    """Return what each part's process can't make of it, with the processes that could. Twin parts of the two
-    ends are told once."""
+    """Return what each part's process can't make of it, with the processes that could. Equal parts of
+    the two ends make one finding."""
     known = processes(design.printer)
-    told: dict[tuple[str, str], Finding] = {}
+    findings: dict[tuple[str, str], Finding] = {}
     for part in closed.parts:
         if part.made != "made":
             continue
         name = maker(design, part)
         case = Case(design, part, name, known[name])
-        fresh = [f for f in judged(case) if (f.rule, f.where) not in told]
+        fresh = [f for f in part_findings(case) if (f.rule, f.where) not in findings]
         if fresh:
-            others = {n: judged(replace(case, name=n, process=p)) for n, p in known.items() if n != name}
-            told |= {(f.rule, f.where): _with_others(f, others) for f in fresh}
-    return list(told.values())
+            others = {
+                n: part_findings(replace(case, name=n, process=p)) for n, p in known.items() if n != name
+            }
+            findings |= {(f.rule, f.where): _with_others(f, others) for f in fresh}
+    return list(findings.values())
 
 
-def judged(case: Case) -> list[Finding]:
+def part_findings(case: Case) -> list[Finding]:
     """Return the findings of one part by one process."""
-    told: dict[tuple[str, str], Finding] = {}
+    findings: dict[tuple[str, str], Finding] = {}
     for finding in (finding for rule in ALL_RULES for finding in rule(case)):
-        told.setdefault((finding.rule, finding.where), finding)
-    return list(told.values())
+        findings.setdefault((finding.rule, finding.where), finding)
+    return list(findings.values())
 
 
-def _with_others(finding: Finding, others: dict[str, list[Finding]]) -> Finding:
+def _with_others(finding: Finding, findings_by_process: dict[str, list[Finding]]) -> Finding:
     """Add to a remedy the processes that make the part without a warning and without this finding."""
     able = [
         name
-        for name, found in others.items()
-        if not any(f.severity != "note" or (f.rule, f.where) == (finding.rule, finding.where) for f in found)
+        for name, findings in findings_by_process.items()
+        if not any(
+            f.severity != "note" or (f.rule, f.where) == (finding.rule, finding.where) for f in findings
+        )
     ]
     return replace(finding, remedy=f"{finding.remedy}; or by {' or '.join(able)}") if able else finding

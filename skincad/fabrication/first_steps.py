@@ -1,4 +1,4 @@
-"""What is done to the made parts before the mold is closed for the first time: lines of the casting sheet."""
+"""Preparation of the made parts before the mold is first closed: lines of the casting sheet."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, bores
 
 
-def prepared(design: Design, closed: ClosedMold) -> str:
+def preparation(design: Design, closed: ClosedMold) -> str:
     """Return how the made parts become a mold: degreased, sealed, threaded, pinned, tried, the carrier
     weighed."""
     parts = [part for part in closed.parts if part.made == "made"]
-    steps = [*_sealed(design, parts), *_threaded(design, parts), *_pinned(parts), _tried(design)]
+    steps = [*_sealing(design, parts), *_threading(design, parts), *_pinning(parts), _dry_fit(design)]
     last = "Weigh the carrier and write it down: the inspection takes it off the skin's mass."
     return " ".join([*steps, "Degrease all parts and let them dry.", last])
 
 
-def _sealed(design: Design, parts: list[Part]) -> Iterator[str]:
+def _sealing(design: Design, parts: list[Part]) -> Iterator[str]:
     """What keeps a resin from stopping the silicone's cure."""
     if not silicone(design).platinum_cure:
         return
     names = [part.name for part in parts if process_of(design, part).inhibits_platinum]
     coats = {coating(design, process_of(design, part)) for part in parts} - {0.0}
     if names:
-        which = "all parts" if len(names) == len(parts) else _and(names)
+        which = "all parts" if len(names) == len(parts) else _listed(names)
         seal = "".join(f", then seal with a coat of {coat:g} mm" for coat in sorted(coats))
         yield f"Wash, post-cure and bake {which} by the resin's data sheet{seal}."
 
 
-def _threaded(design: Design, parts: list[Part]) -> Iterator[str]:
+def _threading(design: Design, parts: list[Part]) -> Iterator[str]:
     """Threads by what brings them: the tap, or an insert."""
     where: dict[str, list[str]] = {}
     for part in parts:
@@ -44,29 +44,29 @@ def _threaded(design: Design, parts: list[Part]) -> Iterator[str]:
     for what, names in where.items():
         kind, _, how = what.partition(" insert, ")
         if how:
-            yield f"Set the {kind} inserts ({how}) into {_and(names)}."
+            yield f"Set the {kind} inserts ({how}) into {_listed(names)}."
             continue
         name, _, deep = what.partition(" x ")
-        yield f"Tap the {name} threads of {_and(names)}" + (f", {deep} mm deep (mount)." if deep else ".")
+        yield f"Tap the {name} threads of {_listed(names)}" + (f", {deep} mm deep (mount)." if deep else ".")
 
 
-def _pinned(parts: list[Part]) -> Iterator[str]:
+def _pinning(parts: list[Part]) -> Iterator[str]:
     """Where the pins are pressed in."""
     roles = sorted(PINNED, key=lambda role: role.name)
-    pressed = [p.name for p in parts if any(is_pressed(p, role) and bores(p, role) for role in roles)]
-    if pressed:
-        yield f"Press the dowel pins into {_and(pressed)}."
+    names = [p.name for p in parts if any(is_pressed(p, role) and bores(p, role) for role in roles)]
+    if names:
+        yield f"Press the dowel pins into {_listed(names)}."
 
 
-def _tried(design: Design) -> str:
+def _dry_fit(design: Design) -> str:
     """What must fit before silicone is mixed."""
     fits = ["end plates and cover slide onto their pins", "the carrier drops onto its ledge"]
     if design.slot is not None and design.mold.method == "shim":
         fits.append("each shim drops into its notches by itself")
     elif design.slot is not None and design.film is not None:
         fits.append("a spare strip drops into each notch by itself")
-    return f"Try, dry: {_and(fits)}."
+    return f"Try, dry: {_listed(fits)}."
 
 
-def _and(words: list[str]) -> str:
+def _listed(words: list[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]

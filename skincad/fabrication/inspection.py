@@ -1,4 +1,4 @@
-"""What to measure on the cast skin, and within which limits it is what its process makes.
+"""Measurements on the cast skin, and the limits within which it is as good as its process allows.
 
 Limits hold what good parts of the process do: all rows together reject ODDS of them. What they mean for the
 verdict is said beside them (crest_limits.py).
@@ -12,13 +12,13 @@ from functools import partial
 from typing import NamedTuple
 
 from skincad.fabrication.crest_limits import (
-    SCATTER,
+    SHRINKAGE_SCATTER,
     Crests,
     crest_limits,
-    layers_say,
+    layer_remarks,
     offset_of,
-    thickness_says,
-    verdict_says,
+    thickness_remarks,
+    verdict_remark,
 )
 from skincad.fabrication.pattern import strip_patterns
 from skincad.fabrication.rules import walls_close
@@ -39,8 +39,8 @@ MICROSCOPE = 0.005  # mm, assumption: standard deviation of a crest's place alon
 CALLIPERS = 0.01  # mm, assumption: standard deviation of a soft part's width
 BALANCE = 0.001  # g, assumption: a laboratory balance
 DENSITY = 0.01  # relative, assumption: standard deviation of a data sheet's density of a cured silicone
-FLASH = 0.02  # of the silicone's mass, assumption: what may be left on
-MEASURED = (
+FLASH_SHARE = 0.02  # of the silicone's mass, assumption: what may be left on
+MEASURED_NOTE = (
     "`skincad check design.toml --measured crests.csv` judges all crest heights together, from a CSV with "
     "columns `ridge,crest_mm`, the first and the third of the table: its verdict counts, not each crest's."
 )
@@ -75,10 +75,10 @@ def inspection(
     used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
     crests = crest_limits(design, closed)
-    said = [*layers_say(design, closed, crests), *thickness_says(design, crests)]
-    said.append(verdict_says(design, crests, allowed_drops, margin))
+    said = [*layer_remarks(design, closed, crests), *thickness_remarks(design, crests)]
+    said.append(verdict_remark(design, crests, allowed_drops, margin))
     if design.skin.curvature_radius_y is None and design.ridge.count > 1:
-        said.append(MEASURED)
+        said.append(MEASURED_NOTE)
     return Inspection(crests, tuple(_measures(design, closed, crests)), tuple(said))
 
 
@@ -97,13 +97,13 @@ def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measur
         rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
         how = f"microscope, from crest 1 to crest {ridge.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
-        rows.append(_across("mean pitch", ridge.spacing, 2 * body.tolerance / spans, tool, crests, how))
+        rows.append(_size("mean pitch", ridge.spacing, 2 * body.tolerance / spans, tool, crests, how))
     what, end_to_end = _length(design)
     how = "callipers, lightly"
     near = walls_close(design, body)
     wide, long = skin.width - 2 * near, end_to_end + 2 * near
-    rows.append(_across("width across the back", wide, 2 * body.tolerance, CALLIPERS, crests, how))
-    rows.append(_across(what, long, 2 * end.tolerance, CALLIPERS, crests, how))
+    rows.append(_size("width across the back", wide, 2 * body.tolerance, CALLIPERS, crests, how))
+    rows.append(_size(what, long, 2 * end.tolerance, CALLIPERS, crests, how))
     return [*rows, _mass(design, closed, crests)]
 
 
@@ -117,9 +117,9 @@ def _length(design: Design) -> tuple[str, float]:
     )
 
 
-def _across(what: str, nominal: float, mold: float, tool: float, crests: Crests, how: str) -> Measure:
+def _size(what: str, nominal: float, mold: float, tool: float, crests: Crests, how: str) -> Measure:
     """A size across: the mold's surfaces lie `mold` mm off at most, the batch and the tool scatter."""
-    spread = mold + crests.deviations * math.hypot(SCATTER * nominal, tool)
+    spread = mold + crests.deviations * math.hypot(SHRINKAGE_SCATTER * nominal, tool)
     return Measure(what, nominal, nominal - spread, nominal + spread, "mm", how)
 
 
@@ -127,22 +127,22 @@ def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
     """What stays on the carrier: skin, rivets, the vent's plug and films. Too light means a bubble or a short
     shot, too heavy means flash."""
     density, skin = silicone(design).density * 1e-6, design.skin
-    held = bores(closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
+    holes = bores(closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
     films, glue = _films(design)
-    body = density * (skin_part(design).volume + _more(design) + glue)
-    rubber = body + density * math.fsum(map(partial(_left_open, design), held))
+    body = density * (skin_part(design).volume + _extra_volume(design) + glue)
+    rubber = body + density * math.fsum(map(partial(_hole_volume, design), holes))
     process = processes(design.printer)[design.mold.process]
     sides = process.tolerance * math.sqrt(2 / 3) * math.hypot(1 / skin.width, 1 / skin.length)  # two, evenly
     shape = body * math.hypot(crests.mean / crests.deviations / skin.thickness, sides)
-    spread = math.hypot(rubber * DENSITY, rubber * 3 * SCATTER, shape, BALANCE) * crests.deviations
-    its = [word for word, there in (("rivets", len(held) > 1), ("films", films > 0)) if there]
+    spread = math.hypot(rubber * DENSITY, rubber * 3 * SHRINKAGE_SCATTER, shape, BALANCE) * crests.deviations
+    its = [word for word, there in (("rivets", len(holes) > 1), ("films", films > 0)) if there]
     what = "mass of the skin" + (f" with {' and '.join(its)}" if its else "")
     how = "balance, cut flush with the carrier's top, less what the carrier weighed"
     nominal = rubber + films
-    return Measure(what, nominal, nominal - spread, nominal + spread + FLASH * rubber, "g", how)
+    return Measure(what, nominal, nominal - spread, nominal + spread + FLASH_SHARE * rubber, "g", how)
 
 
-def _more(design: Design) -> float:
+def _extra_volume(design: Design) -> float:
     """Return how much more silicone a mold takes than drawn, mm3, to first order in what comes out.
 
     Where walls come nearer by w, so does the ledge, on which the back lies: of the section w times (the cast
@@ -156,7 +156,7 @@ def _more(design: Design) -> float:
     return (drawn - less) * (skin.length + 2 * near) - drawn * skin.length
 
 
-def _left_open(design: Design, bore: Bore) -> float:
+def _hole_volume(design: Design, bore: Bore) -> float:
     """Volume of a carrier's hole as it comes out, mm3: by its mean radius."""
     near = walls_close(design, lid_process(design))
     return bore.volume * max(0.0, 1 - 2 * near / (bore.radius + bore.far_radius)) ** 2
@@ -170,5 +170,5 @@ def _films(design: Design) -> tuple[float, float]:
     count, long = 2 * design.ridge.count, design.skin.length
     beside = section(design).slots[0].thickness - film.thickness
     glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
-    trimmed = math.fsum(area(strip.kept) for strip in strip_patterns(design))
+    trimmed = math.fsum(area(strip.trimmed) for strip in strip_patterns(design))
     return film.thickness * trimmed * PVDF_DENSITY * 1e-6, glue

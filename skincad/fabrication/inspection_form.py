@@ -2,38 +2,38 @@
 
 from __future__ import annotations
 
-from skincad.fabrication.crest_limits import GAUGE
+from skincad.fabrication.crest_limits import GAUGE_SIGMA
 from skincad.fabrication.inspection import Inspection
 
 
-def inspection_lines(found: Inspection) -> list[str]:
+def inspection_lines(inspected: Inspection) -> list[str]:
     """Return the form as Markdown."""
-    limits = [f"±{limit:.3f}" for limit in found.crests.beside] or ["-"] * len(found.crests.heights)
+    limits = [f"±{limit:.3f}" for limit in inspected.crests.beside] or ["-"] * len(inspected.crests.heights)
     crests = [
         f"| {ridge} | {height:.3f} | | | | {limit} |"
-        for ridge, (height, limit) in enumerate(zip(found.crests.heights, limits, strict=True), 1)
+        for ridge, (height, limit) in enumerate(zip(inspected.crests.heights, limits, strict=True), 1)
     ]
     rows = [
         f"| {m.what} | {m.nominal:.3f} | {m.low:.3f} to {m.high:.3f} | | {m.unit} | {m.how} |"
-        for m in found.measures
+        for m in inspected.measures
     ]
     return [
         "## Inspection",
         "",
         "Measure the finished skin on its carrier, a day after the last cure. Crests first: each over "
         "the back, in the middle of its width and its length, by a microscope's focus or a profile projector "
-        f"that repeats to {GAUGE:g} mm; a dial gauge does it if it presses all crests alike.",
+        f"that repeats to {GAUGE_SIGMA:g} mm; a dial gauge does it if it presses all crests alike.",
         "",
         "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",
         "|---|---|---|---|---|---|",
         *crests,
         "",
-        *_by_hand(len(found.crests.heights)),
+        *_by_hand(len(inspected.crests.heights)),
         "| what | nominal | limits | measured | unit | with |",
         "|---|---|---|---|---|---|",
         *rows,
         "",
-        *(line for said in found.said for line in (said, "")),
+        *(line for remark in inspected.said for line in (remark, "")),
     ]
 
 

@@ -21,11 +21,11 @@ _SHORTEST = 1e-6  # mm; a shorter segment has no direction to speak of
 def edges(outline: Loop) -> list[tuple[Point, float]]:
     """Return every corner of an outline and the material's angle there in deg, 180 where it runs straight."""
     real = [s for s in outline if s.chord > _SHORTEST]
-    found = []
+    corners = []
     for before, after in zip([real[-1], *real[:-1]], real, strict=True):
         turn = math.remainder(_heading(after, 0.0) - _heading(before, 1.0), 2 * math.pi)
-        found.append((after.start, math.degrees(math.pi - turn)))
-    return found
+        corners.append((after.start, math.degrees(math.pi - turn)))
+    return corners
 
 
 def _heading(segment: Segment, fraction: float) -> float:

@@ -84,15 +84,15 @@ def cells(space: Void, tolerance: float) -> Cells:
         first = len(corners)
         if not isinstance(part.body, Prism | Bore):
             raise RefusedError(f"{part.name}: how it fills is known of prisms and bores alone")
-        made = _prism(part.body, tolerance) if isinstance(part.body, Prism) else _bore(part.body, tolerance)
-        corners += made.corners
-        owner += [index] * len(made.corners)
-        links += [(first + a, first + b) for a, b in made.pairs]
-        passages += made.passages
-        own = [face._replace(cell=first + face.cell) for face in made.faces]
-        faces += own
+        pieces = _prism(part.body, tolerance) if isinstance(part.body, Prism) else _bore(part.body, tolerance)
+        corners += pieces.corners
+        owner += [index] * len(pieces.corners)
+        links += [(first + a, first + b) for a, b in pieces.pairs]
+        passages += pieces.passages
+        part_faces = [face._replace(cell=first + face.cell) for face in pieces.faces]
+        faces += part_faces
         if part.open_at is not None:
-            up = [f for f in own if (f.axis, f.outward) == (2, 1)]
+            up = [f for f in part_faces if (f.axis, f.outward) == (2, 1)]
             outlets += [(f.cell, f.corners) for f in up if abs(f.corners[0, 2] - part.open_at) < TOUCH]
     for a, b, shared in _contacts(faces):
         links.append((a, b))
@@ -100,14 +100,14 @@ def cells(space: Void, tolerance: float) -> Cells:
     return Cells(tuple(corners), tuple(owner), tuple(links), tuple(passages), tuple(outlets), space.rim)
 
 
-def escape(made: Cells, up: Points) -> Array:
+def escape(partition: Cells, up: Points) -> Array:
     """Return for each cell the level above which its air can't leave, mm along `up`; -inf: no way out."""
     around: dict[int, list[tuple[int, float]]] = defaultdict(list)
-    for (a, b), height in zip(made.pairs, _tops(made.passages, up), strict=True):
+    for (a, b), height in zip(partition.pairs, _tops(partition.passages, up), strict=True):
         around[a].append((b, height))
         around[b].append((a, height))
-    level = np.full(len(made.corners), -np.inf)
-    queue = [(-float((corners @ up).max()), cell) for cell, corners in made.outlets]
+    level = np.full(len(partition.corners), -np.inf)
+    queue = [(-float((corners @ up).max()), cell) for cell, corners in partition.outlets]
     heapq.heapify(queue)
     while queue:
         height, cell = heapq.heappop(queue)
@@ -118,16 +118,16 @@ def escape(made: Cells, up: Points) -> Array:
             reached = min(-height, passage)
             if reached > level[other]:
                 heapq.heappush(queue, (-reached, other))
-    return level if made.rim is None else np.minimum(level, (made.rim @ up).min())
+    return level if partition.rim is None else np.minimum(level, (partition.rim @ up).min())
 
 
-def trapped(made: Cells, up: Points, ignored: frozenset[int] = frozenset()) -> list[Trapped]:
+def trapped(partition: Cells, up: Points, ignored: frozenset[int] = frozenset()) -> list[Trapped]:
     """Return the air that stays when a liquid rises along `up`, the largest first; none of the spaces
     `ignored`. Statics only: no viscosity, no wetting, and air is not compressed."""
-    level = escape(made, up)
-    tops = np.array(_tops(made.corners, up))
-    kept = [i for i in np.flatnonzero(tops > level + LEVEL) if made.space[i] not in ignored]
-    group = {int(i): int(i) for i in kept}
+    level = escape(partition, up)
+    tops = np.array(_tops(partition.corners, up))
+    airy = [i for i in np.flatnonzero(tops > level + LEVEL) if partition.space[i] not in ignored]
+    group = {int(i): int(i) for i in airy}
 
     def root(i: int) -> int:
         while group[i] != i:
@@ -135,24 +135,27 @@ def trapped(made: Cells, up: Points, ignored: frozenset[int] = frozenset()) -> l
             i = group[i]
         return i
 
-    for (a, b), height in zip(made.pairs, _tops(made.passages, up), strict=True):
+    for (a, b), height in zip(partition.pairs, _tops(partition.passages, up), strict=True):
         if a in group and b in group and height > max(level[a], level[b]) + LEVEL:
             group[root(a)] = root(b)
     members: dict[int, list[int]] = defaultdict(list)
     for cell in group:
         members[root(cell)].append(cell)
-    found = [_trapped(made, up, tuple(own), float(level[own[0]])) for own in members.values()]
-    return sorted(found, key=lambda air: -air.volume)
+    pockets = [
+        _trapped(partition, up, tuple(group_cells), float(level[group_cells[0]]))
+        for group_cells in members.values()
+    ]
+    return sorted(pockets, key=lambda air: -air.volume)
 
 
-def _trapped(made: Cells, up: Points, own: tuple[int, ...], level: float) -> Trapped:
-    points = np.vstack([made.corners[i] for i in own])
+def _trapped(partition: Cells, up: Points, members: tuple[int, ...], level: float) -> Trapped:
+    points = np.vstack([partition.corners[i] for i in members])
     heights = points @ up
     highest = points[int(np.argmax(heights))]
     lowest = max(level, float(heights.min()))
-    volume = math.fsum(_above(made.corners[i], up, level) for i in own)
+    volume = math.fsum(_above(partition.corners[i], up, level) for i in members)
     x, y, z = (float(v) for v in highest)
-    return Trapped(own, level, volume, (x, y, z), float(heights.max()) - lowest)
+    return Trapped(members, level, volume, (x, y, z), float(heights.max()) - lowest)
 
 
 def _above(corners: Points, up: Points, level: float) -> float:
@@ -183,28 +186,28 @@ def _prism(prism: Prism, tolerance: float) -> _Made:
     plane, third = np.vstack(loops), 1 if prism.axis == "y" else 2
     first = np.cumsum([0, *(len(points) for points in loops)])
     rim = {(i, a + (i - a + 1) % (b - a)) for a, b in pairwise(first) for i in range(a, b)}
-    made = _Made([], [], [], [])
+    pieces = _Made([], [], [], [])
     open_edges: dict[tuple[int, int], int] = {}
     low, high = (_lifted(plane, third, level) for level in (prism.low, prism.high))
     for cell, triangle in enumerate(np.asarray(triangulate(loops)).tolist()):
         ends = [low[triangle], high[triangle]]
-        made.corners.append(np.vstack(ends))
-        made.faces.extend([_Face(cell, third, sign, end) for sign, end in zip((-1, 1), ends, strict=True)])
+        pieces.corners.append(np.vstack(ends))
+        pieces.faces.extend([_Face(cell, third, sign, end) for sign, end in zip((-1, 1), ends, strict=True)])
         for edge in zip(triangle, (*triangle[1:], triangle[0]), strict=True):
             one, other = edge
             side = np.array([low[one], low[other], high[other], high[one]])
             if edge in rim:
                 if third == 1 and abs(plane[edge[0], 1] - plane[edge[1], 1]) < TOUCH:
                     outward = 1 if plane[edge[0], 0] > plane[edge[1], 0] else -1  # material on the left
-                    made.faces.append(_Face(cell, 2, outward, side))
+                    pieces.faces.append(_Face(cell, 2, outward, side))
             elif edge[::-1] in open_edges:
-                made.pairs.append((open_edges.pop(edge[::-1]), cell))
-                made.passages.append(side)
+                pieces.pairs.append((open_edges.pop(edge[::-1]), cell))
+                pieces.passages.append(side)
             else:
                 open_edges[edge] = cell
     if open_edges:
         raise RefusedError("a prism's triangles do not share all inner edges; report it with the design")
-    return made
+    return pieces
 
 
 def _lifted(points: Points, third: int, level: float) -> Points:

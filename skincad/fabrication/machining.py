@@ -1,4 +1,4 @@
-"""What a part takes that is cut from stock: the stock's mass, and the time by rates of removal and of faces.
+"""Stock and time of a part that is cut: the time follows from rates of removal and of faces.
 
 No slicer says these times; rates are assumptions, and the process's errors as wide.
 """
@@ -15,14 +15,14 @@ from skincad.inputs.process import Process
 from skincad.shape import curves
 from skincad.shape.curves import Loop, polygon
 from skincad.solids.body import Prism, Revolved, plain
-from skincad.solids.plan import Part, bores, own
+from skincad.solids.plan import Part, bores, unturned
 from skincad.solids.roles import PartRole
 
 MINUTE = 60.0  # s
 _CHORD = 0.01  # mm, of arcs: no rate is that sharp
 
 
-def machined(part: Part, process: Process) -> Spent:
+def machining(part: Part, process: Process) -> Spent:
     """Return the volume of a part's stock, mm3, and how long it is cut, s.
 
     A mill clears what stock has over the part and finishes all faces. A wire cuts the faces along its way
@@ -39,7 +39,7 @@ def machined(part: Part, process: Process) -> Spent:
 def _faces(part: Part, ends: bool) -> tuple[float, float]:
     """Area of a part's faces beside its bores, mm2, for a coarse tool and for a fine one; with its two `ends`
     or without."""
-    body = own(part).body
+    body = unturned(part).body
     if not isinstance(body, Prism):
         raise ValueError("a made part is a prism less its cuts")
     long = body.high - body.low

@@ -87,7 +87,7 @@ class Job:
     _solids: dict[Part, Any] = field(default_factory=dict, repr=False)
 
     @cached_property
-    def kept(self) -> dict[str, Any]:
+    def cache(self) -> dict[str, Any]:
         """What several files have, by name, made once by whoever writes the first of them."""
         return {}
 
@@ -167,7 +167,7 @@ class MakeResult(Result):
             "preview": self.preview,
             "parts": [part.as_json() for part in self.parts],
             "cavity_volume_mm3": self.cavity_volume,
-            "processes": [each.as_json() for each in self.estimates],
+            "processes": [process.as_json() for process in self.estimates],
             "findings": [finding.as_json() for finding in self.findings],
             "check": self.check and self.check.as_json(),
             "scenes": [scene.as_json() for scene in self.scenes],
@@ -198,12 +198,12 @@ def make(
     warning; `summary` says what was checked. Raises InputError for bad input, FaultError for a solid or a
     mesh that fails its own check.
     """
-    from skincad.fabrication.mounting import mounted
+    from skincad.fabrication.mounting import mount_of
 
     checked, solids = checked and not preview, solids or not preview
-    _check_asked(checked, tier, budget)
+    _check_choices(checked, tier, budget)
     _check_scenes(design, scenes)
-    closed = mold(design)  # bad input is told before the CAD kernel loads
+    closed = mold(design)  # bad input is refused before the CAD kernel loads
     _import_everything(solids, not preview)
     watch = Stopwatch(progress)
     verdict = None
@@ -214,11 +214,22 @@ def make(
             verdict = check(design, tier=tier, budget=budget)
     job, reports = _build(design, closed, verdict, watch, solids, not preview)
     job = replace(job, scenes=tuple(scenes))
-    volume = job.closed.first(PartRole.SKIN).volume
-    made = preview, solids, job, job.scenes
-    found = tuple(reports), job.findings, job.check, volume, watch.seconds(), *made
-    revision, mount = design.revision, mounted(design, closed)
-    return MakeResult(design.name, strict, *found, revision=revision, mount=mount, estimates=job.estimates)
+    return MakeResult(
+        name=design.name,
+        strict=strict,
+        parts=tuple(reports),
+        findings=job.findings,
+        check=job.check,
+        cavity_volume=job.closed.first(PartRole.SKIN).volume,
+        seconds=watch.seconds(),
+        preview=preview,
+        solids=solids,
+        job=job,
+        scenes=job.scenes,
+        revision=design.revision,
+        mount=mount_of(design, closed),
+        estimates=job.estimates,
+    )
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:
@@ -236,11 +247,11 @@ def summary(check: ContactCheck | None, findings: tuple[Finding, ...]) -> str:
     return f"mold: {counted(findings)}; contact: {check.verdict if check else 'not checked'}"
 
 
-def _check_asked(checked: bool, tier: str, budget: float | None) -> None:
+def _check_choices(checked: bool, tier: str, budget: float | None) -> None:
     """Raise InputError for a tier or a budget of a check that is left out, and for one that there is not."""
-    for key, given in (("tier", None if tier == "auto" else tier), ("budget", budget)):
-        if given is not None and not checked:
-            raise InputError(key, "is the check's, which is left out", given, "leave one of them out")
+    for key, value in (("tier", None if tier == "auto" else tier), ("budget", budget)):
+        if value is not None and not checked:
+            raise InputError(key, "is the check's, which is left out", value, "leave one of them out")
     if tier != "auto":
         tier_of(tier)
     require_goals(None, budget, "0.05")
@@ -249,10 +260,10 @@ def _check_asked(checked: bool, tier: str, budget: float | None) -> None:
 def _check_scenes(design: Design, scenes: Sequence[Result]) -> None:
     """Raise InputError for what is no simulated scene, or one of another skin."""
     names = set[str]()
-    for found in scenes:
-        scene = getattr(found, "scene", None)
+    for result in scenes:
+        scene = getattr(result, "scene", None)
         if scene is None:
-            raise InputError("scenes", "must be what simulate returns", found, "skincad.simulate(scene)")
+            raise InputError("scenes", "must be what simulate returns", result, "skincad.simulate(scene)")
         if scene.design != design:
             remedy = "skincad.load_scene(name, skin=design)"
             raise InputError("scenes", "must be of the skin that is made", scene.name, remedy)
@@ -288,21 +299,21 @@ def _build(
     from skincad.solids.skin import skin_part
 
     designed = skin_part(design)
-    asked, chord = asked_chord(design), print_chord(design)
+    allowed, chord = asked_chord(design), print_chord(design)
     with watch.stage("meshes"):
         meshes = {part.name: mesh(part, chord) for part in closed.parts}
         skin = mesh(designed, chord)
     job = Job(design, closed, meshes, skin, (), verdict)
-    made = [(designed, skin), *((part, meshes[part.name]) for part in closed.parts if part.made == "made")]
+    shapes = [(designed, skin), *((part, meshes[part.name]) for part in closed.parts if part.made == "made")]
     if solids:
         with watch.stage("solids"):
             for part in (designed, *closed.parts):
                 job.solid(part)
     if measured:
         with watch.stage("measuring"):
-            reports = [_report(part, job.solid(part).val(), shape, chord, asked) for part, shape in made]
+            reports = [_report(part, job.solid(part).val(), shape, chord, allowed) for part, shape in shapes]
     else:
-        reports = [PartReport(part.name, part.volume, _closed(shape), asked) for part, shape in made]
+        reports = [PartReport(part.name, part.volume, _is_closed(shape), allowed) for part, shape in shapes]
     _check_meshes(reports)
     with watch.stage("interference"):
         gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
@@ -310,17 +321,17 @@ def _build(
         findings = [*design_findings(design, closed), *interference(closed, fine)]
         findings += [*filling_findings(design, closed), *strip_findings(design)]
     with watch.stage("estimates"):
-        taken = estimates(design, closed, job.laid)
-    alone = by_part(taken)
+        effort = estimates(design, closed, job.laid)
+    alone = by_part(effort)
     reports = [replace(report, estimate=alone.get(report.name)) for report in reports]
-    return replace(job, findings=tuple(findings), estimates=taken), reports
+    return replace(job, findings=tuple(findings), estimates=effort), reports
 
 
-def _closed(mesh: Any) -> bool:
+def _is_closed(mesh: Any) -> bool:
     return bool(mesh.is_watertight and mesh.is_winding_consistent)
 
 
-def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> PartReport:
+def _report(part: Part, solid: Any, mesh: Any, chord: float, allowed: float) -> PartReport:
     from skincad.fabrication.measures import measure
     from skincad.solids.occ import volume
 
@@ -334,5 +345,5 @@ def _report(part: Part, solid: Any, mesh: Any, chord: float, asked: float) -> Pa
         watertight=seen.watertight,
         self_intersections=seen.self_intersections,
         deviation=seen.deviation,
-        asked_deviation=asked,
+        asked_deviation=allowed,
     )

@@ -1,4 +1,4 @@
-"""What a print mesh really is: its deviation, self-intersections, and whether parts interfere."""
+"""Measured properties of print meshes: deviation, self-intersections, and interference of parts."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from skincad.solids.roles import PartRole
 from skincad.solids.swept import Way, swept
 
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
-TOUCHING = 1e-9  # mm, by which faces may cross: corners of 0.1 m are rounded to some 1e-14 mm
-SLIVER = 1e-9  # mm3; a common volume below this is rounding of touching faces
+CROSSING_TOLERANCE = 1e-9  # mm, by which faces may cross: corners of 0.1 m are rounded to some 1e-14 mm
+LEAST_COMMON_VOLUME = 1e-9  # mm3; a common volume below this is rounding of touching faces
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,10 @@ def _crossing(mesh: trimesh.Trimesh) -> Mask:
 
 
 def _crossings(mesh: trimesh.Trimesh, suspects: Mask) -> int:
-    """Return how many of the faces `(n,)` cross another one by more than `TOUCHING`: the library also takes
-    some for crossing that lie in one plane but for rounding."""
+    """Return how many of the faces `(n,)` cross another one by more than `CROSSING_TOLERANCE`.
+
+    The library also reports faces that lie in one plane but for rounding.
+    """
     corners = np.asarray(mesh.triangles)
     low, high, count = corners.min(axis=1), corners.max(axis=1), 0
     for face in np.flatnonzero(suspects):
@@ -78,26 +80,32 @@ def _crossings(mesh: trimesh.Trimesh, suspects: Mask) -> int:
     return count
 
 
-def _cross(one: Array, other: Array) -> bool:
-    """Whether two triangles `(3, 3)` mm cut each other by more than `TOUCHING`: the planes' common line runs
-    in both over more than that (Moeller, A fast triangle-triangle intersection test, 1997)."""
-    normals = [np.cross(t[1] - t[0], t[2] - t[0]) for t in (one, other)]
+def _cross(triangle_a: Array, triangle_b: Array) -> bool:
+    """Whether two triangles `(3, 3)` mm cut each other by more than `CROSSING_TOLERANCE`.
+
+    The planes' common line then runs in both over more than that. Source: Moeller, A fast triangle-triangle
+    intersection test, 1997.
+    """
+    normals = [np.cross(t[1] - t[0], t[2] - t[0]) for t in (triangle_a, triangle_b)]
     line = np.cross(normals[0], normals[1])
     if not line.any():
         return False
     spans = []
-    for triangle, plane, normal in ((one, other, normals[1]), (other, one, normals[0])):
-        aside = (triangle - plane[0]) @ normal / max(float(np.linalg.norm(normal)), sys.float_info.min)
-        if aside.min() >= -TOUCHING or aside.max() <= TOUCHING:
+    for triangle, plane, normal in (
+        (triangle_a, triangle_b, normals[1]),
+        (triangle_b, triangle_a, normals[0]),
+    ):
+        distances = (triangle - plane[0]) @ normal / max(float(np.linalg.norm(normal)), sys.float_info.min)
+        if distances.min() >= -CROSSING_TOLERANCE or distances.max() <= CROSSING_TOLERANCE:
             return False
         along = triangle @ line / np.linalg.norm(line)
         ends = [
-            along[i] + (along[j] - along[i]) * aside[i] / (aside[i] - aside[j])
+            along[i] + (along[j] - along[i]) * distances[i] / (distances[i] - distances[j])
             for i, j in ((0, 1), (1, 2), (2, 0))
-            if aside[i] * aside[j] < 0 or (aside[i] == 0) != (aside[j] == 0)
+            if distances[i] * distances[j] < 0 or (distances[i] == 0) != (distances[j] == 0)
         ]
         spans.append((min(ends), max(ends)))
-    return bool(min(spans[0][1], spans[1][1]) - max(spans[0][0], spans[1][0]) > TOUCHING)
+    return bool(min(spans[0][1], spans[1][1]) - max(spans[0][0], spans[1][0]) > CROSSING_TOLERANCE)
 
 
 def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
@@ -124,9 +132,9 @@ def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(points, mesh.faces, process=False, validate=False)
 
 
-def _mesh_set(*given: trimesh.Trimesh) -> pymeshlab.MeshSet:
+def _mesh_set(*shapes: trimesh.Trimesh) -> pymeshlab.MeshSet:
     meshes = pymeshlab.MeshSet(verbose=False)
-    for mesh in given:
+    for mesh in shapes:
         corners, faces = np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int32)
         meshes.add_mesh(pymeshlab.Mesh(corners, faces))
     return meshes
@@ -140,24 +148,24 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     """
     shapes = {part.name: _Shape(part, manifold(part, tolerance), tolerance) for part in assembled.parts}
     names = list(shapes)
-    found = [
+    findings = [
         _finding(f"{a} in {b}, closed", volume)
         for i, a in enumerate(names)
         for b, volume in _shared(shapes[a], [shapes[name] for name in names[i + 1 :]])
     ]
     for step in assembled.opening:
         moving = [shapes.pop(name) for name in step.parts]
-        for one in moving:
+        for shape in moving:
             safe_point()
-            name, way = one.part.name, swept(one.part, step.axis, step.travel, tolerance)
+            name, way = shape.part.name, swept(shape.part, step.axis, step.travel, tolerance)
             # the skin bends, and the strips in it: the undercut rule judges it
-            free = PartRole.CAVITY if one.part.role in (PartRole.SKIN, PartRole.STRIP) else None
+            free = PartRole.CAVITY if shape.part.role in (PartRole.SKIN, PartRole.STRIP) else None
             path = _Shape(way, manifold(way, tolerance), tolerance)
             others = [other for other in shapes.values() if other.part.role is not free]
             for other, volume in _shared(path, others):
                 where = f"{name} against {other}, opening along {_way(step.axis)}"
-                found.append(_finding(where, volume))
-    return found
+                findings.append(_finding(where, volume))
+    return findings
 
 
 class _Shape(NamedTuple):
@@ -168,10 +176,10 @@ class _Shape(NamedTuple):
     tolerance: float
 
 
-def _shared(one: _Shape, others: list[_Shape]) -> list[tuple[str, float]]:
+def _shared(shape: _Shape, others: list[_Shape]) -> list[tuple[str, float]]:
     """Which others share volume with a part, and how much, mm3."""
-    volumes = [(other.part.name, _common(one, other)) for other in others]
-    return [(name, volume) for name, volume in volumes if volume > SLIVER]
+    volumes = [(other.part.name, _common(shape, other)) for other in others]
+    return [(name, volume) for name, volume in volumes if volume > LEAST_COMMON_VOLUME]
 
 
 def _way(axis: Way) -> str:
@@ -210,7 +218,8 @@ def _lies_in(inner: Part, outer: Part, tolerance: float) -> bool:
     return any(
         cut.low <= body.low
         and body.high <= cut.high
-        and _region(body, tolerance).difference(_region(cut, tolerance)).area * body.volume <= SLIVER
+        and _region(body, tolerance).difference(_region(cut, tolerance)).area * body.volume
+        <= LEAST_COMMON_VOLUME
         for cut in cuts
         if isinstance(cut, Revolved)
     )
@@ -222,4 +231,4 @@ def _region(body: Revolved, tolerance: float) -> shapely.Polygon:
 
 def _finding(where: str, volume: float) -> Finding:
     remedy = "enlarge mold.clearance or change the parts"
-    return Finding("interference", where, volume, SLIVER, "mm3", "error", remedy)
+    return Finding("interference", where, volume, LEAST_COMMON_VOLUME, "mm3", "error", remedy)

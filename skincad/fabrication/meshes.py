@@ -17,7 +17,7 @@ from skincad.inputs.process import processes
 from skincad.shape import curves
 from skincad.solids.body import Body, Bore, Prism, Reaching, Revolved, Turned, corners
 from skincad.solids.grid import turn_steps
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 
 FINER = 10.0  # the mesh that a print mesh is measured against has chords this many times finer
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
@@ -39,7 +39,7 @@ def print_chord(design: Design) -> float:
 def manifold(part: Part, tolerance: float) -> Manifold:
     """Return the part as a manifold whose chords keep within `tolerance` mm of the true surfaces."""
     if isinstance(part.body, Turned):
-        return _placed(manifold(own(part), tolerance), part.body)
+        return _placed(manifold(unturned(part), tolerance), part.body)
     cuts = [_body(cut, tolerance) for cut in part.cuts]
     body = _body(part.body, tolerance)
     return body - Manifold.batch_boolean(cuts, OpType.Add) if cuts else body  # cuts may touch on a face

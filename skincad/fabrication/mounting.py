@@ -48,7 +48,7 @@ class Mounted:
         }
 
 
-def mounted(design: Design, closed: ClosedMold) -> Mounted | None:
+def mount_of(design: Design, closed: ClosedMold) -> Mounted | None:
     """Return a design's mount, as the first carrier has it; None without one."""
     mount = design.mount
     if mount is None:
@@ -57,8 +57,8 @@ def mounted(design: Design, closed: ClosedMold) -> Mounted | None:
     middle = sum(bore.start[0] for bore in bores(carrier, CutRole.VENT))  # a gang's first skin lies aside
 
     def places(role: CutRole) -> tuple[Place, ...]:
-        found = [bore.start for bore in bores(carrier, role)]
-        return tuple((round(x - middle, 9) + 0.0, round(y, 9) + 0.0) for x, y, _ in found)
+        starts = [bore.start for bore in bores(carrier, role)]
+        return tuple((round(x - middle, 9) + 0.0, round(y, 9) + 0.0) for x, y, _ in starts)
 
     pins, marks = places(CutRole.MOUNT_PIN), places(CutRole.FIDUCIAL)
     every = bores(carrier, CutRole.MOUNT, CutRole.FIDUCIAL)
@@ -78,7 +78,7 @@ def mounted(design: Design, closed: ClosedMold) -> Mounted | None:
 
 def screws_to_buy(design: Design, closed: ClosedMold) -> list[str]:
     """Return what to buy for a mount; its screws' length depends on what the skin is screwed to."""
-    mount = mounted(design, closed)
+    mount = mount_of(design, closed)
     if mount is None or mount.thread is None or mount.reach is None:
         return []
     count, (least, most) = design.mold.cavities * len(mount.positions), mount.reach
@@ -96,9 +96,9 @@ def screws_to_buy(design: Design, closed: ClosedMold) -> list[str]:
     ]
 
 
-def kept_clean(design: Design, closed: ClosedMold) -> list[str]:
+def cleanliness_steps(design: Design, closed: ClosedMold) -> list[str]:
     """Return how a mount is kept from silicone, a step before the mold is closed; none without one."""
-    mount = mounted(design, closed)
+    mount = mount_of(design, closed)
     if mount is None:
         return []
     over = "foam" if closed.of(PartRole.SEAL) else "cover"

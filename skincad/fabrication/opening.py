@@ -5,18 +5,24 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from skincad.fabrication.bent_steps import leave_steps
-from skincad.fabrication.bond_steps import cured_in, drawn, joined, made_ready, tested
+from skincad.fabrication.bond_steps import (
+    curing_steps,
+    drawing_step,
+    gluing_steps,
+    preparation_steps,
+    pull_test_steps,
+)
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.electrodes import past_tabs
-from skincad.fabrication.fan_out import fanned
-from skincad.fabrication.strip_steps import let_go
+from skincad.fabrication.fan_out import fan_out_steps
+from skincad.fabrication.strip_steps import release_steps
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.layout import is_clamped
 from skincad.solids.mold import ClosedMold, Move
 from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.undercut import split_ridges
 
 
@@ -36,52 +42,57 @@ def opening_steps(design: Design, closed: ClosedMold) -> list[OpeningStep]:
         known = {PartRole.SHIM: "shims", PartRole.COVER: "lid", **dict.fromkeys(END_PLATES, "ends")}
         by[known.get(role, "skin")].append(move)
     shims, straight = tuple(by["shims"]), design.skin.curvature_radius_y is None
-    first = _still(let_go(design) if lap(design) is None else made_ready(design))
-    drawn_in = [*_still(joined(design)), OpeningStep(drawn(design), shims)] if shims else []
-    drawn_in += _still(cured_in(design))
-    out, proof = OpeningStep(_out(design, closed), tuple(by["skin"])), _still(tested(design))
-    led = _still(fanned(design))
+    first = _without_moves(release_steps(design) if lap(design) is None else preparation_steps(design))
+    drawn_in = (
+        [*_without_moves(gluing_steps(design)), OpeningStep(drawing_step(design), shims)] if shims else []
+    )
+    drawn_in += _without_moves(curing_steps(design))
+    out, proof = (
+        OpeningStep(_skin_removal_words(design, closed), tuple(by["skin"])),
+        _without_moves(pull_test_steps(design)),
+    )
+    led = _without_moves(fan_out_steps(design))
     if not straight:
-        taken = map(OpeningStep, leave_steps(closed), (tuple(by["lid"]), tuple(by["ends"])))
-        return [*first, *drawn_in, *taken, out, *proof, *led]
-    ends, lid = map(OpeningStep, _taken_off(design), (tuple(by["ends"]), tuple(by["lid"])))
+        removal = map(OpeningStep, leave_steps(closed), (tuple(by["lid"]), tuple(by["ends"])))
+        return [*first, *drawn_in, *removal, out, *proof, *led]
+    ends, lid = map(OpeningStep, _removal_words(design), (tuple(by["ends"]), tuple(by["lid"])))
     if lap(design) is None:  # cast in, or no film
         return [*first, ends, *drawn_in, lid, out, *proof, *led]
     return [*first, ends, *drawn_in, *proof, lid, out, *led]
 
 
-def _still(lines: list[str]) -> list[OpeningStep]:
-    """Steps in which nothing leaves."""
+def _without_moves(lines: list[str]) -> list[OpeningStep]:
+    """Steps in which no part leaves the mold."""
     return [OpeningStep(words, ()) for words in lines]
 
 
-def _taken_off(design: Design) -> list[str]:
+def _removal_words(design: Design) -> list[str]:
     """How end plates and cover come off; the cover holds skin and carrier until the shims are out."""
     slides, tabs = "along y,", ""
     if design.slot is not None:
         cast_in = design.mold.method == "cast-in" and design.film
         tabs = f" {past_tabs(design)}" if cast_in else ""
         slides += " over the strips," if cast_in else " over the shims (hold these back by their other ends),"
-    held = "clamps" if is_clamped(poured(design)) else "bolts"
+    fasteners = "clamps" if is_clamped(scaled_for_shrinkage(design)) else "bolts"
     return [
         "Take the end plates' bolts out; the cover stays on. "
         + ("Cut the sprue at the gate, and slide" if gate(design) else "Slide")
         + f" the end plates off {slides} with a screwdriver in the notches at their sides.{tabs}",
-        f"Take the cover's {held} off and lift it where it overhung the end plates, with the foam; the "
+        f"Take the cover's {fasteners} off and lift it where it overhung the end plates, with the foam; the "
         "silicone in the reservoir and the bleeds tears off, or is cut flush.",
     ]
 
 
-def _out(design: Design, closed: ClosedMold) -> str:
+def _skin_removal_words(design: Design, closed: ClosedMold) -> str:
     """How the skin and its cavity part."""
     carrier = closed.first(PartRole.CARRIER)
     pulls, mount = bores(carrier, CutRole.PULL), bores(carrier, CutRole.MOUNT)
     other = "by two screws in its mount's threads" if mount else "from its two ends"
-    grip = "by two M3 screws in its blind holes" if pulls else other
+    how = "by two M3 screws in its blind holes" if pulls else other
     if not split_ridges(design):
-        return f"Pull the carrier up {grip}; the skin comes out of the cavity with it. Cut the flash there."
+        return f"Pull the carrier up {how}; the skin comes out of the cavity with it. Cut the flash there."
     return (
-        f"Hold the carrier {grip} and draw the base plate off downward. Tilt the two outer pieces of the "
+        f"Hold the carrier {how} and draw the base plate off downward. Tilt the two outer pieces of the "
         "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
         "its own ridges. Cut the flash at the carrier; that on the split crowns must be thin: wipe it off, "
         "don't cut into a crown."

@@ -1,4 +1,4 @@
-"""What is on a made part's shop drawing, as plain data: no paper, no scale, no place of any text."""
+"""Content of a made part's shop drawing, as plain data: no paper, no scale, no place of any text."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from skincad.fabrication.tolerances import (
     surface_words,
     what_matters,
 )
-from skincad.inputs.catalog import entitled
+from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.solids.body import Prism
 from skincad.solids.plan import Part
@@ -89,12 +89,12 @@ class PartDrawing:
     cut_from_solid: bool  # not printed
 
 
-def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | None) -> PartDrawing:
+def part_drawing(design: Design, part: Part, shape: cq.Solid, judged: Judged | None) -> PartDrawing:
     """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
     from skincad.solids.occ import projection
 
-    seen = {view.name: projection(made, view.of_solid) for view in views(part)}
-    holes, nuts = tuple(hole_groups(design, part, made)), pockets(part)
+    seen = {view.name: projection(shape, view.of_solid) for view in views(part)}
+    holes, nuts = tuple(hole_groups(design, part, shape)), pockets(part)
     cut, carved = slits(design, part), grooves_of(design, part)
     datum = datums(part)
     tables = [
@@ -107,10 +107,10 @@ def part_drawing(design: Design, part: Part, made: cq.Solid, judged: Judged | No
     top, cut_through = seen[FRONT].box()[1][1], cut_profile(part)
     words = [*notes(design, part), *what_matters(design, part, judged)]
     if design.mold.cavities > 1 and (cut or carved):
-        words.append(_others(design, part))
+        words.append(_gang_words(design, part))
     return PartDrawing(
         name=part.name,
-        design=entitled(design),
+        design=display_name(design),
         revision=design.revision,
         what=part.role.what,
         views=seen,
@@ -140,13 +140,13 @@ def _profile(part: Part, front: Projection) -> tuple[Stroke, ...]:
     return front.visible
 
 
-def _others(design: Design, part: Part) -> str:
+def _gang_words(design: Design, part: Part) -> str:
     """Where in the front view the slits and grooves of a gang's further skins lie."""
     first, *others = skins_at(design)
     here, there = ("right", "left") if part.end == "b" else ("left", "right")
-    apart = " and ".join(number(x - first) for x in others)
+    offsets = " and ".join(number(x - first) for x in others)
     what = "Slits" if part.role is PartRole.COMB else "Seat, trough and grooves"
-    return f"{what}: of the skin furthest {here}; the others' are {apart} to the {there} of them."
+    return f"{what}: of the skin furthest {here}; the others' are {offsets} to the {there} of them."
 
 
 def _overall(seen: dict[str, Projection]) -> tuple[Length, ...]:
@@ -170,9 +170,9 @@ def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limit
     ]
     if nuts:
         size = f"{number(nuts[0].flats)} A/F"
-        own = limits.split(" ", maxsplit=1)[0] if limits.startswith("±") else ""
+        tolerance = limits.split(" ", maxsplit=1)[0] if limits.startswith("±") else ""
         rows.append(
-            (f"{NUT} ({len(nuts)}x)", "M3 nut, hexagon", size, own, number(nuts[0].depth), "-", "end b")
+            (f"{NUT} ({len(nuts)}x)", "M3 nut, hexagon", size, tolerance, number(nuts[0].depth), "-", "end b")
         )
     return Listed("Holes", ("hole", "for", "size", "limits", "depth", "thread", "open at"), tuple(rows))
 
@@ -191,14 +191,14 @@ def _places(
 ) -> Listed:
     rows = []
     for group in holes:
-        x, y = _counted(seen, group.view, part)
+        x, y = _coordinates(seen, group.view, part)
         rows += [(h.tag, number(x(h.at[0])), number(y(h.at[1]))) for h in group.holes]
-    x, y = _counted(seen, FRONT, part)
+    x, y = _coordinates(seen, FRONT, part)
     rows += [(f"{NUT}{i}", number(x(p.at[0])), number(y(p.at[1]))) for i, p in enumerate(nuts, 1)]
     return Listed("Positions of holes", ("hole", "x", "y"), tuple(rows))
 
 
-def _counted(seen: dict[str, Projection], view: str, part: Part) -> tuple[Coordinate, Coordinate]:
+def _coordinates(seen: dict[str, Projection], view: str, part: Part) -> tuple[Coordinate, Coordinate]:
     """How x and y count in a view: from its left and lower edge, or from those opposite."""
     (left, low), (right, high) = seen[view].box()
     return (
@@ -208,7 +208,7 @@ def _counted(seen: dict[str, Projection], view: str, part: Part) -> tuple[Coordi
 
 
 def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part) -> Listed:
-    _, y = _counted(seen, FRONT, part)
+    _, y = _coordinates(seen, FRONT, part)
     rows = []
     for way in dict.fromkeys(notch._replace(side="left") for notch in cut):
         sides = [notch.side for notch in cut if notch._replace(side="left") == way]
@@ -232,16 +232,16 @@ def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> Listed:
 def _groove_table(
     carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
 ) -> Listed:
-    across, _ = _counted(seen, FRONT, part)
+    x_of, _ = _coordinates(seen, FRONT, part)
     rows: list[tuple[str, ...]] = []
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        row = str(groove.ridge), number(across(x)), number(-z), _degrees(groove.lean)
+        row = str(groove.ridge), number(x_of(x)), number(-z), _degrees(groove.lean)
         allowed = drops[groove.ridge - 1] if drops else None
-        rows.append(row if allowed is None else (*row, _allowed(allowed)))
+        rows.append(row if allowed is None else (*row, _allowance(allowed)))
     heads = ("ridge", "x", "below seat", "leaning", "too shallow by")[: 5 if drops else 4]
     return Listed(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
 
 
-def _allowed(drop: float) -> str:
+def _allowance(drop: float) -> str:
     return "any" if math.isinf(drop) else f"{drop:.4f}"

@@ -9,16 +9,16 @@ from skincad.base.plain import csv_text
 from skincad.base.version import __version__
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
-from skincad.fabrication.mounting import mounted
+from skincad.fabrication.mounting import mount_of
 from skincad.fabrication.rules_of_machines import extent
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.fabrication.strip_steps import shim_length
 from skincad.fabrication.tolerances import material_words, process_words
-from skincad.inputs.catalog import entitled
+from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.solids.body import Prism
-from skincad.solids.closing import LEFT
+from skincad.solids.closing import SQUEEZED_SHARE
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import cavity_process
 from skincad.solids.mold import ClosedMold
@@ -54,26 +54,26 @@ ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "co
 def parts_list(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:
     """Return what is made, a row for each part with its estimates, then what is bought; consumables are the
     casting sheet's."""
-    return [*_made(design, closed, by_part(estimates)), *_bought(design, closed)]
+    return [*_made_items(design, closed, by_part(estimates)), *_bought_items(design, closed)]
 
 
 def parts_csv(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
     """Return the parts list as CSV, after a comment with the design's name and revision."""
     rows = [(number, *item) for number, item in enumerate(parts_list(design, closed, estimates), 1)]
-    comment = f"{entitled(design)}, revision {design.revision}, skincad {__version__}; mm"
+    comment = f"{display_name(design)}, revision {design.revision}, skincad {__version__}; mm"
     return csv_text([(*HEADS, *ESTIMATED), *rows], [comment])
 
 
-def _made(design: Design, closed: ClosedMold, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
+def _made_items(design: Design, closed: ClosedMold, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
     for part in closed.parts:
         if part.made == "made":
             size = " x ".join(f"{side:.2f}" for side in extent(part))
             volume, by = f"{part.volume / 1000:.4g}", process_words(design, part)
-            own = material_words(design, part), volume, part.role.what
-            yield Item("1", part.name, size, by, *own, *_estimated(estimates.get(part.name)))
+            details = material_words(design, part), volume, part.role.what
+            yield Item("1", part.name, size, by, *details, *_estimate_cells(estimates.get(part.name)))
 
 
-def _estimated(part: PartEstimate | None) -> list[str]:
+def _estimate_cells(part: PartEstimate | None) -> list[str]:
     """The cells of a part's estimates; none where nothing was estimated."""
     if part is None:
         return []
@@ -81,7 +81,7 @@ def _estimated(part: PartEstimate | None) -> list[str]:
     return [*(f"{number:.4g}" for number in numbers), part.basis]
 
 
-def _bought(design: Design, closed: ClosedMold) -> Iterator[Item]:
+def _bought_items(design: Design, closed: ClosedMold) -> Iterator[Item]:
     lid, ends = cover_screws(design, closed), end_screws(design, closed)
     bent = design.skin.curvature_radius_y is not None
     for screws, place in ((ends, "end plates"), (lid, "cover")):
@@ -90,15 +90,17 @@ def _bought(design: Design, closed: ClosedMold) -> Iterator[Item]:
     if lid is None:
         yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")
     if cavity_process(design).thread != "tapped":
-        held = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
-        yield _item(held, "threaded insert", f"M3, {cavity_process(design).thread}", "brass", "printed parts")
+        inserts = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
+        yield _item(
+            inserts, "threaded insert", f"M3, {cavity_process(design).thread}", "brass", "printed parts"
+        )
     yield from _mount(design, closed)
     for most, count in sorted(dowels(closed).items()):
         size = f"ISO 8734 {2 * PIN_RADIUS:g} x {pin_length(most):g}"
         yield _item(count, "dowel pin", size, "steel", f"holes that take {most:g} mm")
     for seal in closed.of(PartRole.SEAL):
         if isinstance(seal.body, Prism):
-            size = f"sheet of {(seal.body.high - seal.body.low) / LEFT:.3g}, cut by seal.dxf"
+            size = f"sheet of {(seal.body.high - seal.body.low) / SQUEEZED_SHARE:.3g}, cut by seal.dxf"
             yield _item(1, "seal", size, "closed-cell EVA foam", "under the cover")
     shims = len(closed.of(PartRole.SHIM))
     if shims and design.slot is not None:
@@ -126,7 +128,7 @@ def _screws(screws: Screws, place: str) -> Iterator[Item]:
 
 def _mount(design: Design, closed: ClosedMold) -> Iterator[Item]:
     """What a mount asks for; a screw or a pin is as much longer as what the skin is screwed to is thick."""
-    mount = mounted(design, closed)
+    mount = mount_of(design, closed)
     if mount is None or mount.reach is None:
         return
     count, (least, most) = design.mold.cavities * len(mount.positions), mount.reach

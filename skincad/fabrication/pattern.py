@@ -22,21 +22,22 @@ from skincad.fabrication.electrodes import (
     PAD,
     PITCH,
     SHOULDER,
-    aside,
     faces,
     half_tab,
+    label_offset,
     tab,
 )
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.cross_section import SlotPlace, section
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.solids.inserts import stands_out
+from skincad.solids.inserts import strip_overhangs
 from skincad.solids.plan import mirrored
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 ROW_GAP = 2.0  # mm, assumption: between strips on the cutting pattern
-GLUED = 5.0  # mm, assumption: of a strip's tail, by which its shim draws it in; it is cut off afterwards
+# mm, assumption: of a strip's tail, by which its shim draws it in; it is cut off afterwards
+GLUED_LENGTH = 5.0
 TAB = (8.0, 3.0)  # mm, assumption: length and width of a tab that a weight hangs on and that is cut off
 HOLE = 0.75  # mm, assumption: radius of a tab's hole for the weight's hook
 
@@ -55,7 +56,7 @@ class StripPattern:
 
     label: str
     cut: Loop
-    kept: Loop
+    trimmed: Loop
     holes: tuple[Loop, ...]
     front: Loop
     back: Loop
@@ -72,7 +73,7 @@ def strip_patterns(design: Design) -> list[StripPattern]:
     Strips of a skin that is curved along y too are cut straight, each as long as its slot's arc: the slot
     bends them on edge by what `pattern_notes` says.
     """
-    design = poured(design) if design.mold.method == "cast-in" else design
+    design = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design
     film, shape = design.film, section(design)
     if film is None:
         return []
@@ -117,22 +118,25 @@ def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> Stri
     """One strip about z = `middle`, drawn with its wiring side at +x and mirrored where that is end a."""
     half, h = design.skin.length / 2 * _arc(design, slot), slot.depth / 2
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
-    a, b = stands_out(design)
+    a, b = strip_overhangs(design)
     wired, other = (half + a, half + b) if wired_a else (half + b, half + a)
     end, w, metal = wired + tab(film)[1], half_tab(film, slot.depth), faces(film, slot.depth, half, wired)
-    left, right = -other - (SHOULDER + TAB[0] if cast_in else GLUED), end + (4 * HOLE if cast_in else 0.0)
+    left, right = (
+        -other - (SHOULDER + TAB[0] if cast_in else GLUED_LENGTH),
+        end + (4 * HOLE if cast_in else 0.0),
+    )
     tail = _tail(left, -other, h) if cast_in else [(left, -h, 0.0), (left, h, 0.0)]
     cuts = [(-other, h), *([(end, w - CORNER)] if cast_in else [])]
 
     def placed(outline: Loop) -> Loop:
-        return tuple(_moved(s, middle) for s in (mirrored(outline) if wired_a else outline))
+        return tuple(_shifted(s, middle) for s in (mirrored(outline) if wired_a else outline))
 
-    side, text, up = -1.0 if wired_a else 1.0, wired + SHOULDER + EDGE / 2, aside(slot.depth)
+    side, text, up = -1.0 if wired_a else 1.0, wired + SHOULDER + EDGE / 2, label_offset(slot.depth)
     text = -text - LABEL[0] if wired_a else text
     return StripPattern(
         label=f"{slot.ridge} {slot.side}",
         cut=placed(_path([*_tab(wired, end, right, h, w), *tail[len(tail) // 2 :], *tail[: len(tail) // 2]])),
-        kept=placed(_path([*_tab(wired, end, end, h, w), (-other, h, 0.0), (-other, -h, 0.0)])),
+        trimmed=placed(_path([*_tab(wired, end, end, h, w), (-other, h, 0.0), (-other, -h, 0.0)])),
         holes=tuple(placed(_hole(x)) for x in (left + 2 * HOLE, right - 2 * HOLE) if cast_in),
         front=placed(metal.front),
         back=placed(metal.back),
@@ -150,7 +154,7 @@ INWARD = -math.tan(math.pi / 8)  # the bulge of a quarter circle, inward
 
 def _tab(start: float, end: float, right: float, h: float, w: float) -> list[Corner]:
     """The wiring end from its lower side to its upper: a filleted tab of half width `w` whose corner at the
-    ridge's side is cut off, to tell a strip's sides; and, cast in, beyond `end` a narrower piece for a
+    ridge's side is cut off, which marks a strip's sides; and, cast in, beyond `end` a narrower piece for a
     weight."""
     r, k, u = SHOULDER, INWARD, w - CORNER
     tongue = [(end, -u, 0.0), (right, -u, 0.0), (right, u, 0.0), (end, u, 0.0)] if right > end else []
@@ -182,6 +186,6 @@ def _hole(x: float) -> Loop:
     return _path([(x - HOLE, 0.0, 1.0), (x + HOLE, 0.0, 1.0)])
 
 
-def _moved(segment: Segment, up: float) -> Segment:
+def _shifted(segment: Segment, up: float) -> Segment:
     (x, z), (u, v) = segment.start, segment.end
     return replace(segment, start=Point(x, z + up), end=Point(u, v + up))

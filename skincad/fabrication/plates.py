@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from skincad.inputs.process import Process
 
-APART = 5.0  # mm, assumption: between parts on a plate
+PART_GAP = 5.0  # mm, assumption: between parts on a plate
 
 
 class Laid(NamedTuple):
@@ -21,7 +21,7 @@ class Laid(NamedTuple):
 
 def plates(parts: Sequence[Laid], process: Process) -> list[list[Laid]]:
     """Return parts by plate. Each part, from the tallest down, goes onto the first plate that takes it; one
-    that is larger than any plate has one to itself (the finding `build volume` tells it)."""
+    that is larger than any plate has one to itself (the finding `build volume` reports it)."""
     full: list[list[Laid]] = []
     for part in sorted(parts, key=lambda part: (-part.z, part.name)):
         for plate in full:
@@ -41,10 +41,10 @@ def _fit(parts: list[Laid], process: Process) -> bool:
     sides = sorted((sorted((part.x, part.y)) for part in parts), reverse=True)
     used = reach = deep = 0.0
     for wide, long in sides:
-        if reach and reach + APART + long <= longer:
-            reach += APART + long
+        if reach and reach + PART_GAP + long <= longer:
+            reach += PART_GAP + long
         else:
-            used += deep + (APART if deep else 0.0)
+            used += deep + (PART_GAP if deep else 0.0)
             reach, deep = long, wide
         if reach > longer or used + deep > shorter:
             return False

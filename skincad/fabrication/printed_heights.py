@@ -20,11 +20,11 @@ from skincad.shape.cross_section import frame, section
 from skincad.solids.body import Prism, corners
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
-from skincad.solids.shrinkage import poured, shrinkage
+from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 
-BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
-SAME = 1e-3  # mm, and layers: nobody sees so little
-CLOSED = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
+LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
+NEGLIGIBLE_CHANGE = 1e-3  # mm, and layers: nobody sees so little
+SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
 
 
 class _Block(NamedTuple):
@@ -40,7 +40,7 @@ class _Block(NamedTuple):
     grooves: tuple[tuple[float, float, float], ...]
 
 
-def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
+def printed_crests(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
     """Return each crest's height over the flat back of the cured skin, mm, ridge 1 first, as its mold comes
     out: the designed ones without layers.
 
@@ -55,50 +55,54 @@ def come_out(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
     return block and _heights(block)
 
 
-def unsure(design: Design, closed: ClosedMold) -> tuple[int, ...]:
-    """Return which ridges may come out a layer higher or lower than said, from 1 on: where a layer's middle
-    is within `BAND` of a groove's bottom, or of what lies within a pixel beside the axis of one that leans;
-    all, where it is that of the ledge."""
-    block, said = _block(design, closed), come_out(design, closed)
-    if block is None or said is None:
+def uncertain_ridges(design: Design, closed: ClosedMold) -> tuple[int, ...]:
+    """Return which ridges, from 1 on, may come out a layer higher or lower than `printed_crests` says.
+
+    A layer's middle is then within `LEVEL_BAND` of the groove's bottom, or, where the groove leans, of its
+    depth within a pixel beside the axis. If it is that near to the ledge, all ridges may.
+    """
+    block, crests = _block(design, closed), printed_crests(design, closed)
+    if block is None or crests is None:
         return ()
-    found = set()
+    ridges = set()
     for signs in ((-1, 0), (1, 0), (0, -1), (0, 1)):  # each by itself
-        moved = _heights(block, *signs) or [math.inf] * len(said)
-        found |= {i for i, (a, b) in enumerate(zip(said, moved, strict=True), 1) if not math.isclose(a, b)}
-    return tuple(sorted(found))
+        moved = _heights(block, *signs) or [math.inf] * len(crests)
+        ridges |= {i for i, (a, b) in enumerate(zip(crests, moved, strict=True), 1) if not math.isclose(a, b)}
+    return tuple(sorted(ridges))
 
 
-def on_layers(design: Design, closed: ClosedMold) -> tuple[tuple[float, ...], float] | None:
+def snapped_to_layers(design: Design, closed: ClosedMold) -> tuple[tuple[float, ...], float] | None:
     """Return the heights of the ridges, mm, and the mold's floor with which each groove's bottom, and the
     ledge, is where a layer ends: the nearest to the design's. None where crests come out as designed, or
     nobody knows how.
 
     Rounded to what a TOML shows, which moves a crest by less than a micrometre.
     """
-    block, said = _block(design, closed), come_out(design, closed)
-    if block is None or said is None:
+    block, crests = _block(design, closed), printed_crests(design, closed)
+    if block is None or crests is None:
         return None
-    off = max(abs(out - high) for out, high in zip(said, summits(design), strict=True))
+    off = max(abs(out - high) for out, high in zip(crests, summits(design), strict=True))
     heights = []
     for ridge, high in enumerate(summits(design), 1):
         foot, one = (frame(design, ridge).at(0.0, h).z for h in (0.0, 1.0))
         crest = block.layer * round(high * block.grown / block.layer) / block.grown
         heights.append(round((crest - foot) / (one - foot), 4))
-    if min(heights) <= 0 or (off < SAME and not unsure(design, closed)):
+    if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(design, closed)):
         return None
     ridge_table = design.ridge.model_copy(
         update={"heights": tuple(heights), "height": None, "levelling": None}
     )
-    cast = poured(design.model_copy(update={"ridge": ridge_table}))
+    cast = scaled_for_shrinkage(design.model_copy(update={"ridge": ridge_table}))
     top = section(cast).top
-    least = -block.foot - section(poured(design)).top
-    return tuple(heights), round(block.layer * math.ceil((top + least) / block.layer - SAME) - top, 4)
+    least = -block.foot - section(scaled_for_shrinkage(design)).top
+    return tuple(heights), round(
+        block.layer * math.ceil((top + least) / block.layer - NEGLIGIBLE_CHANGE) - top, 4
+    )
 
 
-def snapped_say(design: Design, closed: ClosedMold) -> tuple[str, ...]:
+def snapping_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
     """Return with which keys each crest is at a layer's end."""
-    if (snapped := on_layers(design, closed)) is None:
+    if (snapped := snapped_to_layers(design, closed)) is None:
         return ()
     heights, floor = snapped
     keys = " and ".join(key for key in ("height", "levelling") if getattr(design.ridge, key) is not None)
@@ -119,14 +123,14 @@ def _block(design: Design, closed: ClosedMold) -> _Block | None:
         return None
     grown = 1 / (1 - shrinkage(design))
     outline = corners(body, body.outline, print_chord(design))
-    sides = [each.start.x for each in skin.outline]  # of the first skin of a gang
+    sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2
     pixel = process.pixel if process.tool == "screen" else 0.0
     grooves = tuple(
         (
             middle + frame(design, ridge).at(0.0, design.heights[ridge - 1]).x * grown,
             -high * grown,
-            BAND + pixel * abs(math.tan(design.lean(ridge))),
+            LEVEL_BAND + pixel * abs(math.tan(design.lean(ridge))),
         )
         for ridge, high in enumerate(summits(design), 1)
     )
@@ -138,12 +142,12 @@ def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[flo
     """Return the crests' heights, mm, by the layers' middles, where these are off by as much as may be, so
     signed; None where no layer is over a groove."""
     layer = block.layer
-    ledge = layer * math.ceil(-(block.foot + at_ledge * BAND) / layer - 0.5)
+    ledge = layer * math.ceil(-(block.foot + at_ledge * LEVEL_BAND) / layer - 0.5)
     heights = []
-    for across, depth, band in block.grooves:
+    for x, depth, band in block.grooves:
         foot = block.foot + in_grooves * band
         layers = math.ceil((depth - foot) / layer - 0.5)
-        while _open(block.outline, across, foot + (layers + 0.5) * layer) <= CLOSED:
+        while _open(block.outline, x, foot + (layers + 0.5) * layer) <= SLICE_CLOSING:
             layers += 1
             if foot + (layers + 0.5) * layer > block.top:
                 return None

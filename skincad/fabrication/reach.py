@@ -1,4 +1,4 @@
-"""What a round tool leaves standing: the opening of the space that it cuts by a disk of its radius.
+"""Material that a round tool leaves: the opening of the space that it cuts by a disk of its radius.
 
 In the plane of a part's section. A ball-end mill along y and a wire along y both sweep that disk. A corner of
 the space with the angle a keeps r (1 / sin(a / 2) - 1) of material on its bisector: a right angle 0.414 r.
@@ -36,11 +36,11 @@ def left_standing(outline: Loop, radius: float, *, from_above: bool = False) -> 
     centres = room.difference(solid.buffer(radius, quad_segs=quarter))
     reached = centres.buffer(radius, quad_segs=quarter)
     edges = _edges(reached)
-    _, found = shapely.STRtree(edges).query_nearest(
+    _, distances = shapely.STRtree(edges).query_nearest(
         shapely.points(np.vstack(rows)), return_distance=True, all_matches=False
     )
     ends = np.cumsum([len(points) for points in rows])
-    return [float(part.max()) for part in np.split(found, ends[:-1])]
+    return [float(part.max()) for part in np.split(distances, ends[:-1])]
 
 
 def corner(radius: float, angle: float) -> float:

@@ -1,4 +1,4 @@
-"""What a print of resin takes: layers that are exposed whole, however much of them is filled.
+"""Time of a print of resin: layers are exposed whole, however much of them is filled.
 
 So the time is the height's, and that of a plate its tallest part's.
 """
@@ -10,7 +10,7 @@ import math
 from skincad.inputs.process import Process
 
 
-def exposed(height: float, process: Process) -> float:
+def exposure_time(height: float, process: Process) -> float:
     """Return how long the layers of a height in mm take, s: the first ones longer, the next ones fading to
     the usual exposure in equal steps, as PrusaSlicer has them; each with its lift."""
     layers = max(1, round(height / process.layer))

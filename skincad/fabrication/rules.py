@@ -23,7 +23,7 @@ from skincad.inputs.material import foreign_modulus, silicone
 from skincad.inputs.process import Process
 from skincad.shape.cross_section import GUARD_TOLERANCE, section
 from skincad.shape.curves import polygon
-from skincad.solids.plan import Part, bores, own
+from skincad.solids.plan import Part, bores, unturned
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 from skincad.solids.split import notch_rise
 
@@ -45,7 +45,7 @@ class Case:
     @property
     def along(self) -> Part:
         """The part as its section along y is judged: straight where it is bent, upright where it leans."""
-        return self.part.straight or own(self.part)
+        return self.part.straight or unturned(self.part)
 
     def breaks(
         self, rule: str, what: str, measured: float, limit: float, unit: str, remedy: str, grave: bool = True
@@ -101,8 +101,8 @@ def grooves(case: Case) -> list[Feature]:
         return [Feature(f"groove of {which}'s tip", ridge.tip_width, deepest)]
     if case.part.role is PartRole.COMB and design.slot:
         gap = 2 * design.mold.slit_clearance
-        held = "strip" if design.mold.method == "cast-in" else "shim"
-        return [Feature(f"notch of a {held}", design.core_thickness + gap, design.slot.depth + gap)]
+        insert = "strip" if design.mold.method == "cast-in" else "shim"
+        return [Feature(f"notch of a {insert}", design.core_thickness + gap, design.slot.depth + gap)]
     return []
 
 
@@ -127,14 +127,14 @@ def _comb_tooth(design: Design) -> Feature:
     gap = design.mold.slit_clearance
     slots = sorted(section(design).slots, key=lambda slot: slot.centre.x)
     shapes = np.array([shapely.Polygon(polygon(s.loop(grown=gap), GUARD_TOLERANCE)) for s in slots])
-    apart = shapely.distance(shapes[:-1], shapes[1:])
-    least = int(np.argmin(apart))
+    widths = shapely.distance(shapes[:-1], shapes[1:])
+    least = int(np.argmin(widths))
     where = " and ".join(f"{s.side} of ridge {s.ridge}" for s in slots[least : least + 2])
-    return Feature(f"tooth between {where}", float(apart[least]), slots[least].depth + 2 * gap)
+    return Feature(f"tooth between {where}", float(widths[least]), slots[least].depth + 2 * gap)
 
 
 def scaled(measured: float, limit: float) -> str:
-    """Return the remedy of a larger design."""
+    """Return the remedy that scales the design up."""
     by = math.ceil(100 * limit / measured) / 100
     return f"multiply all lengths by {by:g} and take a silicone {by**2:.2g} times softer, as lab-bench does"
 
@@ -180,14 +180,16 @@ def _hole(case: Case) -> Iterator[Finding]:
 def _clearance(case: Case) -> Iterator[Finding]:
     """One key for all that slides, so one finding a process. Coat and growth are on both parts."""
     least = case.process.clearance + 2 * walls_close(case.design, case.process)
-    given = case.design.mold.clearance
-    if given < least - _ROUNDING:
+    clearance = case.design.mold.clearance
+    if clearance < least - _ROUNDING:
         place = f"sliding parts, by {case.name}"
-        yield Finding("clearance", place, given, least, "mm", "warning", f"mold.clearance of {least:g} mm")
+        yield Finding(
+            "clearance", place, clearance, least, "mm", "warning", f"mold.clearance of {least:g} mm"
+        )
 
 
 def _slit_fit(case: Case) -> Iterator[Finding]:
-    """By the clearance that comes out; one that nothing is left of is told as a notch."""
+    """By the clearance that comes out; where nothing is left of it, the rule `notch` reports it."""
     left, limit = slit_play(case.design, case.process), case.process.tolerance
     if case.part.role is PartRole.COMB and -_ROUNDING <= left < limit - _ROUNDING:
         remedy = "try each shim in its notch and lap the notch where it binds"
@@ -218,11 +220,11 @@ RULES: tuple[Rule, ...] = (_gap, _wall, _slender, _hole, _clearance, _slit_fit, 
 
 def material_findings(design: Design) -> Iterator[Finding]:
     """Yield a warning where the material's name and its modulus are those of two silicones."""
-    if found := foreign_modulus(design):
-        named, modulus, remedy = found
-        own, value = named.young_modulus, modulus.value
+    if mismatch := foreign_modulus(design):
+        named, modulus, remedy = mismatch
+        named_range, value = named.young_modulus, modulus.value
         where = f"material.young_modulus, which is not that of {named.name}"
-        limit = own.high if value > own.high else own.low
+        limit = named_range.high if value > named_range.high else named_range.low
         yield Finding("silicone", where, value, limit, "MPa", "warning", remedy)
 
 
@@ -239,14 +241,14 @@ def shim_sag(design: Design) -> float:
 
 def shim_findings(design: Design) -> list[Finding]:
     """Return a warning where a shim is so slender that its own weight moves the slot."""
-    sag, found = shim_sag(design), _shim_bend(design)
+    sag, bend_findings = shim_sag(design), _shim_bend(design)
     if design.slot is None or sag <= SAG_SHARE * design.slot.thickness:
-        return found
+        return bend_findings
     limit = SAG_SHARE * design.slot.thickness
     most = design.skin.length * (limit / sag) ** 0.25
     remedy = f"a skin.length of at most {most:.3g} mm, or a thicker slot; pull shims straight"
     where = "shims, sagging between their combs"
-    return [*found, Finding("slender", where, sag, limit, "mm", "warning", remedy)]
+    return [*bend_findings, Finding("slender", where, sag, limit, "mm", "warning", remedy)]
 
 
 def shim_bend(design: Design) -> float:

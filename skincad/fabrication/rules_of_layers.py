@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.printed_heights import snapped_say, unsure
+from skincad.fabrication.printed_heights import snapping_remarks, uncertain_ridges
 from skincad.fabrication.rules import Case, Rule, maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.solids.body import Bore, Prism, Revolved, plain
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import CAVITIES, END_PLATES
 
 if TYPE_CHECKING:
     import trimesh
 
-CLOSE = 0.02  # mm, asked: of a crest, to what the casting sheet says of it
+CREST_TOLERANCE = 0.02  # mm, asked: of a crest, to what the casting sheet says of it
 BED = 1e-6  # mm, rounding of the lowest facets
 _ROUNDING = 1e-9  # mm
 _ROUNDING_DEG = 1e-6
@@ -65,7 +65,7 @@ def _details(case: Case) -> Iterator[Finding]:
 def _overhang(case: Case) -> Iterator[Finding]:
     """Facets of the print mesh that lean out further than the process can without support, off the bed.
     Horizontal bores up to the process's bridge are left out: they close by themselves."""
-    process, part = case.process, own(case.part)
+    process, part = case.process, unturned(case.part)
     if not process.layer:
         return
     end = on_end(part, process)
@@ -86,11 +86,11 @@ def _overhang(case: Case) -> Iterator[Finding]:
 
 def crest_findings(design: Design, closed: ClosedMold) -> Iterator[Finding]:
     """Yield a note where crests may come out a layer lower or higher than the casting sheet says."""
-    which, layer = unsure(design, closed), processes(design.printer)[design.mold.process].layer
-    if which and layer > CLOSE:
-        remedy = "; ".join(snapped_say(design, closed)) or "another mold.floor"
+    which, layer = uncertain_ridges(design, closed), processes(design.printer)[design.mold.process].layer
+    if which and layer > CREST_TOLERANCE:
+        remedy = "; ".join(snapping_remarks(design, closed)) or "another mold.floor"
         where = f"crest {', '.join(map(str, which))} may come out a layer lower or higher than the sheet says"
-        yield Finding("crest layer", where, layer, CLOSE, "mm", "note", remedy)
+        yield Finding("crest layer", where, layer, CREST_TOLERANCE, "mm", "note", remedy)
 
 
 def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:

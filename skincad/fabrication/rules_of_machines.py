@@ -15,19 +15,19 @@ from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
 from skincad.solids.body import Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import PartRole
 
 CHORD = 0.01  # mm, of arcs: no machine's limit is that sharp
-UPRIGHT = 1e-6  # mm, by which an upright notch's walls may lean from end to end
-STEP = 1e-3  # mm, to which a remedy's clearance is rounded up
+UPRIGHT_TOLERANCE = 1e-6  # mm, by which an upright notch's walls may lean from end to end
+CLEARANCE_STEP = 1e-3  # mm, to which a remedy's clearance is rounded up
 _ROUNDING = 1e-9  # mm
 
 
 def extent(part: Part) -> tuple[float, float, float]:
     """Return how long a part is along x, y and z, mm, as its body is: before cuts, and before it is turned
     into its mold."""
-    body = own(part).body
+    body = unturned(part).body
     if not isinstance(body, Prism):
         raise ValueError("a made part is a prism less its cuts")
     (a, b), along = np.ptp(polygon(body.outline, CHORD), axis=0).tolist(), body.high - body.low
@@ -68,14 +68,14 @@ def _build_volume(case: Case) -> Iterator[Finding]:
     yield Finding("build volume", where, *long, "mm", "error", remedy)
 
 
-def _stepped(design: Design) -> tuple[float, bool]:
+def _pixel_steps(design: Design) -> tuple[float, bool]:
     """How many pixels across a leaning notch its steps take at most, 0 where none leans; and whether one
     stands upright. A notch leans if its walls leave a pixel's column at all."""
     if design.slot is None:
         return 0.0, False
     tilt = math.radians(design.slot.tilt)
     leans = [design.lean(i) + side * tilt for i in range(1, design.ridge.count + 1) for side in (-1, 1)]
-    stepped = [a for a in leans if abs(math.sin(a)) * design.slot.depth > UPRIGHT]
+    stepped = [a for a in leans if abs(math.sin(a)) * design.slot.depth > UPRIGHT_TOLERANCE]
     most = max((abs(math.cos(a)) + abs(math.sin(a)) for a in stepped), default=0.0)
     return most, len(stepped) < len(leans)
 
@@ -86,7 +86,7 @@ def passage(design: Design, width: float, pixel: float) -> float:
     Upright, a notch is as many whole pixels wide as fit into it, wherever it lies on the screen. In a leaning
     one the corner of a pixel whose middle is outside stands in by up to half its width across, at both walls.
     """
-    pixels, upright = _stepped(design)
+    pixels, upright = _pixel_steps(design)
     whole = math.floor(width / pixel + _ROUNDING) * pixel
     return min([whole] * upright + [width - pixels * pixel] * (pixels > 0))
 
@@ -102,13 +102,13 @@ def _notch(case: Case) -> Iterator[Finding]:
     (notch,) = grooves(case)
     need = design.core_thickness
     left = max(0.0, (passage(design, notch.width, pixel) if pixel else notch.width) - 2 * wall)
-    if left >= need - _ROUNDING or notch.width < process.gap - _ROUNDING:  # the latter is told as a gap
+    if left >= need - _ROUNDING or notch.width < process.gap - _ROUNDING:  # the rule `gap` reports the latter
         return
-    pixels, upright = _stepped(design)
+    pixels, upright = _pixel_steps(design)
     wide = need + 2 * wall + pixel * pixels
     if pixel and upright:
         wide = max(wide, math.ceil((need + 2 * wall) / pixel - _ROUNDING) * pixel)
-    least = math.ceil((wide - need) / 2 / STEP - _ROUNDING) * STEP
+    least = math.ceil((wide - need) / 2 / CLEARANCE_STEP - _ROUNDING) * CLEARANCE_STEP
     ways = ("in whole pixels", pixel), ("under its coat", coat), ("grown", process.growth)
     what = " and ".join(words for words, size in ways if size)
     where = f"{notch.where} {what}"

@@ -15,7 +15,8 @@ from skincad.solids.body import Prism
 from skincad.solids.layout import end_angle
 from skincad.solids.roles import CAVITIES, PartRole
 
-_SHARP = 1.02  # a corner of 89 degrees leaves 2 % more than a right angle: no two are the same on a fan
+# a corner of 89 degrees leaves 2 % more than a right angle: no two are the same on a fan
+_CORNER_ALLOWANCE = 1.02
 
 _left = lru_cache(maxsize=64)(left_standing)
 
@@ -28,13 +29,13 @@ def _reach(case: Case) -> Iterator[Finding]:
         return
     milled_down = case.part.role in CAVITIES and case.process.tool == "mill"
     left = _left(body.outline, reach, from_above=milled_down)
-    found = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
-    yield from _in_grooves(case, [(depth, s) for depth, _, s in found if s.ridge is not None])
-    yield from _elsewhere(case, [(depth, s) for depth, _, s in found if s.ridge is None])
+    depths = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
+    yield from _in_grooves(case, [(depth, s) for depth, _, s in depths if s.ridge is not None])
+    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.ridge is None])
 
 
-def _in_grooves(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Finding]:
-    over = [(d, s) for d, s in found if d > case.process.tolerance + ERROR]
+def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Finding]:
+    over = [(d, s) for d, s in depths if d > case.process.tolerance + ERROR]
     if not over:
         return
     depth, worst = over[0]
@@ -50,15 +51,15 @@ def _in_grooves(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Find
     yield case.breaks("tool reach", place, depth, case.process.tolerance, "mm left", remedy)
 
 
-def _elsewhere(case: Case, found: list[tuple[float, Segment]]) -> Iterator[Finding]:
-    if not found:
+def _elsewhere(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Finding]:
+    if not depths:
         return
-    depth, worst = found[0]
+    depth, worst = depths[0]
     reach, choice = case.process.reach, case.design.mold
     comb = case.part.role is PartRole.COMB
     play = math.sqrt(2) * max(0.0, slit_play(case.design, case.process)) if comb else choice.clearance
     limit = play + case.process.tolerance
-    if depth > _SHARP * corner(reach, math.pi / 2) + ERROR:
+    if depth > _CORNER_ALLOWANCE * corner(reach, math.pi / 2) + ERROR:
         notch = grooves(case)[0].width if comb else math.inf
         remedy = f"room for a tool of {2 * reach:g} mm" + (f" in {notch:.3g} mm" if comb else "")
         yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from skincad.fabrication.cut_profile import cut_profile
 from skincad.shape.curves import Loop
 from skincad.solids.body import Prism
-from skincad.solids.closing import LEFT
+from skincad.solids.closing import SQUEEZED_SHARE
 from skincad.solids.mold import ClosedMold
 from skincad.solids.projection import Place
 from skincad.solids.roles import PartRole
@@ -34,7 +34,8 @@ def seal_pattern(closed: ClosedMold) -> SealPattern:
         raise ValueError("a seal is cut from a sheet")
     high = seal.body.high - seal.body.low
     notes = [
-        f"closed-cell EVA foam, sheet of {high / LEFT:.3g} mm, squeezed to {high:.3g} mm by the closed cover",
+        f"closed-cell EVA foam, sheet of {high / SQUEEZED_SHARE:.3g} mm, squeezed to {high:.3g} mm by the "
+        "closed cover",
         "seen from above, end b up; CUT at nominal size, kerf not compensated; foam does not shrink: 1:1",
     ]
     return SealPattern(profile.loops, notes)

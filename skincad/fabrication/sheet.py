@@ -7,25 +7,25 @@ import math
 from skincad.base.plain import markdown_text
 from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
-from skincad.fabrication.bond_steps import kit, made_ready, released_where
+from skincad.fabrication.bond_steps import bonding_kit, preparation_steps, release_agent_places
 from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.estimates import ProcessEstimate, lines
 from skincad.fabrication.fasteners import cover_screws, dowels, end_screws
 from skincad.fabrication.finding import Finding, counted
-from skincad.fabrication.first_steps import prepared
+from skincad.fabrication.first_steps import preparation
 from skincad.fabrication.inspection import Inspection
 from skincad.fabrication.inspection_form import inspection_lines
-from skincad.fabrication.mounting import kept_clean, screws_to_buy
+from skincad.fabrication.mounting import cleanliness_steps, screws_to_buy
 from skincad.fabrication.opening import opening_steps
-from skincad.fabrication.strip_steps import filled_slowly, laid_in, to_buy
+from skincad.fabrication.strip_steps import comb_step, filling_time_words, to_buy
 from skincad.fabrication.tolerances import process_words
-from skincad.fabrication.void import alone, perforated, void
-from skincad.inputs.catalog import entitled
+from skincad.fabrication.void import perforated, single_skin_mold, void
+from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
 from skincad.solids.body import Prism
-from skincad.solids.closing import LEFT
+from skincad.solids.closing import SQUEEZED_SHARE
 from skincad.solids.ends import gate
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import cavity_process, end_process, fits, is_clamped, lid_process
@@ -33,12 +33,12 @@ from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
 from skincad.solids.screws import BEARING, TAP_RADIUS, torque
-from skincad.solids.shrinkage import poured, shrinkage
+from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
 
 # mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
 TIPS = {10: 3.40, 12: 2.77, 14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72, 25: 0.51}
-SLACK = 0.1  # mm, assumption: least play of a tip in the gate
+TIP_PLAY = 0.1  # mm, assumption: least play of a tip in the gate
 LUER = (4.03, 4.48)  # mm, source: ISO 80369-7, male slip, largest at its end, and 7.5 mm of 6 % behind
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 
@@ -47,7 +47,7 @@ def poured_volume(design: Design, closed: ClosedMold) -> float:
     """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
     their bleeds, and the flash in the gap round the carrier; for all skins of a gang, whose cover and seal
     are thicker than those of one."""
-    spaces = void(design, alone(design, closed)).spaces
+    spaces = void(design, single_skin_mold(design, closed)).spaces
     below = math.fsum(space.body.volume for space in spaces if space.beside is not PartRole.COVER)
     lids = closed.of(PartRole.COVER, PartRole.SEAL)
     over = [bore.volume for part in lids for bore in bores(part, CutRole.RESERVOIR, CutRole.BLEED)]
@@ -70,7 +70,7 @@ def casting_sheet(
     if not passed:
         summary = f"**Don't make it yet.** {summary}"
     lines = [
-        f"# Casting sheet: {entitled(design)}",
+        f"# Casting sheet: {display_name(design)}",
         "",
         f"{summary} {verdict}",
         "",
@@ -87,8 +87,8 @@ def casting_sheet(
 
 def _parts(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
     bent = design.skin.curvature_radius_y is not None
-    made = (p for p in closed.parts if p.made == "made")
-    rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made]
+    made_parts = (p for p in closed.parts if p.made == "made")
+    rows = [f"| {p.name} | {process_words(design, p)} | {p.volume / 1000:.5g} |" for p in made_parts]
     lengths = ", ".join(f"{count} of at most {size:g} mm" for size, count in dowels(closed).items())
     bought = [
         *_bolts(design, closed),
@@ -99,7 +99,7 @@ def _parts(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate,
         "silicone)",
     ]
     bought += (arcs_to_buy if bent else to_buy)(design, closed)
-    bought += [*screws_to_buy(design, closed), *kit(design)]
+    bought += [*screws_to_buy(design, closed), *bonding_kit(design)]
     return [
         "## Parts",
         "",
@@ -107,7 +107,7 @@ def _parts(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate,
         "|---|---|---|",
         *rows,
         "",
-        *_effort(design, estimates),
+        *_effort_lines(design, estimates),
         _shrinkage(design, closed),
         "",
         "To buy:",
@@ -117,15 +117,15 @@ def _parts(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate,
     ]
 
 
-def _effort(design: Design, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
+def _effort_lines(design: Design, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
     """What each process takes, where that was estimated."""
     return [" ".join(["Estimates.", *lines(design, estimates)]), ""] if estimates else []
 
 
 def _bolts(design: Design, closed: ClosedMold) -> list[str]:
     """What holds the mold together, as the parts have it."""
-    own, process = fits(design, design.mold.process), cavity_process(design)
-    hold = f"{own.insert} inserts in holes of {2 * own.thread:g} mm" if own.insert else "tapped holes"
+    holes, process = fits(design, design.mold.process), cavity_process(design)
+    hold = f"{holes.insert} inserts in holes of {2 * holes.thread:g} mm" if holes.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
     if (lid := cover_screws(design, closed)) is not None:
         upper = f"M3 screws, ISO 4762: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
@@ -150,7 +150,8 @@ def _seal(closed: ClosedMold) -> list[str]:
     """The foam under the cover, as it is bought and as it lies."""
     highs = [s.body.high - s.body.low for s in closed.of(PartRole.SEAL) if isinstance(s.body, Prism)]
     return [
-        f"closed-cell EVA foam, a sheet of {high / LEFT:.3g} mm, cut by seal.dxf to carrier and end plates "
+        f"closed-cell EVA foam, a sheet of {high / SQUEEZED_SHARE:.3g} mm, cut by seal.dxf to carrier and "
+        "end plates "
         f"with the cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so it follows "
         "what these stand higher or lower by their processes' tolerances"
         for high in highs
@@ -173,8 +174,8 @@ def _tip(design: Design) -> str:
         return ""
     if LUER[0] <= wide <= LUER[1]:
         return "a syringe whose luer slip seats in the gate, a plug for the gate, "
-    fits = [f"a blunt tip of {n} gauge ({d:g} mm)" for n, d in TIPS.items() if d + SLACK <= wide]
-    what = fits[0] if fits and wide < LUER[0] else f"a tube of {wide - SLACK:g} mm"
+    fits = [f"a blunt tip of {n} gauge ({d:g} mm)" for n, d in TIPS.items() if d + TIP_PLAY <= wide]
+    what = fits[0] if fits and wide < LUER[0] else f"a tube of {wide - TIP_PLAY:g} mm"
     return f"a syringe with {what} for the gate, a plug for the gate, "
 
 
@@ -185,10 +186,10 @@ def mixing(material: Silicone, total: float) -> tuple[str, str]:
         a, b = (total * share / sum(material.mix) for share in material.mix)
         parts = f"weigh {a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
     pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
-    return parts, f"Pot life {pot}; cure {cured(material)}."
+    return parts, f"Pot life {pot}; cure {cure_words(material)}."
 
 
-def cured(material: Silicone) -> str:
+def cure_words(material: Silicone) -> str:
     """Return as words how long a silicone cures, and how warm."""
     cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
     warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
@@ -216,12 +217,14 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
         else "prime its lower face for silicone, or the skin comes off"
     )
     close = [
-        prepared(design, closed),
-        *kept_clean(design, closed),
-        ("End a has the gate. " if gate(design) else "") + f"Put release agent on {released_where(design)}",
-        *([] if lap(design) else made_ready(design)),
-        *_closed_up(design, closed, back),
-        f"Lay the mold level to cure, {cured(silicone(design))}. Top up the reservoir over the vent while "
+        preparation(design, closed),
+        *cleanliness_steps(design, closed),
+        ("End a has the gate. " if gate(design) else "")
+        + f"Put release agent on {release_agent_places(design)}",
+        *([] if lap(design) else preparation_steps(design)),
+        *_closing_steps(design, closed, back),
+        f"Lay the mold level to cure, {cure_words(silicone(design))}. Top up the reservoir over the vent "
+        "while "
         "the mix still flows: it makes up for shrinkage and for bubbles that rise.",
     ]
     leave = [step.words for step in opening_steps(design, closed)]
@@ -229,40 +232,41 @@ def _order(design: Design, closed: ClosedMold) -> list[str]:
     return ["## In this order", "", *steps, ""]
 
 
-def _closed_up(design: Design, closed: ClosedMold, back: str) -> list[str]:
+def _closing_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
     """How the cleaned parts are put together and filled."""
     if design.skin.curvature_radius_y is not None:
         return close_steps(design, closed, back)
     return [
-        "Bolt the end plates to the cavity" + (f": {laid_in(design)}" if design.slot is not None else "."),
+        "Bolt the end plates to the cavity" + (f": {comb_step(design)}" if design.slot is not None else "."),
         *(_by_syringe if gate(design) else _open)(design, back),
     ]
 
 
-def _fastened(design: Design) -> str:
+def _fasteners(design: Design) -> str:
     """What holds the cover down while silicone is filled in and cures."""
-    return "clamps" if is_clamped(poured(design)) else "bolts"
+    return "clamps" if is_clamped(scaled_for_shrinkage(design)) else "bolts"
 
 
 def _by_syringe(design: Design, back: str) -> list[str]:
     return [
-        f"Lay the carrier on its ledge ({back}), then the foam, cover and {_fastened(design)}.",
+        f"Lay the carrier on its ledge ({back}), then the foam, cover and {_fasteners(design)}.",
         f"{DEGAS} Raise end b by {design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
         "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
-        + filled_slowly(design),
+        + filling_time_words(design),
         "Plug the gate or leave the syringe in it: it is the lowest point.",
     ]
 
 
 def _open(design: Design, back: str) -> list[str]:
-    held = "shims" if design.mold.method == "shim" else "strips"
+    inserts = "shims" if design.mold.method == "shim" else "strips"
     return [
         f"{DEGAS} Lay the mold level and pour in a thin stream along one side, until the silicone "
-        f"stands a little above the ledge; pierce any bubbles left on ridges and {held}."
-        + filled_slowly(design),
+        f"stands a little above the ledge; pierce any bubbles left on ridges and {inserts}."
+        + filling_time_words(design),
         f"Raise end b by {design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and lower it "
         f"slowly onto its ledge, so that it drives the air towards end b ({back}).",
-        f"Lay on the foam, cover and {_fastened(design)}; silicone rises in the bleeds and in the reservoir. "
+        f"Lay on the foam, cover and {_fasteners(design)}; silicone rises in the bleeds and in the "
+        "reservoir. "
         "Fill up through the reservoir.",
     ]
 

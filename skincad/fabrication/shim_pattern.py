@@ -17,7 +17,7 @@ from skincad.solids.inserts import GRIP
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
 
-BESIDE = 5.0  # mm, of a label beside its shim
+LABEL_DISTANCE = 5.0  # mm, of a label beside its shim
 
 
 class ShimPattern(NamedTuple):
@@ -32,10 +32,10 @@ class ShimPattern(NamedTuple):
 
 def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
     """Return the shims of one skin, ridge 1 first, one above the other; none where strips are cast in."""
-    slot, found = design.slot, lap(design)
+    slot, joint = design.slot, lap(design)
     if slot is None or design.mold.method == "cast-in":
         return []
-    thin = found is not None and found.tail < slot.thickness
+    thin = joint is not None and joint.tail < slot.thickness
     bodies = [part.body for part in closed.of(PartRole.SHIM)]
     pairs = zip(section(design).slots, bodies, strict=False)  # of a gang the first skin's
     rows = []
@@ -48,12 +48,14 @@ def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
             inner, outer = radius - slot.depth / 2, radius + slot.depth / 2
             cut, foot = _sector(inner, outer, half, centre), _at(inner, -half, centre)
             tail = half - GRIP / radius
-            across = _at(inner, tail, centre), _at(outer, tail, centre)
+            tail_line = _at(inner, tail, centre), _at(outer, tail, centre)
         else:
             long, low = shim_length(design, closed) / 2, number * pitch - slot.depth / 2
             cut, foot = rectangle(-long, long, low, low + slot.depth), Point(-long, low)
-            across = Point(long - GRIP, low), Point(long - GRIP, low + slot.depth)
-        rows.append(ShimPattern(label, cut, across if thin else None, Point(foot.x - BESIDE, foot.z)))
+            tail_line = Point(long - GRIP, low), Point(long - GRIP, low + slot.depth)
+        rows.append(
+            ShimPattern(label, cut, tail_line if thin else None, Point(foot.x - LABEL_DISTANCE, foot.z))
+        )
     return rows
 
 

@@ -16,8 +16,8 @@ from skincad.fabrication.strips import (
     Strip,
     deflection,
     pour,
-    released,
-    straight_pull,
+    release_strain,
+    straightening_tension,
     strip,
     weight,
 )
@@ -29,13 +29,12 @@ MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
 SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures
 DRIFT_SHARE = 0.25  # of the silicone beside it; further, a capillary force that grows as 1 / gap pulls it on
 PLACE_SHARE = 0.1  # assumption: of slot.offset; more unbalances a pair by more than a fifth
-UNBALANCED = (
-    0.5  # assumption: by which S1 and S2 may differ; their difference, the signal, is in doubt beyond
-)
-SETTLED = 0.1  # assumption: of the pot life, in which a strip must be back
+# assumption: by which S1 and S2 may differ; their difference, the signal, is in doubt beyond
+MOST_UNBALANCE = 0.5
+SETTLING_SHARE = 0.1  # assumption: of the pot life, in which a strip must be back
 
 
-def misplaced(design: Design) -> float:
+def placement_error(design: Design) -> float:
     """Return how far a strip or shim may lie from its place in the section, mm: what growth and a coat
     leave of the slit clearance, and the tolerance of the process that makes the combs."""
     process = end_process(design)
@@ -58,7 +57,7 @@ def _sag(design: Design, rod: Strip) -> Iterator[Finding]:
     load = weight(rod, silicone(design).density)
     sag, limit = abs(deflection(rod, load)), SAG_SHARE * (design.slot.offset if design.slot else 0.0)
     if sag > limit:
-        remedy = f"film.tension of {straight_pull(rod, load, limit):.2g} N or more, or a shorter skin"
+        remedy = f"film.tension of {straightening_tension(rod, load, limit):.2g} N or more, or a shorter skin"
         where = "strips, under their weight in silicone"
         yield Finding("strip sag", where, sag, limit, "mm", "warning", remedy)
 
@@ -83,29 +82,32 @@ def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
         where = f"{name}, while silicone is poured round them"
         yield Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger)
     pot_life = silicone(design).pot_life_min
-    if pot_life is not None and flow.settling > SETTLED * 60 * pot_life:
+    if pot_life is not None and flow.settling > SETTLING_SHARE * 60 * pot_life:
         where, remedy = f"{name}, coming back after the pour", "a thinner silicone" + stronger
-        limit = SETTLED * 60 * pot_life
+        limit = SETTLING_SHARE * 60 * pot_life
         yield Finding("strip drift", where, flow.settling, limit, "s", "warning", remedy)
 
 
 def _release(design: Design, rod: Strip) -> Iterator[Finding]:
     """A note: the skin comes out shorter than designed."""
-    strain = released(design)
+    strain = release_strain(design)
     if strain > MOST_RELEASE:
         where, remedy = "skin, shortened by its strips", f"{rod.tension * MOST_RELEASE / strain:.2g} N"
         yield Finding("strip release", where, strain, MOST_RELEASE, "", "note", f"film.tension of {remedy}")
 
 
 def _place(design: Design) -> list[Finding]:
-    """A note, or a warning beyond `UNBALANCED`: stress across the film grows about as its distance from the
-    axis (assumption), so a pair is out of balance by up to both errors by the offset."""
-    off, offset = misplaced(design), design.slot.offset if design.slot else math.inf
+    """A note, or a warning beyond `MOST_UNBALANCE`.
+
+    Stress across the film grows about as its distance from the axis (assumption). So a pair is out of balance
+    by up to both errors by the offset.
+    """
+    off, offset = placement_error(design), design.slot.offset if design.slot else math.inf
     if off <= PLACE_SHARE * offset:
         return []
     remedy = (
         f"calibrate each pair: S1 and S2 may differ by {100 * 2 * off / offset:.0f} %; or a smaller "
         "slit_clearance, a finer process for the combs, or a larger design"
     )
-    grave: Literal["note", "warning"] = "warning" if 2 * off / offset > UNBALANCED + 1e-9 else "note"
+    grave: Literal["note", "warning"] = "warning" if 2 * off / offset > MOST_UNBALANCE + 1e-9 else "note"
     return [Finding("strip place", "strips in their slits", off, PLACE_SHARE * offset, "mm", grave, remedy)]

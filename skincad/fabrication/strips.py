@@ -21,7 +21,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.cross_section import GUARD_TOLERANCE, SlotPlace, section
 from skincad.shape.curves import polygon
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 GRAVITY = 9.81  # m/s2
 PVDF_DENSITY = 1780.0  # kg/m3, source: piezo film technical manual (Measurement Specialties), table 1
@@ -68,7 +68,7 @@ class Strip:
 
 def strip(design: Design) -> Strip | None:
     """Return what lies between the combs: the film where it is cast in, else the shim; None without slots."""
-    slot, film, length = design.slot, design.film, poured(design).skin.length
+    slot, film, length = design.slot, design.film, scaled_for_shrinkage(design).skin.length
     if slot is None:
         return None
     if design.mold.method == "shim" or film is None:
@@ -110,7 +110,7 @@ def weight(rod: Strip, fluid: float = 0.0) -> float:
     return (rod.density - fluid) * GRAVITY * 1e-9 * rod.section
 
 
-def straight_pull(rod: Strip, load: float, most: float) -> float:
+def straightening_tension(rod: Strip, load: float, most: float) -> float:
     """Return a tension, N, that keeps the sag under a load (N/mm) below `most` mm: the string's, so a little
     more than a strip with stiffness needs."""
     return abs(load) * rod.length**2 / (8 * most)
@@ -126,8 +126,8 @@ def drag(viscosity: float, speed: float, width: float, wall: float, *, along: bo
     """
     if wall <= width / 4:
         raise ValueError(f"the wall, {wall:g} mm away, must be beyond the cylinder's {width / 4:g} mm")
-    across = 4 * math.pi * viscosity * 1e-6 * speed / math.acosh(4 * wall / width)
-    return across / 2 if along else across
+    cross_drag = 4 * math.pi * viscosity * 1e-6 * speed / math.acosh(4 * wall / width)
+    return cross_drag / 2 if along else cross_drag
 
 
 @dataclass(frozen=True)
@@ -153,11 +153,11 @@ def pour(design: Design) -> Pour | None:
         return None
     viscosity, speed = silicone(design).viscosity, rod.length / design.mold.fill_time
     wall, beside = _surroundings(design)
-    across = drag(viscosity, speed, rod.depth, wall)
+    cross_drag = drag(viscosity, speed, rod.depth, wall)
     beam = (math.pi**4 if rod.ends == "hinged" else 500.6) * rod.bending / rod.length**4
     stiffness = math.pi**2 * rod.tension / rod.length**2 + beam
     pull = drag(viscosity, speed, rod.depth, wall, along=True) * rod.length
-    return Pour(speed, across, deflection(rod, across), beside, pull, across / speed / stiffness)
+    return Pour(speed, cross_drag, deflection(rod, cross_drag), beside, pull, cross_drag / speed / stiffness)
 
 
 def _surroundings(design: Design) -> tuple[float, float]:
@@ -167,10 +167,10 @@ def _surroundings(design: Design) -> tuple[float, float]:
     body = shapely.Polygon(polygon(shape.outline, GUARD_TOLERANCE))
     solids = [shapely.Polygon(polygon(s.loop(), GUARD_TOLERANCE)) for s in shape.slots]
     tree = shapely.STRtree(solids)
-    _, apart = tree.query_nearest(solids, exclusive=True, return_distance=True)
+    _, distances = tree.query_nearest(solids, exclusive=True, return_distance=True)
     outline = min(float(body.exterior.distance(solid)) for solid in solids)
     walls = min(_ahead(slot, body) for slot in shape.slots)
-    return walls, min(outline, float(apart.min()))
+    return walls, min(outline, float(distances.min()))
 
 
 def _ahead(slot: SlotPlace, body: shapely.Polygon) -> float:
@@ -180,7 +180,7 @@ def _ahead(slot: SlotPlace, body: shapely.Polygon) -> float:
     return min(float(centre.distance(body.exterior.intersection(ray))) for ray in rays)
 
 
-def released(design: Design) -> float:
+def release_strain(design: Design) -> float:
     """Return by which strain the skin shortens when its strips, cast in under tension, are let go: the film's
     own, shared with the silicone by their stiffnesses along y, without the carrier. 0 where nothing is cast
     in."""

@@ -27,13 +27,13 @@ def moves(length: float, count: float, speed: float, corner: float, acceleration
     if count <= 0 or length <= 0:
         return 0.0
     corner = min(corner, speed)
-    each = length / count
-    if each * acceleration >= speed**2 - corner**2:
-        return count * (each / speed + (speed - corner) ** 2 / (acceleration * speed))
-    return count * 2 * (math.sqrt(corner**2 + acceleration * each) - corner) / acceleration
+    size = length / count
+    if size * acceleration >= speed**2 - corner**2:
+        return count * (size / speed + (speed - corner) ** 2 / (acceleration * speed))
+    return count * 2 * (math.sqrt(corner**2 + acceleration * size) - corner) / acceleration
 
 
-def looped(section: CrossSection, speed: float, acceleration: float) -> tuple[float, float]:
+def contour_moves(section: CrossSection, speed: float, acceleration: float) -> tuple[float, float]:
     """Return mm and s of lines along all contours of a section, each begun and ended at the jerk's speed."""
     if section.is_empty():
         return 0.0, 0.0
@@ -51,7 +51,7 @@ def looped(section: CrossSection, speed: float, acceleration: float) -> tuple[fl
     return float(length.sum()), float(((2 * peak - before - after) / acceleration + cruising).sum())
 
 
-def filled(
+def fill_moves(
     region: CrossSection, spacing: float, speed: float, acceleration: float
 ) -> tuple[float, float, float]:
     """Return how many parallel lines at 45 degrees, `spacing` mm apart, fill a region; their mm and s, with
@@ -62,8 +62,8 @@ def filled(
     if region.is_empty():
         return 0.0, 0.0, 0.0
     steps, _ = _edges(region)
-    across = np.abs(steps @ [[1.0, 1.0], [-1.0, 1.0]]) / DIAGONAL
-    count, length = float(across.sum()) / 4 / spacing, region.area() / spacing
+    widths = np.abs(steps @ [[1.0, 1.0], [-1.0, 1.0]]) / DIAGONAL
+    count, length = float(widths.sum()) / 4 / spacing, region.area() / spacing
     corner = min(speed, JERK * DIAGONAL)
     link = moves(DIAGONAL * spacing * count, count, speed, corner, acceleration)
     return count, length, moves(length, count, speed, corner, acceleration) + link
@@ -72,7 +72,7 @@ def filled(
 def _edges(section: CrossSection) -> tuple[Array, NDArray[np.int_]]:
     """From corner to corner of all contours, `(n, 2)` mm, and which of these close a contour."""
     contours = section.to_polygons()
-    points, last = np.vstack(contours), np.cumsum([len(each) for each in contours]) - 1
+    points, last = np.vstack(contours), np.cumsum([len(contour) for contour in contours]) - 1
     onward = np.arange(1, len(points) + 1)
     onward[last] = [0, *(last[:-1] + 1)]
     return points[onward] - points, last

@@ -1,4 +1,4 @@
-"""What a shop drawing says of tolerances: those of the process, and which sizes matter and why.
+"""Tolerances on a shop drawing: those of the process, and which sizes matter and why.
 
 How far a crest may be off follows from the check: until the verdict's margin is used up. What pins and slits
 allow follows from the gaps that parts slide with.
@@ -22,7 +22,7 @@ from skincad.solids.roles import CAVITIES, PartRole
 from skincad.solids.shrinkage import shrinkage
 from skincad.solids.threads import METRIC
 
-UNCHECKED = "Grooves: made without the check, so their limits are not known."
+UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
 
 
 CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
@@ -109,7 +109,7 @@ def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]
         out = f" ({drawn:g} as drawn, less growth and coat)" if gap != drawn else ""
         rows.append(
             f"Slits: {gap:.4g} a side beside the {lays}{out}. Narrower ones jam it, wider ones let silicone "
-            f"in and the film lie aside; {_kept(process, gap)}"
+            f"in and the film lie aside; {_tolerance_words(process, gap)}"
         )
     if part.role is PartRole.CARRIER:
         drawn, by = design.mold.clearance, processes(design.printer)[design.mold.process]
@@ -143,7 +143,7 @@ def pattern_words(mount: Mount) -> str:
     return f"rectangle of {wide:g} x {long:g}" if wide and long else f"two in line, {wide or long:g} apart,"
 
 
-def _kept(process: Process, gap: float) -> str:
+def _tolerance_words(process: Process, gap: float) -> str:
     word = "keeps" if process.tolerance <= gap else "does not keep"
     return f"the process, ±{process.tolerance:g}, {word} that gap."
 
@@ -152,7 +152,7 @@ def _crests(design: Design, part: Part, judged: Judged | None) -> list[str]:
     """What the crests' heights may differ by: the grooves' depths."""
     sigma = f"{process_of(design, part).crest_sigma:g}"
     if judged is None:
-        return [UNCHECKED]
+        return [UNCHECKED_NOTE]
     rows = []
     if judged.drops:
         least = min(judged.drops)

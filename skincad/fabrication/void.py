@@ -20,7 +20,7 @@ from skincad.solids.bowl import gap_beside
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import END_PLATES, CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Space:
 
     @property
     def where(self) -> str:
-        """How a pocket in it is told."""
+        """The name of the place, as a finding says it."""
         return self.name if self.number is None else f"{self.name} {self.number}"
 
 
@@ -53,7 +53,7 @@ class Void:
         return math.fsum(space.body.volume for space in self.spaces)
 
 
-def alone(design: Design, closed: ClosedMold) -> ClosedMold:
+def single_skin_mold(design: Design, closed: ClosedMold) -> ClosedMold:
     """Return the mold of one skin: all skins of a gang fill alike."""
     return closed if design.mold.cavities == 1 else mold(design.with_(mold={"cavities": 1}))
 
@@ -62,7 +62,7 @@ def void(design: Design, closed: ClosedMold) -> Void:
     """Return what the silicone fills in a mold of one skin: skin, gate, the carrier's holes and vent, the gap
     round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
     taped when full."""
-    design, carrier = poured(design), closed.first(PartRole.CARRIER)
+    design, carrier = scaled_for_shrinkage(design), closed.first(PartRole.CARRIER)
     cover = closed.first(PartRole.COVER)
     top = cover.body.high if isinstance(cover.body, Prism) else math.inf
     over = bores(cover, CutRole.RESERVOIR, CutRole.BLEED)

@@ -57,7 +57,7 @@ def template_names(kind: Kind = "designs") -> list[str]:
     return sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml"))
 
 
-def entitled(design: Design) -> str:
+def display_name(design: Design) -> str:
     """Return a design's name, and that it was changed where it is a template's and the values are not."""
     ours = design.name in template_names() and design != load_design(design.name)
     return f"{design.name} (changed)" if ours else design.name
@@ -110,30 +110,30 @@ load = load_design  # as it was called first
 
 
 def with_own(
-    data: dict[str, Any], table: Literal["printer", "silicones"], given: Own | None
+    data: dict[str, Any], table: Literal["printer", "silicones"], source: Own | None
 ) -> dict[str, Any]:
     """Return a file's tables with one's own on top of its `[printer]` or `[silicones]`."""
-    if given is None:
+    if source is None:
         return data
-    rows, own = own_tables(table, given), data.get(table, {})
-    if not isinstance(own, dict):
-        raise InputError(table, f"must be a table, [{table}]", own)
+    rows, tables = own_tables(table, source), data.get(table, {})
+    if not isinstance(tables, dict):
+        raise InputError(table, f"must be a table, [{table}]", tables)
     for name, row in rows.items():
-        if isinstance(row, dict) and isinstance(own.get(name, {}), dict):
-            own = {**own, name: {**own.get(name, {}), **row}}
+        if isinstance(row, dict) and isinstance(tables.get(name, {}), dict):
+            tables = {**tables, name: {**tables.get(name, {}), **row}}
         else:
-            own = {**own, name: row}
-    return {**data, table: own}
+            tables = {**tables, name: row}
+    return {**data, table: tables}
 
 
-def own_tables(table: Literal["printer", "silicones"], given: Own) -> dict[str, Any]:
+def own_tables(table: Literal["printer", "silicones"], source: Own) -> dict[str, Any]:
     """Return one's own tables; those of a file are read."""
-    if isinstance(given, Mapping):
-        return dict(given)
-    if not isinstance(given, str | Path):
-        raise InputError(table, "must be a TOML file, or tables", given)
-    rows = _read_file(Path(given), str(given))
-    _refuse_others(str(given), _marked(rows), table)
+    if isinstance(source, Mapping):
+        return dict(source)
+    if not isinstance(source, str | Path):
+        raise InputError(table, "must be a TOML file, or tables", source)
+    rows = _read_file(Path(source), str(source))
+    _refuse_others(str(source), _marked(rows), table)
     return rows
 
 
@@ -166,10 +166,10 @@ def kind_of(source: str | Path) -> Kind:
         return known[0]
     path = Path(source)
     try:
-        found = _marked(_read_file(path, str(source))) if path.is_file() else []
+        kinds = _marked(_read_file(path, str(source))) if path.is_file() else []
     except (OSError, ValueError):
-        found = []  # loading it says why
-    return next((kind for kind in KINDS if kind in found), "designs")
+        kinds = []  # loading it says why
+    return next((kind for kind in KINDS if kind in kinds), "designs")
 
 
 def _marked(data: dict[str, Any]) -> list[str]:
@@ -187,9 +187,9 @@ def _marked(data: dict[str, Any]) -> list[str]:
 def _refuse_others(name: str, kinds: Sequence[str], wanted: str) -> None:
     """Raise InputError, which says what takes it, for what is of other kinds than the wanted one."""
     if kinds and wanted not in kinds:
-        found = " and ".join(_WORDS[kind][0] for kind in kinds)
+        kind_words = " and ".join(_WORDS[kind][0] for kind in kinds)
         takers = ", or to ".join(_WORDS[kind][1] for kind in kinds)
-        rule = f"is {found}, not {_WORDS[wanted][0]}"
+        rule = f"is {kind_words}, not {_WORDS[wanted][0]}"
         raise InputError(name[:80], rule, remedy=f"give it to {takers}")
 
 

@@ -47,10 +47,10 @@ def read_notches(folder: Path, ladder: Sequence[float] | None = None) -> NotchFo
     Raises InputError for one that is not filled in, where a blade stops that is no thicker than what goes, or
     whose rows are not those of the `ladder`, the widths in mm as drawn, notch 1 first.
     """
-    found = _filled(folder / NOTCH_FORM, NOTCH_COLUMNS)
-    if found is None:
+    columns = _filled(folder / NOTCH_FORM, NOTCH_COLUMNS)
+    if columns is None:
         return None
-    path, (number, drawn, goes, stops) = folder / NOTCH_FORM, found
+    path, (number, drawn, goes, stops) = folder / NOTCH_FORM, columns
     _check_drawn(path, "notch", number, drawn, ladder)
     _off(path, "goes_mm", drawn, goes, least=0.0)
     for i in range(drawn.size):
@@ -67,10 +67,10 @@ def read_crests(folder: Path, steps: Sequence[float] | None = None) -> CrestForm
     Raises InputError for one that is not filled in, for heights of which none comes twice, or where rows are
     not those of the `steps`, the heights in mm as drawn, step 1 first.
     """
-    found = _filled(folder / CREST_FORM, CREST_COLUMNS)
-    if found is None:
+    columns = _filled(folder / CREST_FORM, CREST_COLUMNS)
+    if columns is None:
         return None
-    path, (place, drawn, measured) = folder / CREST_FORM, found
+    path, (place, drawn, measured) = folder / CREST_FORM, columns
     _check_drawn(path, "step", place, drawn, steps)
     _off(path, "measured_mm", drawn, measured)
     heights = sorted({*drawn.tolist()})
@@ -87,16 +87,14 @@ def _filled(path: Path, columns: tuple[str, ...]) -> tuple[Array, ...] | None:
         return None
     name = str(path)
     _check_filled(name, text_of(path, name, LARGEST_FILE, "CSV"), columns)
-    found = read_columns(path, columns)
+    table = read_columns(path, columns)
     for column in columns:
-        if column not in found:
-            raise InputError(
-                name, f"must have the columns {', '.join(columns)}", remedy="print the form anew"
-            )
-    rows = found["drawn_mm"].size
+        if column not in table:
+            raise InputError(name, f"must have the columns {', '.join(columns)}", remedy="print a new form")
+    rows = table["drawn_mm"].size
     if rows < FEWEST:
         raise InputError(name, f"must have at least {FEWEST} rows", rows)
-    return tuple(found[column] for column in columns)
+    return tuple(table[column] for column in columns)
 
 
 def _check_filled(name: str, text: str, columns: tuple[str, ...]) -> None:
@@ -123,7 +121,7 @@ def _check_drawn(
     """Raise InputError unless each place of the part has one row, in any order, of its size as drawn."""
     if expected is None:
         return
-    anew = "restore the row from a new form: skincad coupon PROCESS"
+    remedy = "restore the row from a new form: skincad coupon PROCESS"
     rows = dict[int, int]()
     for i, (number, size) in enumerate(zip(numbers.tolist(), drawn.tolist(), strict=True), 1):
         where, places = f"{path}, row {i}", len(expected)
@@ -137,21 +135,21 @@ def _check_drawn(
         as_drawn = expected[int(number) - 1]
         if abs(size - as_drawn) > SAME_SIZE:
             rule = f"drawn_mm of {column} {number:g} must be {as_drawn:g}, as drawn"
-            raise InputError(where, rule, size, f"{anew}; what you measure goes in the columns after it")
+            raise InputError(where, rule, size, f"{remedy}; what you measure goes in the columns after it")
     missing = [str(i) for i in range(1, len(expected) + 1) if i not in rows]
     if missing:
         rule = f"must have a row for each {column} of the part; missing: {', '.join(missing)}"
-        raise InputError(str(path), rule, remedy=anew)
+        raise InputError(str(path), rule, remedy=remedy)
 
 
-def _off(path: Path, column: str, drawn: Array, found: Array, least: float | None = None) -> None:
+def _off(path: Path, column: str, drawn: Array, measured: Array, least: float | None = None) -> None:
     """Raise InputError for what can't have been meant."""
     for i in range(drawn.size):
         where = f"{path}, row {i + 1}"
         if drawn[i] <= 0:
-            raise InputError(where, "drawn_mm must be above 0", float(drawn[i]), "print the form anew")
-        if least is not None and found[i] < least:
-            raise InputError(where, f"{column} must not be below {least:g}", float(found[i]))
-        if abs(found[i] - drawn[i]) > MOST_OFF:
+            raise InputError(where, "drawn_mm must be above 0", float(drawn[i]), "print a new form")
+        if least is not None and measured[i] < least:
+            raise InputError(where, f"{column} must not be below {least:g}", float(measured[i]))
+        if abs(measured[i] - drawn[i]) > MOST_OFF:
             rule = f"{column} must be within {MOST_OFF:g} mm of drawn_mm, {drawn[i]:g}"
-            raise InputError(where, rule, float(found[i]), "give millimetres")
+            raise InputError(where, rule, float(measured[i]), "give millimetres")

@@ -96,10 +96,10 @@ class Design(Document):
 
 
 def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
-    """Give, in place, another silicone its own values: those of the old one that nobody set anew go."""
+    """Drop, in place, the old silicone's values that were not set again, where another silicone is named."""
     if "name" in changed and isinstance(data.get("material"), dict):
-        own = {*OF_A_SILICONE} - changed
-        data["material"] = {key: value for key, value in data["material"].items() if key not in own}
+        dropped = {*OF_A_SILICONE} - changed
+        data["material"] = {key: value for key, value in data["material"].items() if key not in dropped}
 
 
 def drop_dependents(data: dict[str, Any], dropped: str) -> None:
@@ -111,12 +111,14 @@ def drop_dependents(data: dict[str, Any], dropped: str) -> None:
         data["contact"] = {key: value for key, value in contact.items() if key != "film"}
 
 
-_INSTEAD = {"height": ("heights",), "heights": ("height", "levelling")}
+_REPLACED_KEYS = {"height": ("heights",), "heights": ("height", "levelling")}
 
 
 def drop_replaced(data: dict[str, Any], changed: set[str]) -> None:
-    """Drop, in place, the keys of `[ridge]` in whose place others are set anew: one height for all, or one a
-    ridge. Those that are set together stay, and are refused."""
-    gone = {old for new in changed for old in _INSTEAD.get(new, ())} - changed
-    if gone and isinstance(data.get("ridge"), dict):
-        data["ridge"] = {key: value for key, value in data["ridge"].items() if key not in gone}
+    """Drop, in place, the keys of `[ridge]` that newly set keys replace: one height for all, or one a ridge.
+
+    Keys that are set together stay, and are refused.
+    """
+    replaced = {old for new in changed for old in _REPLACED_KEYS.get(new, ())} - changed
+    if replaced and isinstance(data.get("ridge"), dict):
+        data["ridge"] = {key: value for key, value in data["ridge"].items() if key not in replaced}

@@ -1,4 +1,4 @@
-"""What the tables of a design must agree on, beyond each key's own range; broken rules are told at once."""
+"""Rules between the tables of a design, beyond each key's own range; broken ones are reported together."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ from skincad.inputs.ridge_table import Ridge, lean
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
 from skincad.inputs.skin_tables import Contact, Film, Material, Skin, Slot
 
-MOST = 999  # ridges that are told of, as ridge.count
+MOST_RIDGES = 999  # the largest ridge.count that a remedy names
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
-SMALLEST_FILLET = (
-    1e-6  # mm; ten times the length below which the CAD kernel takes an edge's ends for one point
-)
-CORE = 0.2  # assumption: least radius of a revolved skin's back, of curvature_radius_y
+# mm; ten times the length below which the CAD kernel takes an edge's ends for one point
+SMALLEST_FILLET = 1e-6
+CORE_SHARE = 0.2  # assumption: least radius of a revolved skin's back, of curvature_radius_y
 
 
 def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
@@ -72,7 +71,7 @@ def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:
         more = (
             2 * (side * skin.curvature_radius - half_root) / ridge.spacing
         )  # infinite where there is no pitch
-        most = max(0, math.ceil(min(more, MOST)))
+        most = max(0, math.ceil(min(more, MOST_RIDGES)))
         yield InputError(
             "ridge.count",
             f"at most {most} ridges of this pitch and root fit on skin.width",
@@ -88,7 +87,7 @@ def revolved(skin: Skin) -> Iterator[InputError]:
     radius = skin.curvature_radius_y
     if radius is None:
         return
-    least = skin.thickness / (1 - CORE)
+    least = skin.thickness / (1 - CORE_SHARE)
     if radius < least:
         yield InputError(
             "skin.curvature_radius_y",
@@ -121,10 +120,10 @@ def profile(ridge: Ridge) -> Iterator[InputError]:
     for key, radius in (("tip_fillet", ridge.tip_fillet), ("root_fillet", ridge.root_fillet)):
         if 0 < radius < SMALLEST_FILLET:
             yield InputError(f"ridge.{key}", f"must be 0 or at least {SMALLEST_FILLET:g} mm", radius)
-    each = ridge.heights or (ridge.height or 0.0,)  # levelling makes none lower
-    limit = min(*each, ridge.tip_width / 2)
+    heights = ridge.heights or (ridge.height or 0.0,)  # levelling makes none lower
+    limit = min(*heights, ridge.tip_width / 2)
     if ridge.crown >= limit:
-        lowest = f" of ridge {each.index(limit) + 1}" if limit in each and limit < max(each) else ""
+        lowest = f" of ridge {heights.index(limit) + 1}" if limit in heights and limit < max(heights) else ""
         yield InputError(
             "ridge.crown",
             f"must be less than {limit:g} mm (the smaller of height{lowest} and half tip_width)",
@@ -144,12 +143,12 @@ def strips(skin: Skin, slot: Slot | None, film: Film | None, mold: Mold) -> Iter
         rule = f"must be less than {slot.depth / 2:g} mm (half of slot.depth), or no electrode is left"
         remedy = "a deeper slot, or a finer film.cut_tolerance and film.registration"
         yield InputError("film.electrode_margin", rule, film.margin, remedy)
-    key, given = "mold.method", mold.method
-    if given == "cast-in" and slot is not None and film is None:
-        yield InputError(key, "needs a [film] to cast in", given, "add [film], or take 'shim'")
-    if given == "cast-in" and skin.curvature_radius_y is not None:
+    key, method = "mold.method", mold.method
+    if method == "cast-in" and slot is not None and film is None:
+        yield InputError(key, "needs a [film] to cast in", method, "add [film], or take 'shim'")
+    if method == "cast-in" and skin.curvature_radius_y is not None:
         rule = "needs straight strips, and skin.curvature_radius_y bends them"
-        yield InputError(key, rule, given, "drop curvature_radius_y")
+        yield InputError(key, rule, method, "drop curvature_radius_y")
 
 
 def bond(contact: Contact, film: Film | None) -> Iterator[InputError]:

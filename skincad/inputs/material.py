@@ -20,25 +20,25 @@ def silicone(design: Design) -> Silicone:
 def foreign_modulus(design: Design) -> tuple[Silicone, Ranged, str] | None:
     """Return the silicone that `[material]` names, the modulus beside it, and what would cure it, where that
     modulus is not the named silicone's: their ranges do not meet."""
-    name, own = design.material.name, design.material
-    if name is None or (own.young_modulus is None and own.law is None):
+    name, material = design.material.name, design.material
+    if name is None or (material.young_modulus is None and material.law is None):
         return None
-    given = silicone(design).young_modulus
+    modulus = silicone(design).young_modulus
     known = silicones(design.silicones)
-    if _meet(known[name].young_modulus, given):
+    if _ranges_meet(known[name].young_modulus, modulus):
         return None
     fits = {
-        n: abs(math.log(s.young_modulus.value / given.value))
+        n: abs(math.log(s.young_modulus.value / modulus.value))
         for n, s in known.items()
-        if _meet(s.young_modulus, given)
+        if _ranges_meet(s.young_modulus, modulus)
     }
     drop = "drop material.young_modulus or, if you measured it, drop the name"
     return (
         known[name],
-        given,
+        modulus,
         f"use the name {min(fits, key=fits.__getitem__)}, which it fits; or {drop}" if fits else drop,
     )
 
 
-def _meet(one: Ranged, other: Ranged) -> bool:
+def _ranges_meet(one: Ranged, other: Ranged) -> bool:
     return one.low <= other.high and other.low <= one.high

@@ -37,7 +37,7 @@ class MaterialTest:
 def material_test(
     path: Path | str, gauge_length: float | None = None, area: float | None = None
 ) -> MaterialTest:
-    """Return the loading of a material test, its kind told by the columns.
+    """Return the loading of a material test; the columns say which kind it is.
 
     `approach_mm, force_N`: a pad pressed by a plate. `strain, stress_MPa`, or `extension_mm, force_N` with
     gauge length in mm and cross-section in mm2: a bar. A column `time_s` is passed over. Rows after the

@@ -79,9 +79,9 @@ class Mount(Table):
                 raise InputError("", "needs a thread or fiducials", remedy=remedy)
             return self
         for pattern, keys in _OF_PATTERN.items():
-            given = [key for key in keys if getattr(self, key) is not None]
-            if given and pattern != self.pattern:
-                raise InputError("pattern", f"must be '{pattern}' where {given[0]} is given", self.pattern)
+            sizes = [key for key in keys if getattr(self, key) is not None]
+            if sizes and pattern != self.pattern:
+                raise InputError("pattern", f"must be '{pattern}' where {sizes[0]} is given", self.pattern)
         if self.pattern == "circle" and self.diameter is None:
             raise InputError("diameter", "is missing for a circle of screws", remedy="give mount.diameter")
         if self.pattern == "rectangle" and self.pitch_x is None and self.pitch_y is None:

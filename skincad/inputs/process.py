@@ -179,7 +179,7 @@ class Process(Table):
         return self.tool_radius + self.spark_gap
 
     @model_serializer(mode="wrap")
-    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
         """Dump what was given only, so that a copy of a design's own process changes no more than it did."""
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
@@ -195,8 +195,8 @@ def processes(own: Mapping[str, Process] | None = None) -> dict[str, Process]:
     result, shipped = dict(_shipped()), _shipped()
     for name, change in (own or {}).items():
         base = shipped[change.based_on or name]
-        given = {key: getattr(change, key) for key in change.model_fields_set}
-        result[name] = base.model_copy(update={**given, "based_on": base.based_on})
+        values = {key: getattr(change, key) for key in change.model_fields_set}
+        result[name] = base.model_copy(update={**values, "based_on": base.based_on})
     return result
 
 

@@ -28,25 +28,25 @@ def retyped(
     other = file or f"{document.name}.toml"
     if document.name not in template_names(kind):
         return other
-    own, shipped = document.model_dump(mode="json", exclude_none=True), load(document.name, [])
-    known = shipped.model_dump(mode="json", exclude_none=True)
-    settings = list(_differences(own, known))
+    values, shipped = document.model_dump(mode="json", exclude_none=True), load(document.name, [])
+    template = shipped.model_dump(mode="json", exclude_none=True)
+    settings = list(_differences(values, template))
     if len(settings) > MOST_SETTINGS:
         return other
     try:
         again = load(document.name, settings).model_dump(mode="json", exclude_none=True)
     except InputError:
         return other
-    if again != own:
+    if again != values:
         return other
-    return " ".join([document.name, *(f"--set {shlex.quote(each)}" for each in settings)])
+    return " ".join([document.name, *(f"--set {shlex.quote(setting)}" for setting in settings)])
 
 
-def _differences(own: Mapping[str, Any], known: Mapping[str, Any], table: str = "") -> Iterator[str]:
+def _differences(values: Mapping[str, Any], template: Mapping[str, Any], table: str = "") -> Iterator[str]:
     """Yield `key=value` of what differs, `key=none` of what is gone."""
-    for key in [*own, *(key for key in known if key not in own)]:
+    for key in [*values, *(key for key in template if key not in values)]:
         name = f"{table}{key}"
-        one, other = own.get(key), known.get(key)
+        one, other = values.get(key), template.get(key)
         if one == other:
             continue
         if isinstance(one, dict) and isinstance(other, dict):
@@ -60,7 +60,7 @@ def _toml(value: Any) -> str:
     if value is None:
         return "none"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {_toml(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, str) and value.replace("-", "").isalnum() and not value[:1].isdigit():
         return value
     return json.dumps(value)

@@ -15,13 +15,13 @@ from skincad.inputs.skin_tables import Skin
 HIGHEST = 50.0  # mm, of a ridge
 
 
-def _each_ridge(given: Any) -> Any:
+def _each_ridge(entries: Any) -> Any:
     """Check a list of heights, so that what is wrong with one names its ridge and not its place."""
-    if isinstance(given, list | tuple):
-        for number, value in enumerate(given, 1):
+    if isinstance(entries, list | tuple):
+        for number, value in enumerate(entries, 1):
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value <= HIGHEST:
                 raise InputError("", f"ridge {number} must be above 0 and at most {HIGHEST:g} mm high", value)
-    return given
+    return entries
 
 
 Heights = Annotated[tuple[float, ...], Field(strict=False), BeforeValidator(_each_ridge)]

@@ -31,7 +31,8 @@ from skincad.laws.rubber import Rubber
 
 SOFTEST, STIFFEST = 1e-3, 100.0  # MPa; assumption: the softest gels, and rubbers harder than any Shore A
 TYPICAL = 0.3  # MPa; assumption: the middle of the shipped silicones, to guess at a modulus in another unit
-AGREE = 0.01  # of a modulus and its law's; assumption: what rounding constants to two digits leaves
+# of a modulus and its law's; assumption: what rounding constants to two digits leaves
+MODULUS_AGREEMENT = 0.01
 _UNITS = {"Pa": 1e-6, "kPa": 1e-3, "GPa": 1e3}
 
 
@@ -44,17 +45,17 @@ def _in_mpa(modulus: Ranged) -> Ranged:
             )
             guess, within = value * factor, SOFTEST <= value * factor <= STIFFEST
             rule = f"must be from {SOFTEST:g} to {STIFFEST:g} MPa"
-            asked = f"is it in MPa? {value:g} {unit} is {guess:g} MPa" if within else "is it in MPa?"
-            raise InputError("", rule, value, asked)
+            question = f"is it in MPa? {value:g} {unit} is {guess:g} MPa" if within else "is it in MPa?"
+            raise InputError("", rule, value, question)
     return modulus
 
 
 Modulus = Annotated[Ranged, AfterValidator(_in_mpa)]
 
 
-def _law(given: Any) -> Any:
+def _law(table: Any) -> Any:
     """The law of a table; whatever is no table is left to be refused."""
-    return law_of(given) if isinstance(given, dict) else given
+    return law_of(table) if isinstance(table, dict) else table
 
 
 class _Kinds:
@@ -71,7 +72,7 @@ class _Given(Table):
     """A table that dumps what was given only."""
 
     @model_serializer(mode="wrap")
-    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
         """Dump what was given only, so that a copy of a design's own silicone changes no more than it did."""
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
@@ -158,37 +159,40 @@ def silicones(own: Mapping[str, Silicone] | None = None) -> dict[str, Silicone]:
     result, shipped = dict(_shipped()), _shipped()
     for name, change in (own or {}).items():
         base = shipped.get(change.based_on or name, Silicone())
-        given = {key: getattr(change, key) for key in change.model_fields_set}
-        result[name] = changed(base, {"name": name, **given, "based_on": None})
+        values = {key: getattr(change, key) for key in change.model_fields_set}
+        result[name] = with_values(base, {"name": name, **values, "based_on": None})
     return result
 
 
-def silicone_of(name: str | None, given: Mapping[str, Any], own: Mapping[str, Silicone] | None) -> Silicone:
+def silicone_of(name: str | None, values: Mapping[str, Any], own: Mapping[str, Silicone] | None) -> Silicone:
     """Return the silicone of this name, or one without, with some values `given` on top."""
-    return changed(silicones(own)[name] if name else Silicone(name="own silicone"), given)
+    return with_values(silicones(own)[name] if name else Silicone(name="own silicone"), values)
 
 
-def changed(silicone: Silicone, given: Mapping[str, Any]) -> Silicone:
+def with_values(silicone: Silicone, values: Mapping[str, Any]) -> Silicone:
     """Return a silicone with some values changed; the modulus follows a law that comes without one."""
-    found = silicone.model_copy(update=dict(given))
-    if given.get("law") is None or "young_modulus" in given:
-        return found
-    modulus = given["law"].young_modulus(found.poisson_ratio)
-    return found.model_copy(update={"young_modulus": Ranged(value=modulus, low=modulus, high=modulus)})
+    result = silicone.model_copy(update=dict(values))
+    if values.get("law") is None or "young_modulus" in values:
+        return result
+    modulus = values["law"].young_modulus(result.poisson_ratio)
+    return result.model_copy(update={"young_modulus": Ranged(value=modulus, low=modulus, high=modulus)})
 
 
 def check_law(key: str, silicone: Silicone) -> None:
     """Raise InputError for a silicone whose law has another modulus at small strain than stands beside it."""
     if silicone.law is None:
         return
-    modulus, said = silicone.law.young_modulus(silicone.poisson_ratio), silicone.young_modulus
+    modulus, stated = silicone.law.young_modulus(silicone.poisson_ratio), silicone.young_modulus
     if not SOFTEST <= modulus <= STIFFEST:
         rule = f"must have a modulus at small strain from {SOFTEST:g} to {STIFFEST:g} MPa"
         raise InputError(f"{key}.law", rule, modulus, "are its constants in MPa?")
-    if abs(said.value / modulus - 1) > AGREE:
-        rule = f"must be within {AGREE:.0%} of the {modulus:.4g} MPa that {key}.law has at small strain"
-        remedy = "drop it, for it follows from the law, or fit the law anew"
-        raise InputError(f"{key}.young_modulus", rule, said.value, remedy)
+    if abs(stated.value / modulus - 1) > MODULUS_AGREEMENT:
+        rule = (
+            f"must be within {MODULUS_AGREEMENT:.0%} of the {modulus:.4g} MPa that {key}.law has at "
+            "small strain"
+        )
+        remedy = "drop it, for it follows from the law, or fit the law again"
+        raise InputError(f"{key}.young_modulus", rule, stated.value, remedy)
 
 
 def check_own_silicones(own: Mapping[str, Silicone]) -> None:

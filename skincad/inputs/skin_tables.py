@@ -104,8 +104,8 @@ class Film(Table):
     @property
     def margin(self) -> float:
         """Bare film at a cut edge, mm: what is given, or what the cutter and the registration may be off."""
-        given = self.electrode_margin
-        return self.cut_tolerance + self.registration if given is None else given
+        chosen = self.electrode_margin
+        return self.cut_tolerance + self.registration if chosen is None else chosen
 
 
 OF_A_SILICONE = ("young_modulus", "poisson_ratio", "density", "law")

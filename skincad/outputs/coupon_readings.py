@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from skincad.base.result import Writer
-from skincad.fabrication.coupon_reading import CouponReading, shut_words
+from skincad.fabrication.coupon_reading import CouponReading, no_growth_words
 from skincad.fabrication.coupon_sheet import BAR_FORM, PAD_DESIGN, PAD_FORM, fit_bar_command, fit_pad_command
 from skincad.outputs.delivery import text
 
@@ -33,7 +33,7 @@ def _numbers(found: CouponReading) -> Iterator[str]:
         yield f"  growth         {notches.growth} a side; it was taken as {before.growth:g}"
         yield f"  notches        each off by {notches.scatter:.4f} mm (standard deviation)"
     elif notches:
-        yield f"  growth         {shut_words()}"
+        yield f"  growth         {no_growth_words()}"
     if notches and notches.gap:
         yield f"  narrowest gap  {notches.gap.value:g} mm or less; it was taken as {before.gap:g} mm"
     if crests:

@@ -224,9 +224,9 @@ def _png(job: Job) -> bytes:
 
 
 def _once(job: Job, name: str, of: Callable[[], Any]) -> Any:
-    if name not in job.kept:
-        job.kept[name] = of()
-    return job.kept[name]
+    if name not in job.cache:
+        job.cache[name] = of()
+    return job.cache[name]
 
 
 def _drawn(job: Job) -> Picture:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 from skincad.base.version import __version__
 from skincad.fabrication.finding import counted
 from skincad.fabrication.making import Job, passes
-from skincad.inputs.catalog import entitled, load_design, read_table, template_names
+from skincad.inputs.catalog import display_name, load_design, read_table, template_names
 from skincad.inputs.design import Design
 from skincad.inputs.retyped import retyped
 from skincad.mechanics.validity import limits
@@ -138,7 +138,7 @@ def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
     by = f"Revision {job.design.revision}, made with skincad {__version__} by"
     contents = "".join(f'<a href="#{escape(key)}">{escape(text)}</a> ' for key, text in links.items())
     return (
-        f"<h1>{escape(entitled(job.design))}: skin and mold</h1>\n"
+        f"<h1>{escape(display_name(job.design))}: skin and mold</h1>\n"
         f'<p class="{outcome}">{escape(verdict)} '
         f"Mold: {escape(counted(job.findings))}.</p>\n"
         f"{paragraph(_rests_on(job.check)) if job.check else ''}"

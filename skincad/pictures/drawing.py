@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from skincad.base.arrays import Array
-from skincad.inputs.catalog import entitled
+from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame, section
 from skincad.shape.curves import Loop, polygon
@@ -49,7 +49,7 @@ def drawing(design: Design, closed: ClosedMold) -> str:
     """Return the drawing as an SVG document."""
     bent = design.skin.curvature_radius_y is not None
     rows = [*_section_view(design), *_ridge_view(design), *(_bent_view if bent else _mold_view)(closed)]
-    which = f"{entitled(design)}, revision {design.revision}"
+    which = f"{display_name(design)}, revision {design.revision}"
     title = f"{which}: all lengths in mm, silicone {design.material.name or 'own'}"
     rows.append(_text(5.0, PAGE[1] - 4.0, title, "start"))
     style = (

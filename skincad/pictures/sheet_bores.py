@@ -46,7 +46,7 @@ def bore_marks(holes: tuple[HoleGroup, ...], placed: dict[str, Placed]) -> list[
             marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
             if wide is not None:
                 marks.append(Ink(Arc(centre, place.scale * wide / 2, *THREE_QUARTERS), "THREAD"))
-        for aside in group.asides:
+        for aside in group.side_views:
             marks += _along(aside, placed[aside.view], wide and wide / 2, group)
     return marks
 

@@ -16,7 +16,7 @@ from manifold3d import triangulate
 
 from skincad.base.arrays import Array, Index
 from skincad.fabrication.opening import opening_steps
-from skincad.inputs.catalog import entitled
+from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
 from skincad.pictures.exploded import apart
@@ -51,7 +51,7 @@ def view_page(
     told = base64.b64encode(zlib.compress(json.dumps(data, allow_nan=False).encode(), 9)).decode()
     style, script = ((HERE / name).read_text("utf-8") for name in ("view.css", "view.js"))
     body = (HERE / "view_body.html").read_text("utf-8")
-    title = escape(entitled(design))
+    title = escape(display_name(design))
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
         f"<style>\n{style}</style>\n</head>\n<body>\n"

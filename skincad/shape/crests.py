@@ -11,7 +11,8 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame
 
-MOST_SHIFT = 0.02  # of the skin's thickness; F9 goes with its power -0.65, so this changes it by 1.3 %
+# of the skin's thickness; the all-touch force goes with its power -0.65, so this changes it by 1.3 %
+MOST_SHIFT = 0.02
 
 
 def summits(design: Design) -> tuple[float, ...]:

@@ -1,7 +1,7 @@
 """Plane curves: closed loops of straight lines and circular arcs, in the plane (x, z), mm.
 
 A segment is two end points and a bulge, the tangent of a quarter of its sweep (as in DXF): a line is an
-arc of bulge 0, and an arc of 1e8 mm radius loses no digits, because no centre is ever formed.
+arc of bulge 0. An arc of 1e8 mm radius is computed without cancellation, because no centre is ever formed.
 """
 
 from __future__ import annotations
@@ -69,12 +69,12 @@ class Segment:
         right = np.array([half[1], -half[0]])
         u = np.asarray(fractions, dtype=float)
         if self.bulge == 0.0:
-            along, aside = 2 * u - 1, np.zeros_like(u)
+            along, rise = 2 * u - 1, np.zeros_like(u)
         else:
             turn = (u - 0.5) * self.sweep
             size = math.sin(self.sweep / 2)
-            along, aside = np.sin(turn) / size, self.bulge - 2 * np.sin(turn / 2) ** 2 / size
-        points: Array = middle + np.outer(along, half) + np.outer(aside, right)
+            along, rise = np.sin(turn) / size, self.bulge - 2 * np.sin(turn / 2) ** 2 / size
+        points: Array = middle + np.outer(along, half) + np.outer(rise, right)
         return points
 
     def point(self, fraction: float) -> Point:
@@ -158,9 +158,9 @@ def _circular_segment(middle: Array, half: Array, arc: Segment) -> list[float]:
     """Area and moments between an arc and its chord, by Gauss integration over the angle."""
     nodes, weights = _GAUSS
     turn, size = nodes * arc.sweep / 2, math.sin(arc.sweep / 2)
-    aside = arc.bulge - 2 * np.sin(turn / 2) ** 2 / size  # height over the chord, in half chords
-    weight = weights * np.cos(turn) / size * arc.sweep / 2 * aside
-    area, first = float(weight.sum()), float((weight * aside).sum()) / 2
+    rise = arc.bulge - 2 * np.sin(turn / 2) ** 2 / size  # height over the chord, in half chords
+    weight = weights * np.cos(turn) / size * arc.sweep / 2 * rise
+    area, first = float(weight.sum()), float((weight * rise).sum()) / 2
     square = float(half @ half)
     right = np.array([half[1], -half[0]])
     return [area * square, *(square * (area * middle + first * right))]

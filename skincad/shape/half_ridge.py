@@ -94,7 +94,8 @@ def concentric_hit(start: Array, along: Array, curvature: float, level: float) -
     """Solve n + curvature (t^2 + n^2) / 2 = level for u on the line start + u along, near u = 0.
 
     With curvature 1/R and level h + h^2 / (2 R) that is the circle of radius R + h about (0, -R), written so
-    that a flat one loses no digits. None where the line misses it or does not rise through it.
+    that a flat one is computed without cancellation. None where the line misses the circle or does not rise
+    through it.
     """
     a, b = curvature / 2, _rise(start, along, curvature)
     c = float(start[1] + curvature * (start @ start) / 2 - level)

@@ -32,9 +32,9 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, flipped
 from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
-from skincad.solids.bowl import across, height, rise, seat
+from skincad.solids.bowl import half_length, height, rise, seat
 from skincad.solids.cavity import cavity
-from skincad.solids.closing import LEFT, seal
+from skincad.solids.closing import SQUEEZED_SHARE, seal_thickness
 from skincad.solids.ends import end_plates
 from skincad.solids.grid import Grid
 from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
@@ -45,24 +45,25 @@ from skincad.solids.layout import (
     cavity_process,
     end_angle,
     fits,
-    stack,
+    stack_error,
 )
 from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels, seal_sheet
 from skincad.solids.plan import Part, turned
 from skincad.solids.roles import ENDS, CutRole, End, PartRole
-from skincad.solids.screws import WASHER, into, spare
+from skincad.solids.screws import WASHER, run_out_room, screw_for
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
 from skincad.solids.split import path
 from skincad.solids.undercut import split_ridges
 
-FLATTEST = 1e4  # mm, assumption: a skin of 100 mm rises by 0.13 mm then; the kernel loses digits beyond 1e6
+# mm, assumption: a skin of 100 mm rises by 0.13 mm then; beyond 1e6 the kernel has cancellation errors
+LARGEST_RADIUS = 1e4
 SHARE_OF_ARM = 0.3  # assumption: a shim rises by a twentieth of the arm then, some tenths of a millimetre
-BEYOND = 0.5  # mm, by which a cut is built further than what it takes away
+CUT_OVERRUN = 0.5  # mm, by which a cut is built further than what it takes away
 LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest inserts
 TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
 OVERHANG = 3.0  # mm, assumption: of the cover beyond the end plates, to be lifted by
-UNDER = 0.2  # mm, by which a bore from the curved back begins below its rim
+BORE_OVERRUN = 0.2  # mm, by which a bore from the curved back begins below its rim
 _FROM_ABOVE = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
 
 
@@ -95,8 +96,8 @@ def check_bent(design: Design) -> Iterator[InputError]:
         return
     radius, choice = design.skin.curvature_radius_y, design.mold
     remedy = "drop skin.curvature_radius_y"
-    if radius > FLATTEST:
-        rule = f"must be at most {FLATTEST:g} mm for a mold: a flatter skin can be cast straight"
+    if radius > LARGEST_RADIUS:
+        rule = f"must be at most {LARGEST_RADIUS:g} mm for a mold: a flatter skin can be cast straight"
         yield InputError("skin.curvature_radius_y", rule, radius, "leave it out")
     most = SHARE_OF_ARM * (radius - design.skin.thickness)
     if design.slot is not None and choice.end_plate > most:
@@ -127,16 +128,16 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
     `place.back`, measured along them; the cavity's walls higher by a squeezed seal, where they leave it room
     as they narrow; and bolts and pins of the cover as far apart as the narrow top allows."""
     back = on_grid(height(grid, grid.half) + place.back * math.cos(grid.half))
-    sealed = back + LEFT * seal(stack(design, place.spans, place.lid))
+    sealed = back + SQUEEZED_SHARE * seal_thickness(stack_error(design, place.spans, place.lid))
     top = next(
-        (on_grid(top) for top in (sealed, back) if _apart(design, place, grid, top)[2] >= BESIDE), back
+        (on_grid(top) for top in (sealed, back) if _cover_places(design, place, grid, top)[2] >= BESIDE), back
     )
-    bolt, hole, apart = _apart(design, place, grid, top)
-    if place.back >= grid.centre or apart < BESIDE:
+    bolt, hole, web = _cover_places(design, place, grid, top)
+    if place.back >= grid.centre or web < BESIDE:
         key, remedy = "skin.curvature_radius_y", "make the skin longer or the radius larger"
-        rule = f"leaves {apart:.3g} mm at the narrow top between a bolt and a pin of the cover, which need "
+        rule = f"leaves {web:.3g} mm at the narrow top between a bolt and a pin of the cover, which need "
         raise InputError(key, rule + f"{BESIDE:g} mm", design.skin.curvature_radius_y, remedy)
-    end = on_grid(across(grid, back))
+    end = on_grid(half_length(grid, back))
     out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
     keying = place.keying[1], 0.0  # there is no room along y
     lids = place._replace(back=back, top=top, end=end, cover=on_grid(out))
@@ -144,17 +145,17 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
     return lids._replace(bolts=bolts, pin_along=hole, keying=keying)
 
 
-def _apart(design: Design, place: Layout, grid: Grid, top: float) -> tuple[float, float, float]:
+def _cover_places(design: Design, place: Layout, grid: Grid, top: float) -> tuple[float, float, float]:
     """Return how far along y bolts and pins of the cover may stand where the cavity's walls end at `top`, and
     what is left between a bolt and a pin, mm."""
-    own, end = fits(design, design.mold.process), across(grid, top)
-    bolt, hole = (on_grid(min(place.pin_along, end - TOP_EDGE - r)) for r in (own.thread, own.slide))
-    return bolt, hole, bolt + hole - own.thread - own.slide
+    holes, end = fits(design, design.mold.process), half_length(grid, top)
+    bolt, hole = (on_grid(min(place.pin_along, end - TOP_EDGE - r)) for r in (holes.thread, holes.slide))
+    return bolt, hole, bolt + hole - holes.thread - holes.slide
 
 
 def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: Grid) -> Part:
     """The block between the planes of the ends, less the trough and, above the back, the carrier's seat."""
-    low, high = across(grid, place.bottom), across(grid, lids.top)
+    low, high = half_length(grid, place.bottom), half_length(grid, lids.top)
     corners = [Point(-low, place.bottom), Point(low, place.bottom), Point(high, lids.top)]
     corners += [Point(-high, lids.top), corners[0]]
     straight = cavity(design, shape, place)
@@ -180,41 +181,45 @@ def _skin(shape: Section, grid: Grid) -> Revolved:
 def _trough(shape: Section, grid: Grid) -> Reaching:
     """The negative of the skin; built into the carrier's seat, and out of the block at its ends."""
     outline = flipped(shape.outline)
-    more = BEYOND / grid.centre
-    taken = Revolved(outline, grid.centre, -grid.half, grid.half, grid=grid, role=CutRole.TROUGH)
+    more = CUT_OVERRUN / grid.centre
+    removed = Revolved(outline, grid.centre, -grid.half, grid.half, grid=grid, role=CutRole.TROUGH)
     back = next(s for s in outline if s.kind == "back")
-    ends = [Point(p.x, p.z + BEYOND) for p in (back.start, back.end)]
+    ends = [Point(p.x, p.z + CUT_OVERRUN) for p in (back.start, back.end)]
     i = outline.index(back)
     raised = (*outline[:i], *path([back.start, *ends, back.end]), *outline[i + 1 :])
-    return Reaching(taken, Revolved(raised, grid.centre, -grid.half - more, grid.half + more, grid=grid))
+    return Reaching(removed, Revolved(raised, grid.centre, -grid.half - more, grid.half + more, grid=grid))
 
 
 def _opening(place: Layout, lids: Layout, grid: Grid) -> Reaching:
     """The carrier's seat, from the back up; built out of the block at its ends and its top."""
     side, shape = place.trough, seat(grid, grid.half, lids.top)
-    taken = Prism(shape, "x", -side, side, grid=grid, role=CutRole.SEAT)
-    wider = seat(grid, grid.half + BEYOND / grid.centre, lids.top + BEYOND, -2 * BEYOND)
-    return Reaching(taken, replace(taken, outline=wider))
+    removed = Prism(shape, "x", -side, side, grid=grid, role=CutRole.SEAT)
+    wider = seat(grid, grid.half + CUT_OVERRUN / grid.centre, lids.top + CUT_OVERRUN, -2 * CUT_OVERRUN)
+    return Reaching(removed, replace(removed, outline=wider))
 
 
 def _end_bores(design: Design, place: Layout, grid: Grid) -> list[Reaching]:
     """Threads for the end plates' screws, and holes for their pins, square to the leaning ends."""
-    own = fits(design, design.mold.process)
-    found = []
+    holes = fits(design, design.mold.process)
+    bores = []
     for x, z in ((x, z) for x in place.lanes for z in (place.comb_bolt, place.keeper_bolt)):
-        deepest, plate, process = _deepest(grid, z, own.thread), design.mold.end_plate, cavity_process(design)
-        long, washers = into(plate, deepest, process, bottomed=True)
-        held = long - washers * WASHER - plate
-        depth = on_grid(min(held + spare(process), deepest))
-        if held < LEAST_THREAD:
-            rule = f"leaves {max(held, 0.0):.3g} mm of thread for a screw of an end plate, which needs "
+        deepest, plate, process = (
+            _deepest(grid, z, holes.thread),
+            design.mold.end_plate,
+            cavity_process(design),
+        )
+        long, washers = screw_for(plate, deepest, process, bottomed=True)
+        engaged = long - washers * WASHER - plate
+        depth = on_grid(min(engaged + run_out_room(process), deepest))
+        if engaged < LEAST_THREAD:
+            rule = f"leaves {max(engaged, 0.0):.3g} mm of thread for a screw of an end plate, which needs "
             rule += f"{LEAST_THREAD:g} mm"
             raise InputError("skin.length", rule, design.skin.length, "make the skin longer")
-        found += _both_ends(CutRole.END_THREAD, place, grid, (x, z), depth, own.thread)
+        bores += _both_ends(CutRole.END_THREAD, place, grid, (x, z), depth, holes.thread)
     pinned = _pin_depth(place, grid)
     for x in place.pins:
-        found += _both_ends(CutRole.END_PIN, place, grid, (x, place.comb_pin), pinned, own.press)
-    return found
+        bores += _both_ends(CutRole.END_PIN, place, grid, (x, place.comb_pin), pinned, holes.press)
+    return bores
 
 
 def _deepest(grid: Grid, z: float, radius: float) -> float:
@@ -234,12 +239,12 @@ def _both_ends(
     bores = []
     for end in ENDS:
         angle, base = _stand(place, grid, end)
-        low, out = (base, base - BEYOND) if end == "a" else (base - depth, base - depth)
-        taken, built = (
+        low, out = (base, base - CUT_OVERRUN) if end == "a" else (base - depth, base - depth)
+        removed, built = (
             Turned(Bore((x, start, z), "y", length, radius, role=role), grid.centre, angle, base)
-            for start, length in ((low, depth), (out, depth + BEYOND))
+            for start, length in ((low, depth), (out, depth + CUT_OVERRUN))
         )
-        bores.append(Reaching(taken, built))
+        bores.append(Reaching(removed, built))
     return bores
 
 
@@ -251,8 +256,8 @@ def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
     wide = lids.trough - gap
     body = Prism(seat(grid, half, lids.back, gap), "x", -wide, wide, grid=grid)
     cuts = [_from_back(cut, grid) for cut in flat.cuts if isinstance(cut, Bore)]
-    kept = (cut for cut in cuts if cut.role is not CutRole.PULL or cut.length >= LEAST_PULL)
-    return replace(flat, body=body, cuts=tuple(kept))
+    usable = (cut for cut in cuts if cut.role is not CutRole.PULL or cut.length >= LEAST_PULL)
+    return replace(flat, body=body, cuts=tuple(usable))
 
 
 def _from_back(bore: Bore, grid: Grid) -> Bore:
@@ -265,20 +270,20 @@ def _from_back(bore: Bore, grid: Grid) -> Bore:
         z += on_grid(rise(grid, abs(y) + bore.radius))
         return replace(bore, start=(x, y, z), length=bore.start[2] + bore.length - z)
     widest = max(bore.radius, bore.far_radius)
-    low = on_grid(rise(grid, max(0.0, abs(y) - widest)) - UNDER)
+    low = on_grid(rise(grid, max(0.0, abs(y) - widest)) - BORE_OVERRUN)
     return replace(bore, start=(x, y, low), length=bore.length - low, within=(grid.centre, grid.centre))
 
 
 def _shims(design: Design, grid: Grid) -> list[Part]:
     """Shims as arcs through both end plates, with a grip beyond each."""
-    found = []
+    arcs = []
     for part in shims(design):
         if isinstance(part.body, Prism):
             arm = grid.centre - part.body.outline[0].start.z
             out = grid.half + math.asin(design.mold.end_plate / arm) + GRIP / arm
             body = Revolved(part.body.outline, grid.centre, -out, out, grid=grid)
-            found.append(replace(part, body=body))
-    return found
+            arcs.append(replace(part, body=body))
+    return arcs
 
 
 def _end_pin(design: Design, place: Layout, grid: Grid, end: End, i: int) -> Part:

@@ -108,7 +108,7 @@ class Revolved:
     """A loop (x, z) turned about the axis along x at z = `centre` mm, from angle `low` to `high` rad.
 
     Angles count from the section's own plane, y = 0, towards +y. The loop keeps to one side of the axis.
-    Nothing is formed that would lose digits to a far axis.
+    All terms avoid cancellation against a far axis.
     """
 
     outline: Loop
@@ -170,8 +170,8 @@ class Turned:
         return self.body.role
 
     def placement(self) -> tuple[Array, Array]:
-        """Return rotation `(3, 3)` and shift `(3,)` mm, from the own frame to the mold's; nothing is formed
-        that would lose digits to a far axis."""
+        """Return rotation `(3, 3)` and shift `(3,)` mm, from the own frame to the mold's, without
+        cancellation against a far axis."""
         c, s = math.cos(self.angle), math.sin(self.angle)
         turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
         fall = 2 * self.centre * math.sin(self.angle / 2) ** 2

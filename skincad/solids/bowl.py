@@ -20,7 +20,7 @@ def height(grid: Grid, angle: float) -> float:
     return 2 * grid.centre * math.sin(angle / 2) ** 2
 
 
-def across(grid: Grid, z: float, inside: float = 0.0) -> float:
+def half_length(grid: Grid, z: float, inside: float = 0.0) -> float:
     """Return the half length at the height z between the ends' planes, or planes `inside` them, mm."""
     return ((grid.centre - z) * math.sin(grid.half) - inside) / math.cos(grid.half)
 
@@ -33,7 +33,7 @@ def rise(grid: Grid, y: float) -> float:
 def seat(grid: Grid, half: float, top: float, inside: float = 0.0) -> Loop:
     """Return the outline (y, z) from the back's arc, -half to half rad, up to a flat top."""
     low, high = (Point(grid.centre * math.sin(a), height(grid, a)) for a in (-half, half))
-    wide = across(grid, top, inside)
+    wide = half_length(grid, top, inside)
     return (Segment(low, high, math.tan(half / 2)), *path([high, Point(wide, top), Point(-wide, top), low]))
 
 
@@ -43,11 +43,11 @@ def gap_beside(carrier: Prism, gap: float) -> list[Prism]:
     if grid is None:
         raise ValueError("a straight carrier's gap is a frame")
     arc = carrier.outline[0]
-    corner = Point(across(grid, top, gap), top)
+    corner = Point(half_length(grid, top, gap), top)
     high = Point(grid.centre * math.sin(grid.half), height(grid, grid.half))
     rest = grid.half - math.asin(arc.end.x / grid.centre)
     turn = math.tan(rest / 4)
-    end = (Segment(arc.end, high, turn), *path([high, Point(across(grid, top), top), corner, arc.end]))
+    end = (Segment(arc.end, high, turn), *path([high, Point(half_length(grid, top), top), corner, arc.end]))
     whole = seat(grid, grid.half, top)
     return [
         replace(carrier, outline=whole, low=carrier.high, high=carrier.high + gap),

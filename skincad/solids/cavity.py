@@ -31,7 +31,7 @@ from skincad.solids.layout import (
 )
 from skincad.solids.plan import Part, box, drilled, shifted
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.screws import blind
+from skincad.solids.screws import blind_depth
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
 
@@ -47,11 +47,11 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
         outline += path([here[-1].end, there[0].start]) if there else []
     left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
     outline += path([outline[-1].end, *left, outline[0].start])
-    own, deep = fits(design, design.mold.process), on_grid(blind(place.lid, cavity_process(design)))
+    holes, deep = fits(design, design.mold.process), on_grid(blind_depth(place.lid, cavity_process(design)))
     cuts = (
         *_along(place, place.lanes, (place.comb_bolt, place.keeper_bolt)),
         *_pin_holes(design, place),
-        *drilled(CutRole.COVER_THREAD, "z", place.bolts, place.top - deep, deep, own.thread),
+        *drilled(CutRole.COVER_THREAD, "z", place.bolts, place.top - deep, deep, holes.thread),
         *_sockets(design, place, cover_pins(place)),
     )
     return Part("cavity", PartRole.CAVITY, Prism(tuple(outline), "y", -place.end, place.end), cuts)
@@ -104,9 +104,9 @@ def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[in
 def headings(design: Design, ridges: list[int]) -> list[Heading]:
     """Return the direction (x, z) in which each piece leaves, from left to right."""
     leans = [design.lean(ridge) for ridge in ridges]
-    beyond = design.ridge.spacing / (2 * design.skin.curvature_radius)
+    half_pitch = design.ridge.spacing / (2 * design.skin.curvature_radius)
     middle = [(a + b) / 2 for a, b in pairwise(leans)]
-    angles = [leans[0] - beyond, *middle, leans[-1] + beyond]
+    angles = [leans[0] - half_pitch, *middle, leans[-1] + half_pitch]
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]
 
 
@@ -121,12 +121,12 @@ def base_dowels(design: Design, place: Layout) -> list[Part]:
 
 
 def _base(design: Design, place: Layout, level: float) -> Part:
-    own, through = fits(design, design.mold.process), (place.bottom, level - place.bottom)
+    holes, through = fits(design, design.mold.process), (place.bottom, level - place.bottom)
     cuts = (
         *_along(place, place.lanes, (place.comb_bolt,)),
         *_pin_holes(design, place),
-        *drilled(CutRole.COVER_THREAD, "z", place.bolts, *through, own.thread),
-        *drilled(CutRole.BASE_PIN, "z", cover_pins(place), level - BASE_PIN, BASE_PIN, own.press),
+        *drilled(CutRole.COVER_THREAD, "z", place.bolts, *through, holes.thread),
+        *drilled(CutRole.BASE_PIN, "z", cover_pins(place), level - BASE_PIN, BASE_PIN, holes.press),
     )
     body = box(place.half, (-place.end, place.end), (place.bottom, level), "y")
     return Part("cavity-base", PartRole.BASE, body, cuts)
@@ -158,8 +158,8 @@ def _chunks(outline: Loop, ridges: list[int]) -> tuple[list[Loop], list[Point]]:
     negative = _negative(outline)
     cuts = []
     for ridge in reversed(ridges):
-        own = [i for i, s in enumerate(negative) if s.ridge == ridge]
-        cuts.append(own[len(own) // 2])
+        crown = [i for i, s in enumerate(negative) if s.ridge == ridge]
+        cuts.append(crown[len(crown) // 2])
     ends = [0, *cuts, len(negative)]
     chunks = [negative[a:b] for a, b in pairwise(ends)]
     return chunks, [negative[i].start for i in cuts]

@@ -14,12 +14,13 @@ from typing import NamedTuple
 
 PRESSURE = 0.01  # MPa, assumption: 10 kPa, a syringe pushed by hand after the mold is full
 SHEETS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)  # mm, assumption: as closed-cell foam is sold
-LEFT = 0.7  # assumption: of a sheet's thickness, under the cover; by 0.5 to 0.9 it seals
-PLAY = 0.2  # of its thickness, that follows from it, up and down
-SQUEEZE = 0.06  # MPa, source: makers' data sheets, EVA foam of 100 kg/m3 squeezed by 30 %; at 10 % it is 0.02
-BOW = 0.02  # mm, assumption: what the cover may bow under it; a flash as thin is wiped off
-COVER = 4.0  # mm, assumption: least thickness, for its pins and the cup
-TWISTED = 2.6  # of the skin's length, by finite elements: a gang's cover twists on rows of one screw each
+SQUEEZED_SHARE = 0.7  # assumption: of a sheet's thickness, under the cover; by 0.5 to 0.9 it seals
+SEAL_PLAY = 0.2  # of its thickness, that follows from it, up and down
+# MPa, source: makers' data sheets, EVA foam of 100 kg/m3 squeezed by 30 %; at 10 % it is 0.02
+SEAL_PRESSURE = 0.06
+MOST_BOW = 0.02  # mm, assumption: what the cover may bow under it; a flash as thin is wiped off
+LEAST_COVER = 4.0  # mm, assumption: least thickness, for its pins and the cup
+TWIST_REACH = 2.6  # of the skin's length, by finite elements: a gang's cover twists on rows of one screw each
 THICKEST = 50.0  # mm, that of mold.cover
 
 
@@ -27,7 +28,7 @@ class Spans(NamedTuple):
     """What a cover spans, mm: from row to row across, how wide its load is there, and its reach along: from
     screw to screw, or twice what stands over the last one."""
 
-    across: float
+    row_distance: float
     load: float
     along: float
 
@@ -41,8 +42,8 @@ def bow(spans: Spans, thickness: float, modulus: float, pressure: float = PRESSU
 
 
 def thick_enough(spans: Spans, modulus: float, stock: float) -> float:
-    """Return the least thickness from `COVER` on, in steps of `stock` mm, that keeps to `BOW`."""
-    need = COVER * max(1.0, math.cbrt(bow(spans, COVER, modulus) / BOW))
+    """Return the least thickness from `LEAST_COVER` on, in steps of `stock` mm, that keeps to `MOST_BOW`."""
+    need = LEAST_COVER * max(1.0, math.cbrt(bow(spans, LEAST_COVER, modulus) / MOST_BOW))
     return min(THICKEST, math.ceil(need / stock - 1e-9) * stock)
 
 
@@ -50,37 +51,44 @@ class ScrewRow(NamedTuple):
     """A row of screws along y: how many, how far apart, mm, and their reach, as in `Spans`."""
 
     screws: int
-    apart: float
+    spacing: float
     reach: float
 
 
-def rows(length: float, diagonal: float, aside: float, beside: float, skins: int = 1) -> list[ScrewRow]:
+def screw_rows(
+    length: float, diagonal: float, end_distance: float, least_spacing: float, skins: int = 1
+) -> list[ScrewRow]:
     """Return the rows that a cover of this length can have, the fewest screws first. One in each row, the
     outer ones' at `diagonal` mm from the middle, opposite a pin; or more, `aside` mm from the ends and at
     least `beside` from each other, where a pin stands between two."""
-    found = [ScrewRow(1, 0.0, length + 2 * diagonal if skins == 1 else TWISTED * length)]
-    last = length / 2 - aside
+    choices = [ScrewRow(1, 0.0, length + 2 * diagonal if skins == 1 else TWIST_REACH * length)]
+    last = length / 2 - end_distance
     count = 2
-    while last > 0 and (apart := 2 * last / (count - 1)) >= beside:
-        found.append(ScrewRow(count, apart, max(apart, 2 * aside)))
+    while last > 0 and (spacing := 2 * last / (count - 1)) >= least_spacing:
+        choices.append(ScrewRow(count, spacing, max(spacing, 2 * end_distance)))
         count += 1
-    return found
+    return choices
 
 
-def closed_by(
-    choices: list[ScrewRow], across: float, load: float, modulus: float, given: float | None, stock: float
+def choose_screws(
+    choices: list[ScrewRow],
+    row_distance: float,
+    load: float,
+    modulus: float,
+    thickness: float | None,
+    stock: float,
 ) -> tuple[ScrewRow, float]:
-    """Return the row of fewest screws and the cover's thickness, mm, with which it keeps to `BOW`; a given
-    thickness is kept, whatever its bow."""
-    least = given or thick_enough(Spans(across, load, 0.0), modulus, stock)
+    """Return the row of fewest screws and the cover's thickness, mm, with which it keeps to
+    `MOST_BOW`; a given thickness is kept, whatever its bow."""
+    least = thickness or thick_enough(Spans(row_distance, load, 0.0), modulus, stock)
     for row in choices:
-        if bow(Spans(across, load, row.reach), least, modulus) <= BOW:
+        if bow(Spans(row_distance, load, row.reach), least, modulus) <= MOST_BOW:
             return row, least
-    row = min(choices, key=lambda each: each.reach)
-    return row, given or thick_enough(Spans(across, load, row.reach), modulus, stock)
+    row = min(choices, key=lambda choice: choice.reach)
+    return row, thickness or thick_enough(Spans(row_distance, load, row.reach), modulus, stock)
 
 
-def seal(stack: float) -> float:
+def seal_thickness(stack: float) -> float:
     """Return the thickness of the foam sheet that stays squeezed by 10 to 50 % where what it lies on is up to
     `stack` mm higher or lower; the thickest there is where none does."""
-    return next((sheet for sheet in SHEETS if PLAY * sheet >= stack - 1e-9), SHEETS[-1])
+    return next((sheet for sheet in SHEETS if SEAL_PLAY * sheet >= stack - 1e-9), SHEETS[-1])

@@ -17,7 +17,7 @@ from skincad.shape.curves import Loop, Point, flipped, loop
 from skincad.solids.body import Prism
 from skincad.solids.plan import Part, shifted
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import on_grid, poured, shrinkage
+from skincad.solids.shrinkage import on_grid, scaled_for_shrinkage, shrinkage
 from skincad.solids.tensile_bar import BAR, BARS, bar_outline
 
 NOTCHES = tuple(round(0.06 + 0.02 * i, 2) for i in range(13))  # mm wide: all that shims and films ask for
@@ -27,7 +27,7 @@ NOTCH_LENGTH = 4.0  # mm: mold.end_plate's default, the length of a comb's notch
 # a feeler gauge alone with its notch
 NOTCH_PITCH = 3.03
 LADDER_HEIGHT = 8.0  # mm, assumption: to hold it by
-FEWEST_NOTCHES = 5  # assumption: fewer that a tool can cut tell no growth
+FEWEST_NOTCHES = 5  # assumption: with fewer notches the growth is not known
 
 HEIGHTS = tuple(round(0.40 + 0.13 * i, 2) for i in range(8))  # mm; meet layers of 0.05 and 0.2 mm anywhere
 REPEATS = 3  # steps of each height
@@ -68,8 +68,8 @@ def notch_ladder(widths: tuple[float, ...]) -> Part:
     half = _half(len(widths), NOTCH_PITCH)
     for i, width in enumerate(widths):
         middle, side = _place(i, len(widths), NOTCH_PITCH), width / 2
-        across = [middle - side, middle - side, middle + side, middle + side]
-        top += [Point(x, z) for x, z in zip(across, (0.0, -NOTCH_DEPTH, -NOTCH_DEPTH, 0.0), strict=True)]
+        corners = [middle - side, middle - side, middle + side, middle + side]
+        top += [Point(x, z) for x, z in zip(corners, (0.0, -NOTCH_DEPTH, -NOTCH_DEPTH, 0.0), strict=True)]
     outline = _block(half, LADDER_HEIGHT, top, len(widths), NOTCH_PITCH)
     return Part("notch-ladder", PartRole.COMB, Prism(outline, "y", -NOTCH_LENGTH / 2, NOTCH_LENGTH / 2))
 
@@ -80,8 +80,8 @@ def crest_steps() -> Part:
     root, tip = (width / 2 for width in STEP_WIDTHS)
     for i, height in enumerate(heights):
         middle = _place(i, len(heights), STEP_PITCH)
-        across = [middle - root, middle - tip, middle + tip, middle + root]
-        top += [Point(x, z) for x, z in zip(across, (0.0, height, height, 0.0), strict=True)]
+        corners = [middle - root, middle - tip, middle + tip, middle + root]
+        top += [Point(x, z) for x, z in zip(corners, (0.0, height, height, 0.0), strict=True)]
     outline = _block(_half(len(heights), STEP_PITCH), STEP_BASE, top, len(heights), STEP_PITCH)
     return Part("crest-steps", PartRole.CAVITY, Prism(outline, "y", -STEP_LENGTH / 2, STEP_LENGTH / 2))
 
@@ -123,7 +123,7 @@ def tensile_mold(pad: Design) -> Part:
 
 def pad_mold(pad: Design) -> Part:
     """Return an open mold for a pad, its ridges down, larger by its shrinkage."""
-    cast = poured(pad)
+    cast = scaled_for_shrinkage(pad)
     outline, half = flipped(section(cast).outline), cast.skin.length / 2
     corners = [point for segment in outline for point in (segment.start, segment.end)]
     wide = max(abs(point.x) for point in corners) + WALL

@@ -25,8 +25,8 @@ from skincad.solids.layout import (
 from skincad.solids.plan import Part, box, drilled, moved, shifted
 from skincad.solids.roles import CutRole, End, PartRole
 from skincad.solids.screws import TAP_RADIUS, engagement
-from skincad.solids.shrinkage import poured, shrinkage
-from skincad.solids.split import closed, split_edges, split_height
+from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
+from skincad.solids.split import closed_edge, split_edges, split_height
 
 GATE = 2.0  # mm, assumption: takes a blunt tip of 16 gauge, 1.65 mm, through which silicone still flows well
 LEAST_GATE = 0.7  # mm, assumption: takes the thinnest usual blunt tip, 25 gauge, 0.51 mm
@@ -57,8 +57,8 @@ def end_plates(design: Design, shape: Section, place: Layout, end: End) -> list[
         body = box(place.half, (low, high), (place.bottom, top), "y")
         return [Part(f"end-{end}", PartRole.END_PLATE, body, (*lower, *upper), end)]
     toothed, smooth = _edges(design, shape, place)
-    comb = Prism(flipped(closed(toothed, -place.bottom)), "y", low, high)
-    keeper = Prism(flipped(closed([s.reversed() for s in reversed(smooth)], -top)), "y", low, high)
+    comb = Prism(flipped(closed_edge(toothed, -place.bottom)), "y", low, high)
+    keeper = Prism(flipped(closed_edge([s.reversed() for s in reversed(smooth)], -top)), "y", low, high)
     return [
         Part(f"end-{end}-comb", PartRole.COMB, comb, tuple(lower), end),
         Part(f"end-{end}-keeper", PartRole.KEEPER, keeper, tuple(upper), end),
@@ -152,7 +152,7 @@ def refused_ends(design: Design, shape: Section, place: Layout) -> Iterator[Inpu
 
 def gate(design: Design) -> float | None:
     """Return the diameter of the pouring gate of a design's mold, mm; None for an open pour."""
-    bore = gate_bore(poured(design), section(poured(design)))
+    bore = gate_bore(scaled_for_shrinkage(design), section(scaled_for_shrinkage(design)))
     return 2 * bore.radius if bore else None
 
 
@@ -162,15 +162,15 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
 
     Raises InputError where a gate finds no room and an open pour is no way out.
     """
-    skin, choice, given = design.skin, design.mold, design.mold.gate
+    skin, choice, diameter = design.skin, design.mold, design.mold.gate
     if choice.pour == "open":
         return None
-    body, most = _gate_room(design, shape, (given or GATE) / 2)
-    wide = given or min(GATE, math.floor(10 * most) / 10)  # a drill
+    body, most = _gate_room(design, shape, (diameter or GATE) / 2)
+    wide = diameter or min(GATE, math.floor(10 * most) / 10)  # a drill
     straight, room = skin.curvature_radius_y is None, f"leaves {most:.4g} mm for the gate in the skin's end"
     way_out = ', or take mold.pour = "open"' if straight else ""
-    if most <= 0 or (given is None and wide < LEAST_GATE):
-        if given is None and choice.pour is None and straight:
+    if most <= 0 or (diameter is None and wide < LEAST_GATE):
+        if diameter is None and choice.pour is None and straight:
             return None
         needs = f"{room}, which needs {LEAST_GATE:g} mm"
         raise InputError(

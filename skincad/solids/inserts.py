@@ -1,4 +1,4 @@
-"""What lies in the mold while it is poured and is no part of it: shims or strips, and its dowel pins."""
+"""Inserts that lie in the mold while it is poured: shims or strips, and dowel pins."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def shims(design: Design) -> list[Part]:
     ]
 
 
-def drawn_to(design: Design) -> End:
+def drawing_end(design: Design) -> End:
     """Return the end towards which shims are drawn: away from the wiring side, so that a film follows with
     its other end first and no contact goes through a slot; end b without film."""
     return "a" if design.film and design.film.wiring_side == "b" else "b"
@@ -42,7 +42,7 @@ def strips(design: Design) -> list[Part]:
     film = design.film
     if film is None:
         return []
-    half, (a, b) = design.skin.length / 2, stands_out(design)
+    half, (a, b) = design.skin.length / 2, strip_overhangs(design)
     return [
         Part(
             f"strip-{slot.ridge}-{slot.side}",
@@ -53,7 +53,7 @@ def strips(design: Design) -> list[Part]:
     ]
 
 
-def stands_out(design: Design) -> tuple[float, float]:
+def strip_overhangs(design: Design) -> tuple[float, float]:
     """Return what a strip stands out of the skin at end a and b once its tabs are cut off, mm: the lead on
     the wiring side; a strip that is cast in goes through its end plates besides."""
     if design.film is None:

@@ -23,10 +23,19 @@ from skincad.inputs.process import Process, processes
 from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Prism
-from skincad.solids.closing import LEFT, SQUEEZE, ScrewRow, Spans, bow, closed_by, rows, seal
+from skincad.solids.closing import (
+    SEAL_PRESSURE,
+    SQUEEZED_SHARE,
+    ScrewRow,
+    Spans,
+    bow,
+    choose_screws,
+    screw_rows,
+    seal_thickness,
+)
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.roles import CutRole
-from skincad.solids.screws import TAP_RADIUS, blind
+from skincad.solids.screws import TAP_RADIUS, blind_depth
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
 from skincad.solids.threads import least_thickness
@@ -126,35 +135,37 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     skin, choice, ends = design.skin, design.mold, end_fits(design)
     slide = max(ends.slide, fits(design, choice.process).slide)
     nut = NUT_FLATS / 2 + max(NUT_PLAY, ends.slide - PIN_RADIUS)
-    aside = 2 / math.sqrt(3) * nut + EDGE + slide  # of a pin beside a nut's corner
+    pin_offset = 2 / math.sqrt(3) * nut + EDGE + slide  # of a pin beside a nut's corner
     trough = skin.width / 2 + LEDGE + choice.clearance
-    inner = max(trough + EDGE + BOLT_RADIUS, aside + slide + EDGE / 2)
+    inner = max(trough + EDGE + BOLT_RADIUS, pin_offset + slide + EDGE / 2)
     outer = inner + EDGE + 2 * BOLT_RADIUS
     if skin.curvature_radius_y is not None:  # screws into threads beside the cover's, which may be inserts
         outer += max(0.0, fits(design, choice.process).thread - BOLT_RADIUS)
     count, short = choice.cavities, is_clamped(design)
-    aside_row = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
-    apart = trough + EDGE + BOLT_RADIUS + (aside_row if count > 1 else 0.0)
-    centres = tuple((2 * i + 1 - count) * apart for i in range(count))
-    between = [(2 * i - count) * apart for i in range(1, count)]
+    row_offset = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
+    half_pitch = trough + EDGE + BOLT_RADIUS + (row_offset if count > 1 else 0.0)
+    centres = tuple((2 * i + 1 - count) * half_pitch for i in range(count))
+    between = [(2 * i - count) * half_pitch for i in range(1, count)]
     outer, inner = outer + centres[-1], inner + centres[-1]
-    across = (-outer, *(x + aside_row for x in between), outer)
+    row_places = (-outer, *(x + row_offset for x in between), outer)
     diagonal = 0.0 if short else max(2.0, skin.length / 4)
-    row, lid, spans = _closed(design, across, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE)
+    row, lid, spans = _cover_screws(design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE)
     need = outer - centres[-1] + BOLT_RADIUS + EDGE - skin.width / 2
     wall, broken = _room("mold.wall", choice.wall, WALL, need, "two rows of bolts beside the trough")
     broken += _length(design)
     split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
-    need, what = max((need, "the keeper's bolts"), _mounted(design))
+    need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
     straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
-    top = on_grid(back + LEFT * seal(stack(design, spans, lid))) if straight else back
+    top = (
+        on_grid(back + SQUEEZED_SHARE * seal_thickness(stack_error(design, spans, lid))) if straight else back
+    )
     need = lowest - split + 2 * (nut + EDGE)
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
     else:  # the cover's screws end in it
-        need = max(need, blind(lid, cavity_process(design)) + EDGE - (top - lowest))
+        need = max(need, blind_depth(lid, cavity_process(design)) + EDGE - (top - lowest))
     floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
     broken += [*low, *thin]
     bottom = lowest - floor
@@ -169,11 +180,11 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         back=back,
         top=top,
         trough=trough,
-        lanes=(-inner, *(x - (aside_row if count > 1 else 0.0) for x in between), inner),
-        pins=(aside - inner, inner - aside),
+        lanes=(-inner, *(x - (row_offset if count > 1 else 0.0) for x in between), inner),
+        pins=(pin_offset - inner, inner - pin_offset),
         outer=outer,
-        bolts=() if short else _bolts(across, row, diagonal),
-        pin_along=diagonal if row.screws == 1 else row.apart / 2 * (row.screws % 2),
+        bolts=() if short else _bolts(row_places, row, diagonal),
+        pin_along=diagonal if row.screws == 1 else row.spacing / 2 * (row.screws % 2),
         pin_depth=depth,
         cover=skin.length / 2 + choice.end_plate,
         lid=lid,
@@ -188,42 +199,44 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     return place, broken
 
 
-def _closed(
-    design: Design, across: tuple[float, ...], diagonal: float, load: float, between: float
+def _cover_screws(
+    design: Design, row_places: tuple[float, ...], diagonal: float, load: float, between: float
 ) -> tuple[ScrewRow, float, Spans]:
     """Return a row of the cover's screws, its thickness and what it spans; `between` is from a screw to a pin
     beside it. A clamped cover has no screws, and the narrow top of a bent mold has room for a diagonal."""
-    length, wide = design.skin.length, max(b - a for a, b in pairwise(across))
-    own = fits(design, design.mold.process)
-    choices = rows(length, diagonal, max(BOLT_RADIUS, own.thread) + EDGE, 2 * between, design.mold.cavities)
+    length, wide = design.skin.length, max(b - a for a, b in pairwise(row_places))
+    holes = fits(design, design.mold.process)
+    choices = screw_rows(
+        length, diagonal, max(BOLT_RADIUS, holes.thread) + EDGE, 2 * between, design.mold.cavities
+    )
     if is_clamped(design) or design.skin.curvature_radius_y is not None:
         choices = choices[:1]
-    modulus, given = lid_process(design).part_modulus, design.mold.cover
-    row, lid = closed_by(choices, wide, load, modulus, given, STOCK)
+    modulus, thickness = lid_process(design).part_modulus, design.mold.cover
+    row, lid = choose_screws(choices, wide, load, modulus, thickness, STOCK)
     return row, lid, Spans(wide, load, row.reach)
 
 
-def _mounted(design: Design) -> tuple[float, str]:
+def _mount_thickness(design: Design) -> tuple[float, str]:
     """Return how thick the carrier must be for its mount, and for what of it; 0 without one."""
     return least_thickness(design.mount, lid_process(design)) if design.mount else (0.0, "")
 
 
-def stack(design: Design, spans: Spans, lid: float) -> float:
+def stack_error(design: Design, spans: Spans, lid: float) -> float:
     """Return by how much what the seal lies on may be higher or lower against the cavity's top than designed,
     mm, every part at the worst end of its process's tolerance: a carrier on its ledge, or a keeper on its
     comb, which slides on pins; and by how much the seal itself bows the cover."""
     block, ends, lids = cavity_process(design), end_process(design), lid_process(design)
-    carried = block.tolerance + lids.tolerance
-    kept = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
-    return max(carried, kept) + bow(spans, lid, lids.part_modulus, SQUEEZE)
+    on_ledge = block.tolerance + lids.tolerance
+    keeper = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
+    return max(on_ledge, keeper) + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
 
 
-def _bolts(across: tuple[float, ...], row: ScrewRow, diagonal: float) -> tuple[tuple[float, float], ...]:
+def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tuple[tuple[float, float], ...]:
     """(x, y) of the cover's screws: one in each row, the outer ones on one diagonal, or more, evenly."""
     if row.screws == 1:
-        return (across[-1], diagonal), (across[0], -diagonal), *((x, 0.0) for x in across[1:-1])
-    ys = [row.apart * (i - (row.screws - 1) / 2) for i in range(row.screws)]
-    return tuple((x, y) for x in across for y in ys)
+        return (row_places[-1], diagonal), (row_places[0], -diagonal), *((x, 0.0) for x in row_places[1:-1])
+    ys = [row.spacing * (i - (row.screws - 1) / 2) for i in range(row.screws)]
+    return tuple((x, y) for x in row_places for y in ys)
 
 
 def is_clamped(design: Design) -> bool:
@@ -232,19 +245,19 @@ def is_clamped(design: Design) -> bool:
 
 
 def _room(
-    key: str, given: float | None, usual: float, need: float, what: str
+    key: str, value: float | None, usual: float, need: float, what: str
 ) -> tuple[float, list[InputError]]:
     """Return a length that has to be at least `need`, mm: the given one and what is wrong with it, or else
     the usual one, or what is needed."""
-    if given is None:
+    if value is None:
         return max(usual, math.ceil(need / STOCK) * STOCK), []
-    return given, at_least(key, given, need, what, "enlarge it, or leave it out to have it computed")
+    return value, at_least(key, value, need, what, "enlarge it, or leave it out to have it computed")
 
 
-def at_least(key: str, given: float, need: float, what: str, remedy: str) -> list[InputError]:
+def at_least(key: str, value: float, need: float, what: str, remedy: str) -> list[InputError]:
     """Return the error of a length that leaves too little room, if it does; what is asked is rounded up."""
-    asked = math.ceil(1000 * need) / 1000
-    return [InputError(key, f"must be at least {asked:g} mm, for {what}", given, remedy)] * (given < need)
+    rounded = math.ceil(1000 * need) / 1000
+    return [InputError(key, f"must be at least {rounded:g} mm, for {what}", value, remedy)] * (value < need)
 
 
 def _length(design: Design) -> list[InputError]:
@@ -277,8 +290,8 @@ def bevel(design: Design) -> float:
 
 def cover_pins(place: Layout) -> list[tuple[float, float]]:
     """Return (x, y) of the cover's pins, on the diagonal that has no bolts or between them, one aside."""
-    aside, along = place.keying
-    return [(place.outer, -place.pin_along), (aside - place.outer, place.pin_along - along)]
+    shift, along = place.keying
+    return [(place.outer, -place.pin_along), (shift - place.outer, place.pin_along - along)]
 
 
 def nut_pocket(place: Layout, x: float, z: float, low: float, high: float) -> Prism:

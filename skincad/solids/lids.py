@@ -27,12 +27,11 @@ from skincad.solids.mounts import check_mount, fiducial_bores, mount_bores, size
 from skincad.solids.plan import Part, box, drilled, moved
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.screws import TAP_RADIUS
-from skincad.solids.threads import UNDER
+from skincad.solids.threads import LEAST_UNDER_HOLE
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
-MOST_HOLES = (
-    60  # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
-)
+# assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
+MOST_HOLES = 60
 BLEED = 0.4  # mm, assumption: least radius of the cover's bleed over each of them, which would keep its air
 VENT = 1.0  # mm, assumption: through which silicone rises without much pressure
 LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
@@ -60,11 +59,11 @@ def _vent(design: Design, place: Layout) -> Bore:
 
 def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
-    end, own, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
+    end, chosen, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
     beside = [abs(x - place.centres[0]) for x, _ in place.bolts] or [place.outer]
     most = min(min(beside) - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
     most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
-    wide = own / 2 if own else min(most, max(CUP, end - inner + CUP_RIM))
+    wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
     outmost = end + design.mold.end_plate - EDGE / 2
     y = min(end, outmost - wide)
     need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
@@ -136,13 +135,13 @@ def _openings(design: Design, place: Layout) -> _Openings:
     beside += [(hole.start, hole.radius + EDGE / 2) for hole in mount]
     pulls = _pulls(design, place, [*beside, *_filled(rivets)])
     if not pulls and (alone := _pulls(design, place, beside)):
-        apart = TAP_RADIUS + HOLD[1] + EDGE / 2
+        least_distance = TAP_RADIUS + HOLD[1] + EDGE / 2
         corners = [(x * bore.start[0], bore.start[1]) for bore in alone for x in (-1, 1)]
-        fewer = [at for at in rivets if all(math.dist(at, corner) > apart for corner in corners)]
+        fewer = [at for at in rivets if all(math.dist(at, corner) > least_distance for corner in corners)]
         if 2 * len(fewer) >= len(all_holes) > 0:
             rivets, pulls = fewer, alone
-    taken = [*beside, *_filled(rivets), *((bore.start, bore.radius) for bore in pulls)]
-    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, taken)])
+    occupied = [*beside, *_filled(rivets), *((bore.start, bore.radius) for bore in pulls)]
+    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, occupied)])
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
@@ -154,17 +153,18 @@ def _beside_mount(
     design: Design, rivets: list[tuple[float, float]], mount: list[Bore]
 ) -> list[tuple[float, float]]:
     """The carrier's holes that the mount leaves. Raises InputError where more than half are in its way."""
-    kept = [
+    remaining = [
         at for at in rivets if all(math.dist(at, m.start[:2]) > m.radius + HOLD[1] + EDGE / 2 for m in mount)
     ]
-    if design.mount and 2 * len(kept) < len(rivets):
-        key, gone = size_key(design.mount), len(rivets) - len(kept)
+    if design.mount and 2 * len(remaining) < len(rivets):
+        key, removed = size_key(design.mount), len(rivets) - len(remaining)
         rule = (
-            f"is in the way of {gone} of the {len(rivets)} holes that hold the skin; half of them must stay"
+            f"is in the way of {removed} of the {len(rivets)} holes that hold the skin; half of them "
+            "must stay"
         )
         remedy = 'take another pattern or a smaller thread, or mold.carrier = "plain" and a primer'
         raise InputError(f"mount.{key}", rule, getattr(design.mount, key), remedy)
-    return kept
+    return remaining
 
 
 def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
@@ -189,12 +189,12 @@ def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) ->
     middle as they clear all that silicone fills, by place and radius; none where they don't."""
     thick, gap = place.back, design.mold.clearance
     x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
-    if thick < UNDER + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
+    if thick < LEAST_UNDER_HOLE + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
         pair = (-x, -y), (x, y)
         if all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
-            return drilled(CutRole.PULL, "z", pair, UNDER, thick - UNDER, TAP_RADIUS)
+            return drilled(CutRole.PULL, "z", pair, LEAST_UNDER_HOLE, thick - LEAST_UNDER_HOLE, TAP_RADIUS)
     return []
 
 

@@ -10,7 +10,7 @@ r"""The mold, ridges down: cavity, end plates with combs and keepers, carrier, c
 The carrier seals on its ledge along x; along y it ends a clearance before the end plates, where a thin flash
 rises that is cut off. While it is poured, end b is up: what air is left runs along the carrier's lower face
 to end b's edge and up that gap, so the cup over the vent covers the gap too. A gap of 0.01 mm lets 0.6 mm3/s
-of air out under 5 mm of silicone (plane Poiseuille flow, 11 mm wide, 4 mm high) and next to no silicone.
+of air out under 5 mm of silicone (plane Poiseuille flow, 11 mm wide, 4 mm high) and negligible silicone.
 Every hole of the carrier has a bleed in the cover, under the highest point of its rim.
 
 An end plate closes each y end. Where there are slots it is split across the slits, at their back ends: the
@@ -45,12 +45,12 @@ from skincad.solids.bent import bent_parts, check_bent, shims_turn
 from skincad.solids.body import Prism
 from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted
 from skincad.solids.ends import end_plates, refused_ends
-from skincad.solids.inserts import drawn_to, pin, shims, strips
+from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids, seal_sheet
 from skincad.solids.plan import Part, moved
 from skincad.solids.roles import CAVITIES, END_PLATES, ENDS, End, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.skin import cast_skin
 from skincad.solids.swept import Way
 from skincad.solids.undercut import split_ridges
@@ -107,10 +107,10 @@ def mold(design: Design) -> ClosedMold:
     ridges = split_ridges(design)
     broken = list(_choices(design, ridges))
     # the part as designed must be one, not only the larger cavity
-    whole = [*check_bent(design), *refusals(lambda: (section(design), section(poured(design))))]
+    whole = [*check_bent(design), *refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))]
     if whole:  # nothing is laid out in what is none
         raise together([*broken, *whole])
-    design = poured(design)
+    design = scaled_for_shrinkage(design)
     plain = section(design)
     shape = replace(plain, outline=parted(plain.outline, ridges))
     place, more = layout(design, shape, split_cavity=bool(ridges))
@@ -121,13 +121,13 @@ def mold(design: Design) -> ClosedMold:
         return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else [cavity(design, shape, place)]
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
-    drawn, kept = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
+    shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
     rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
     rest.append(seal_sheet(design, place))
     rest += base_dowels(design, place) if ridges else []
-    drawn, kept = _gang(place, drawn), _gang(place, kept)
-    return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *drawn, *kept), ridges)
+    shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
+    return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips), ridges)
 
 
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
@@ -149,10 +149,10 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     high = 2 * (place.top - place.bottom) + (design.skin.length if bent else 0.0)
 
     def leave(way: Way, travel: float, *roles: PartRole, end: End | None = None) -> Move:
-        found = closed.of(*roles)
-        return Move(tuple(p.name for p in found if end in (None, p.end)), way, travel)
+        leaving = closed.of(*roles)
+        return Move(tuple(p.name for p in leaving if end in (None, p.end)), way, travel)
 
-    sign = 1.0 if drawn_to(design) == "b" else -1.0
+    sign = 1.0 if drawing_end(design) == "b" else -1.0
     drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
     shims = [drawn._replace(travel=sign * drawn.travel)] if drawn.parts else []
     plates = [leave("y", y, *END_PLATES, end=end) for end, y in zip(ENDS, (-far, far), strict=True)]

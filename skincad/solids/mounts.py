@@ -22,8 +22,9 @@ from skincad.solids.threads import blind_thread, pin_depth
 
 SCREWS = 4  # source: ISO 9409-1, on the smaller of its bolt circles
 STEP = 0.1  # mm, assumption: by which a fiducial goes aside where its corner is taken
-WHOLE = 10  # a mm, assumption: a fiducial's place is written in tenths
-ASIDE = 3.0  # assumption: a fiducial keeps at least this share of its corner's distance from the middle
+TENTHS = 10  # a mm, assumption: a fiducial's place is written in tenths
+# assumption: a fiducial's distance from the middle is at least its corner's by this
+INSET_DIVISOR = 3.0
 
 Filled = tuple[str, Vector, float]  # what silicone fills: its name, place and radius, mm
 
@@ -86,11 +87,11 @@ def _inside(design: Design, place: Layout, hole: Bore) -> None:
     if min(share) >= 1:
         return
     key = size_key(mount, 1 if share[1] < share[0] else 0)
-    given = getattr(mount, key)
+    size = getattr(mount, key)
     rule = f"leaves less than {EDGE:g} mm between {_name(hole)} and the carrier's edge"
-    if (most := math.floor(1000 * min(share) * given) / 1000) > 0:
+    if (most := math.floor(1000 * min(share) * size) / 1000) > 0:
         rule = f"must be at most {most:g} mm, for {EDGE:g} mm between {_name(hole)} and the carrier's edge"
-    raise InputError(f"mount.{key}", rule, given, "take a smaller pattern or a larger skin")
+    raise InputError(f"mount.{key}", rule, size, "take a smaller pattern or a larger skin")
 
 
 def _near(mount: Mount, hole: Bore, web: float, least: float, other: str) -> InputError:
@@ -120,7 +121,7 @@ def _halves(design: Design, place: Layout) -> tuple[float, float]:
     return place.trough - design.mold.clearance, place.end - design.mold.clearance
 
 
-def fiducial_bores(design: Design, place: Layout, taken: Sequence[tuple[Vector, float]]) -> list[Bore]:
+def fiducial_bores(design: Design, place: Layout, occupied: Sequence[tuple[Vector, float]]) -> list[Bore]:
     """Return the dimples in three of the carrier's corners, and a fourth between two of them, each as near
     to its corner as it clears what is `taken`, by place and radius. Raises InputError where one finds no
     room."""
@@ -128,24 +129,24 @@ def fiducial_bores(design: Design, place: Layout, taken: Sequence[tuple[Vector, 
     if mount is None or not mount.fiducials:
         return []
     wide, deep = mount.fiducial_diameter / 2, mount.fiducial_depth
-    x, y = (math.floor(WHOLE * (half - EDGE - wide)) / WHOLE for half in _halves(design, place))
-    found: list[tuple[float, float]] = []
-    for corner in ((x, -y), (-x, -y), (-x, y), (-math.floor(WHOLE * x / 3) / WHOLE, -y))[: mount.fiducials]:
-        beside = [*taken, *(((*at, 0.0), wide + EDGE) for at in found)]
+    x, y = (math.floor(TENTHS * (half - EDGE - wide)) / TENTHS for half in _halves(design, place))
+    places: list[tuple[float, float]] = []
+    for corner in ((x, -y), (-x, -y), (-x, y), (-math.floor(TENTHS * x / 3) / TENTHS, -y))[: mount.fiducials]:
+        beside = [*occupied, *(((*at, 0.0), wide + EDGE) for at in places)]
         free = (at for at in _inward(corner) if all(_clear(at, wide, *other) for other in beside))
         if min(x, y) <= 0 or (at := next(free, None)) is None:
             rule = f"finds no room for a dimple of {mount.fiducial_diameter:g} mm in a corner of the carrier"
             remedy = "take a smaller mount.fiducial_diameter, another pattern or a larger skin"
             raise InputError("mount.fiducials", rule, mount.fiducials, remedy)
-        found.append(at)
-    return drilled(CutRole.FIDUCIAL, "z", found, place.back - deep, deep, wide)
+        places.append(at)
+    return drilled(CutRole.FIDUCIAL, "z", places, place.back - deep, deep, wide)
 
 
 def _inward(corner: tuple[float, float]) -> Iterator[tuple[float, float]]:
-    """Places from a corner on towards the middle, along y first, not nearer than `ASIDE` of it."""
+    """Places from a corner towards the middle, along y first, to its distance by `INSET_DIVISOR` at least."""
     x, y = corner
-    for u in np.arange(abs(x), abs(x) / ASIDE - STEP, -STEP).tolist():
-        for v in np.arange(abs(y), abs(y) / ASIDE, -STEP).tolist():
+    for u in np.arange(abs(x), abs(x) / INSET_DIVISOR - STEP, -STEP).tolist():
+        for v in np.arange(abs(y), abs(y) / INSET_DIVISOR, -STEP).tolist():
             yield math.copysign(round(u, 6), x), math.copysign(round(v, 6), y)
 
 

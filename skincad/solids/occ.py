@@ -21,7 +21,7 @@ from skincad.base.interrupt import safe_point
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Revolved, Turned
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.projection import Arc, Polyline, Projection, Stroke, View, distinct
 
 NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing
@@ -115,7 +115,7 @@ def solid(part: Part) -> cq.Solid:
 def _checked_solid(part: Part) -> cq.Solid:
     safe_point()
     if isinstance(part.body, Turned):
-        return cq.Solid(_only_solid(_turned(_checked_solid(own(part)).wrapped, part.body), part.name))
+        return cq.Solid(_only_solid(_turned(_checked_solid(unturned(part)).wrapped, part.body), part.name))
     part = replace(part, body=_flattened(part.body), cuts=tuple(_flattened(cut) for cut in part.cuts))
     result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
@@ -126,27 +126,27 @@ def _checked_solid(part: Part) -> cq.Solid:
     return result
 
 
-def volume(part: Part, made: cq.Solid) -> float:
+def volume(part: Part, shape: cq.Solid) -> float:
     """Return a solid's volume by the kernel, mm3.
 
     Where a bore meets a curved face the kernel's usual integration misses 1e-4 mm3 of a bore: there it is
-    told to refine until it finds itself within `VOLUME_TOLERANCE`.
+    asked to refine until it estimates its error within `VOLUME_TOLERANCE`.
     """
     if not any(isinstance(cut, Bore) and cut.within for cut in part.cuts):
-        return float(made.Volume())
-    found = GProp_GProps()
-    BRepGProp.VolumeProperties_s(made.wrapped, found, VOLUME_TOLERANCE, False, False)
-    return float(found.Mass())
+        return float(shape.Volume())
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape.wrapped, properties, VOLUME_TOLERANCE, False, False)
+    return float(properties.Mass())
 
 
-def moments(part: Part, made: cq.Solid) -> tuple[Array, Array]:
+def moments(part: Part, shape: cq.Solid) -> tuple[Array, Array]:
     """Return a solid's centre `(3,)` mm and its inertia about it `(3, 3)` mm5, that of density 1 per mm3."""
-    found = GProp_GProps()
+    properties = GProp_GProps()
     if any(isinstance(cut, Bore) and cut.within for cut in part.cuts):  # as in `volume`
-        BRepGProp.VolumeProperties_s(made.wrapped, found, VOLUME_TOLERANCE, False, False)
+        BRepGProp.VolumeProperties_s(shape.wrapped, properties, VOLUME_TOLERANCE, False, False)
     else:
-        BRepGProp.VolumeProperties_s(made.wrapped, found)
-    centre, matrix = found.CentreOfMass(), found.MatrixOfInertia()
+        BRepGProp.VolumeProperties_s(shape.wrapped, properties)
+    centre, matrix = properties.CentreOfMass(), properties.MatrixOfInertia()
     inertia = [[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)]
     return np.array([centre.X(), centre.Y(), centre.Z()]), np.array(inertia)
 
@@ -164,30 +164,30 @@ def workplane(part: Part) -> cq.Workplane:
     return cq.Workplane("XY").newObject([solid(part)])
 
 
-def tessellate(made: cq.Solid, tolerance: float) -> None:
+def tessellate(shape: cq.Solid, tolerance: float) -> None:
     """Give a solid a mesh whose chords keep within `tolerance` mm, absolute; none that it has is reused."""
-    BRepTools.Clean_s(made.wrapped)
-    BRepMesh_IncrementalMesh(made.wrapped, tolerance, False, ANGLE)
+    BRepTools.Clean_s(shape.wrapped)
+    BRepMesh_IncrementalMesh(shape.wrapped, tolerance, False, ANGLE)
 
 
-def triangles(made: cq.Solid, tolerance: float) -> tuple[list[cq.Vector], list[tuple[int, int, int]]]:
+def triangles(shape: cq.Solid, tolerance: float) -> tuple[list[cq.Vector], list[tuple[int, int, int]]]:
     """Return corners, mm, and triangles of the mesh that `tessellate` gave; faces share no corners."""
-    corners, faces = made.tessellate(tolerance, ANGLE)
+    corners, faces = shape.tessellate(tolerance, ANGLE)
     return corners, faces
 
 
-def projection(made: cq.Solid, view: View) -> Projection:
+def projection(shape: cq.Solid, view: View) -> Projection:
     """Return a solid's edges as they are seen in a view, and those that lie behind: sharp edges and outlines
     of what is round; where two faces meet smoothly is no edge."""
     algorithm = HLRBRep_Algo()
-    algorithm.Add(made.wrapped)
+    algorithm.Add(shape.wrapped)
     frame = gp_Ax2(gp_Pnt(*view.origin), gp_Dir(*view.towards), gp_Dir(*view.right))
     algorithm.Projector(HLRAlgo_Projector(frame))
     algorithm.Update()
     algorithm.Hide()
-    found = HLRBRep_HLRToShape(algorithm)
-    visible = distinct([*_strokes(found.VCompound()), *_strokes(found.OutLineVCompound())])
-    hidden = distinct([*_strokes(found.HCompound()), *_strokes(found.OutLineHCompound())])
+    edges = HLRBRep_HLRToShape(algorithm)
+    visible = distinct([*_strokes(edges.VCompound()), *_strokes(edges.OutLineVCompound())])
+    hidden = distinct([*_strokes(edges.HCompound()), *_strokes(edges.OutLineHCompound())])
     seen = {stroke.key() for stroke in visible}
     return Projection(tuple(visible), tuple(s for s in hidden if s.key() not in seen))
 
@@ -197,10 +197,10 @@ def _strokes(edges: TopoDS_Shape | None) -> list[Stroke]:
     if edges is None or edges.IsNull():
         return []
     BRepLib.BuildCurves3d_s(edges)
-    strokes, found = [], TopExp_Explorer(edges, TopAbs_EDGE)
-    while found.More():
-        strokes.append(_stroke(BRepAdaptor_Curve(TopoDS.Edge_s(found.Current()))))
-        found.Next()
+    strokes, explorer = [], TopExp_Explorer(edges, TopAbs_EDGE)
+    while explorer.More():
+        strokes.append(_stroke(BRepAdaptor_Curve(TopoDS.Edge_s(explorer.Current()))))
+        explorer.Next()
     return strokes
 
 
@@ -248,10 +248,10 @@ def _rounding(body: Body) -> float:
     return 4 * sys.float_info.epsilon * arcs * path
 
 
-def _cutting(part: Part, made: cq.Solid) -> float:
+def _cutting(part: Part, shape: cq.Solid) -> float:
     """Volume, mm3, by which cuts may be off: the kernel takes points within its tolerance of a face as on
     it, so the edges that a cut makes, and the faces up to them, may be off by as much."""
-    return KERNEL_TOLERANCE * float(made.Area()) if part.cuts else 0.0
+    return KERNEL_TOLERANCE * float(shape.Area()) if part.cuts else 0.0
 
 
 def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:
@@ -265,7 +265,7 @@ def _spread(x: float, y: float, axis: Axis, level: float = 0.0) -> tuple[float, 
 
 def _body(body: Body) -> TopoDS_Shape:
     if isinstance(body, Reaching):
-        return _body(_ended(body))
+        return _body(_tool_body(body))
     if isinstance(body, Turned):
         return _turned(_body(body.body), body)
     if isinstance(body, Prism):
@@ -279,7 +279,7 @@ def _body(body: Body) -> TopoDS_Shape:
     return BRepPrimAPI_MakeCone(place, body.radius, body.end_radius, body.length).Shape()
 
 
-def _ended(cut: Reaching) -> Prism | Revolved | Bore | Turned:
+def _tool_body(cut: Reaching) -> Prism | Revolved | Bore | Turned:
     """Return the tool of a cut: a turned section ends in the planes in which its part ends.
 
     There the tool's edges are the section's, exact. If the tool were longer, the kernel would have to compute
@@ -401,11 +401,11 @@ def _cut(shape: TopoDS_Shape, tools: list[TopoDS_Shape]) -> TopoDS_Shape:
 
 
 def _only_solid(shape: TopoDS_Shape, name: str) -> TopoDS_Solid:
-    found = TopExp_Explorer(shape, TopAbs_SOLID)
-    if not found.More():
+    solids = TopExp_Explorer(shape, TopAbs_SOLID)
+    if not solids.More():
         raise KernelError(f"{name}: the kernel returned no solid")
-    first = TopoDS.Solid_s(found.Current())
-    found.Next()
-    if found.More():
+    first = TopoDS.Solid_s(solids.Current())
+    solids.Next()
+    if solids.More():
         raise KernelError(f"{name}: the kernel returned more than one solid")
     return first

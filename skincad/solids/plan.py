@@ -21,7 +21,7 @@ from skincad.solids.roles import CutRole, End, MadeBy, PartRole
 class Part:
     """A part: its body less its cuts. Cuts lie inside the body and do not meet each other."""
 
-    name: str  # of its files, and as a person is told; what it is, its role says
+    name: str  # of its files and in messages; what it is, its role says
     role: PartRole
     body: Body
     cuts: tuple[Body, ...] = ()
@@ -95,7 +95,7 @@ def mirrored(outline: Loop) -> Loop:
     )
 
 
-def own(part: Part) -> Part:
+def unturned(part: Part) -> Part:
     """Return a turned part as it is before it is turned, any other as it is."""
     if not isinstance(part.body, Turned):
         return part
@@ -105,12 +105,12 @@ def own(part: Part) -> Part:
 
 def bores(part: Part, *roles: CutRole) -> list[Bore]:
     """Return the bores of a part, all or those of these roles, each in its own frame."""
-    found = [plain(cut) for cut in part.cuts if not roles or cut.role in roles]
-    return [cut for cut in found if isinstance(cut, Bore)]
+    cuts = [plain(cut) for cut in part.cuts if not roles or cut.role in roles]
+    return [cut for cut in cuts if isinstance(cut, Bore)]
 
 
 def turned(part: Part, centre: float, angle: float, base: float) -> Part:
-    """Return a part of prisms and bores turned as a rigid body; `own` takes it back."""
+    """Return a part of prisms and bores turned as a rigid body; `unturned` takes it back."""
 
     def placed(body: Body) -> Turned:
         if not isinstance(body, Prism | Bore):

@@ -47,9 +47,9 @@ class Polyline:
         long = math.hypot(u - x, v - y)
         if len(self.points) == 2 or long == 0.0:
             return self
-        aside = max(abs((q - y) * (u - x) - (p - x) * (v - y)) / long for p, q in self.points)
+        off_line = max(abs((q - y) * (u - x) - (p - x) * (v - y)) / long for p, q in self.points)
         along = [((p - x) * (u - x) + (q - y) * (v - y)) / long for p, q in self.points]
-        if aside > tolerance or min(along) < -tolerance or max(along) > long + tolerance:
+        if off_line > tolerance or min(along) < -tolerance or max(along) > long + tolerance:
             return self
         return Polyline((self.points[0], self.points[-1]))
 

@@ -21,11 +21,11 @@ _Table = TypeVar("_Table", bound=Table)
 
 def shrinkage(design: Design) -> float:
     """Return the linear shrinkage that the mold makes up for: the design's own, or its silicone's."""
-    own = design.mold.shrinkage
-    return silicone(design).shrinkage if own is None else own
+    chosen = design.mold.shrinkage
+    return silicone(design).shrinkage if chosen is None else chosen
 
 
-def poured(design: Design) -> Design:
+def scaled_for_shrinkage(design: Design) -> Design:
     """Return the design of what is poured, so that it cures to `design`: every length of skin and ridge, and
     a slot's place, times 1 / (1 - shrinkage). It may pass a key's limit by that much, so it isn't checked.
 
@@ -34,8 +34,8 @@ def poured(design: Design) -> Design:
     by = 1 / (1 - shrinkage(design))
     skin = _scaled(design.skin, by)
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
-    given = {key: getattr(design.mold, key) for key in _HEIGHTS}
-    heights = {key: on_grid(value) for key, value in given.items() if value is not None}
+    lengths = {key: getattr(design.mold, key) for key in _HEIGHTS}
+    heights = {key: on_grid(value) for key, value in lengths.items() if value is not None}
     return design.model_copy(
         update={
             "skin": skin.model_copy(update={"length": on_grid(skin.length)}),
@@ -57,7 +57,7 @@ def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:
     model = type(table)
     old = {key: getattr(table, key) for key in keys or model.model_fields if unit_of(model, (key,)) == "mm"}
     larger = {
-        key: tuple(each * by for each in value) if isinstance(value, tuple) else value * by
+        key: tuple(size * by for size in value) if isinstance(value, tuple) else value * by
         for key, value in old.items()
         if value is not None
     }

@@ -78,8 +78,8 @@ def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
     a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
     bottom = slot.depth / 2 if design.mold.method == "cast-in" else b
     along, mouth = np.array(slot.direction), []
-    aside = notch_rise(design, [slot]) * slot.direction[0]  # across the slot, what rises straight goes aside
-    left, right = -a + min(aside, 0.0), a + max(aside, 0.0)
+    shift = notch_rise(design, [slot]) * slot.direction[0]  # across the slot, what rises straight goes aside
+    left, right = -a + min(shift, 0.0), a + max(shift, 0.0)
     for side in (left, right):
         foot = slot.at(side, -b)
         start = np.array([foot.x, foot.z - design.skin.thickness])
@@ -119,7 +119,7 @@ def _corners(slot: SlotPlace, grown: float) -> list[Point]:
     return [s.start for s in slot.loop(grown=grown)]
 
 
-def closed(edge: list[Segment], z: float) -> Loop:
+def closed_edge(edge: list[Segment], z: float) -> Loop:
     """Close an edge by straight sides over the level z."""
     start, end = edge[0].start, edge[-1].end
     return (*edge, *path([end, Point(end.x, z), Point(start.x, z), start]))

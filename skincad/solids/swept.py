@@ -23,7 +23,7 @@ from skincad.solids.body import (
     corners,
     plain,
 )
-from skincad.solids.plan import Part, own, turned
+from skincad.solids.plan import Part, turned, unturned
 
 Way = Axis | Heading | Literal["turn"]
 
@@ -38,7 +38,7 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     """
     body = part.body
     if isinstance(body, Turned):
-        path = swept(own(part), axis, travel, tolerance)
+        path = swept(unturned(part), axis, travel, tolerance)
         return turned(path, body.centre, body.angle, body.base)
     if body.axis == axis:
         cuts = tuple(_stretched(c, travel) for c in part.cuts if _through(c, body))

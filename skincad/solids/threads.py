@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import Process
-from skincad.solids.screws import DIAMETER, ENGAGED, FREE, INSERT, PITCH, RUN_OUT, TAP_RADIUS
+from skincad.solids.screws import DIAMETER, ENGAGEMENT, INSERT, PITCH, RUN_OUT, TAP_RADIUS, TIP_ROOM
 from skincad.solids.shrinkage import on_grid
 
 
@@ -33,11 +33,12 @@ METRIC = {
 }
 # of diameters, assumption: a mount bears what presses the skin, some 10 N, and needs no thread that breaks
 # its screw; an insert is taken whole
-HELD = {"metal": 1.0, "plastic": 1.5, "insert": ENGAGED["insert"]}
-CHOICE = FREE  # mm, assumption: full thread beyond that, so that a screw of a standard length reaches into it
-TURNS = RUN_OUT / PITCH  # pitches below the last full thread, see `RUN_OUT`
-PIN_HELD = 1.5  # assumption: depth of a pin's hole by its diameter
-UNDER = 1.0  # mm, assumption: what a blind hole leaves of the carrier over the silicone
+MOUNT_ENGAGEMENT = {"metal": 1.0, "plastic": 1.5, "insert": ENGAGEMENT["insert"]}
+# mm, assumption: full thread beyond that, so that a screw of a standard length reaches into it
+LENGTH_CHOICE = TIP_ROOM
+RUN_OUT_TURNS = RUN_OUT / PITCH  # pitches below the last full thread, see `RUN_OUT`
+PIN_ENGAGEMENT = 1.5  # assumption: depth of a pin's hole by its diameter
+LEAST_UNDER_HOLE = 1.0  # mm, assumption: what a blind hole leaves of the carrier over the silicone
 
 
 class Blind(NamedTuple):
@@ -55,16 +56,16 @@ def blind_thread(name: str, process: Process) -> Blind:
     """Return the blind thread that a process gives a part: tapped, or the hole of an insert."""
     metric = METRIC[name]
     if process.thread != "tapped":
-        depth, least = on_grid(metric.insert + FREE), HELD["insert"] * metric.diameter
+        depth, least = on_grid(metric.insert + TIP_ROOM), MOUNT_ENGAGEMENT["insert"] * metric.diameter
         return Blind(metric.insert_hole / 2, depth, least, metric.insert, process.thread)
-    least = HELD["plastic" if process.layer else "metal"] * metric.diameter
-    depth = on_grid(least + CHOICE + TURNS * metric.pitch)
-    return Blind(metric.drill / 2, depth, least, least + CHOICE, "")
+    least = MOUNT_ENGAGEMENT["plastic" if process.layer else "metal"] * metric.diameter
+    depth = on_grid(least + LENGTH_CHOICE + RUN_OUT_TURNS * metric.pitch)
+    return Blind(metric.drill / 2, depth, least, least + LENGTH_CHOICE, "")
 
 
 def pin_depth(diameter: float) -> float:
     """Return the depth of a mount's pin's hole."""
-    return on_grid(PIN_HELD * diameter)
+    return on_grid(PIN_ENGAGEMENT * diameter)
 
 
 def least_thickness(mount: Mount, process: Process) -> tuple[float, str]:
@@ -76,4 +77,7 @@ def least_thickness(mount: Mount, process: Process) -> tuple[float, str]:
         kind = f"{blind.insert} inserts" if blind.insert else "threads"
         needs.append((blind.depth, f"{mount.thread} {kind}"))
     deepest, what = max(needs)
-    return deepest + UNDER, f"the mount's {what} over {UNDER:g} mm that stay above the silicone"
+    return (
+        deepest + LEAST_UNDER_HOLE,
+        f"the mount's {what} over {LEAST_UNDER_HOLE:g} mm that stay above the silicone",
+    )

@@ -1,4 +1,4 @@
-"""A ridge's undercut: what its groove squeezes it by when the skin leaves straight along its own -z.
+"""A ridge's undercut: how much its groove squeezes it when the skin leaves straight along its own -z.
 
 The fan leans alike to both sides and leaves as one, so no ridge can give way sideways: every level of a ridge
 has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is squeezed by
@@ -40,8 +40,8 @@ def squeezes(design: Design) -> dict[int, Undercut]:
 
 
 def _undercut(design: Design, ridge: int) -> Undercut:
-    own = tuple(s for s in section(design).outline if s.ridge == ridge)
-    points = np.vstack([polygon(own, GUARD_TOLERANCE), own[-1].end])
+    ridge_outline = tuple(s for s in section(design).outline if s.ridge == ridge)
+    points = np.vstack([polygon(ridge_outline, GUARD_TOLERANCE), ridge_outline[-1].end])
     summit = int(np.argmax(points[:, 1]))
     sides = points[: summit + 1], (points[summit:] * [-1.0, 1.0])[::-1]  # each from its foot to the summit
     mouths = [np.minimum.accumulate(side[:, 0]) for side in sides]

@@ -38,15 +38,15 @@ BESIDE = {
 
 def numeric() -> list[tuple[str, str]]:
     """Every command and its option whose type has a float or an int in it."""
-    found = []
+    keys = []
     for command in app.registered_commands:
         assert command.callback
         name = command.name or command.callback.__name__
         for hint in get_type_hints(command.callback, include_extras=True).values():
             kind, option = get_args(hint)[:2] if isinstance(hint, type(PrinterOption)) else (None, None)
             if {float, int} & {kind, *get_args(kind)}:
-                found.append((name, option.default))  # as typer takes the first of its names
-    return found
+                keys.append((name, option.default))  # as typer takes the first of its names
+    return keys
 
 
 def test_the_search_finds_them_all() -> None:

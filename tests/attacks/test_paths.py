@@ -62,13 +62,13 @@ def test_a_scenes_skin_is_a_design_or_nothing(skin: str, tmp_path: Path) -> None
 
 def tree(folder: Path) -> dict[str, tuple[int, int, bytes]]:
     """Each thing in a folder, whatever it is: inode, mode, and a plain file's bytes or a link's goal."""
-    found = {}
+    entries = {}
     for path in sorted(folder.rglob("*")):
         seen = path.lstat()
         inside = os.fsencode(path.readlink()) if path.is_symlink() else b""
         inside = path.read_bytes() if stat.S_ISREG(seen.st_mode) else inside
-        found[str(path.relative_to(folder))] = (seen.st_ino, seen.st_mode, inside)
-    return found
+        entries[str(path.relative_to(folder))] = (seen.st_ino, seen.st_mode, inside)
+    return entries
 
 
 def write(folder: Path, command: str = "make", **texts: str) -> None:
@@ -100,7 +100,7 @@ SHA = hashlib.sha256(b"mine").hexdigest()
 def foreign(command: str) -> dict[str, str]:
     """Manifests of a command's name that skincad did not write, or not like this."""
     ours = signed(command, {"README": SHA})
-    other = next(each for each in COMMANDS if each != command)
+    other = next(name for name in COMMANDS if name != command)
     return {
         "another program's": '{"files": ["src", "README"]}',
         "of old, without hashes": '{"skincad": "0.1.0", "name": "x", "passed": true, "files": ["README"]}',
@@ -175,9 +175,9 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path: Path, command: str,
     with suppress(InputError):
         write(out, command, a="new")
     after = tree(tmp_path)
-    made = {"out/a", f"out/{command}.json"}
-    assert {k: v for k, v in after.items() if k not in made} == {
-        k: v for k, v in before.items() if k not in made
+    planned = {"out/a", f"out/{command}.json"}
+    assert {k: v for k, v in after.items() if k not in planned} == {
+        k: v for k, v in before.items() if k not in planned
     }
 
 
@@ -251,15 +251,15 @@ def mounted(tmp_path: Path) -> Iterator[Callable[[Path], None]]:
     mounts = list[Path]()
 
     def mount(folder: Path) -> None:
-        done = subprocess.run(
+        process = subprocess.run(
             ["mount", "-t", "tmpfs", "tmpfs", folder],
             capture_output=True,
             text=True,
             check=False,
             timeout=300,
         )
-        if done.returncode:
-            pytest.skip(f"mount: {done.stderr.strip()}")
+        if process.returncode:
+            pytest.skip(f"mount: {process.stderr.strip()}")
         mounts.append(folder)
 
     if shutil.which("mount") is None or os.geteuid() != 0:
@@ -307,10 +307,10 @@ def test_a_link_in_the_out_folder_is_not_written_through(tmp_path: Path) -> None
     out = tmp_path / "out"
     write(out, "circuit", gain="1")
     (out / "section.dxf").symlink_to(tmp_path / "victim")
-    done = run_skincad("make", "plain-ridges", "--format", "dxf", "-o", "out", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert "section.dxf was not written by skincad, or was changed since; move it away" in done.stderr
+    result = run_skincad("make", "plain-ridges", "--format", "dxf", "-o", "out", cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr.count("\n") == 1
+    assert "section.dxf was not written by skincad, or was changed since; move it away" in result.stderr
     assert (tmp_path / "victim").read_text() == "mine"
     assert (out / "section.dxf").readlink() == tmp_path / "victim"
 
@@ -320,9 +320,9 @@ def test_an_out_folder_that_links_to_a_home_is_refused(tmp_path: Path) -> None:
     (tmp_path / "home" / "thesis.tex").write_text("years")
     (tmp_path / "out").symlink_to(tmp_path / "home")
     for command in (["make", "plain-ridges"], ["simulate", "hold"], ["circuit", "yamada-2002"]):
-        done = run_skincad(*command, "-o", "out", cwd=tmp_path)
-        assert done.returncode == 2
-        assert "holds files but no earlier result" in done.stderr
+        result = run_skincad(*command, "-o", "out", cwd=tmp_path)
+        assert result.returncode == 2
+        assert "holds files but no earlier result" in result.stderr
     assert [p.name for p in (tmp_path / "home").iterdir()] == ["thesis.tex"]
 
 

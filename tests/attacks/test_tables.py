@@ -52,7 +52,7 @@ values = st.sampled_from(EVIL) | st.recursive(
 )
 
 
-def told(read: Callable[[], object]) -> str:
+def refusal_words(read: Callable[[], object]) -> str:
     """The words of a refusal, "" where there is none; anything else that is raised leaves."""
     try:
         read()
@@ -67,7 +67,7 @@ def attacked(kind: str, data: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "evil.toml"
         file.write_bytes(data)
-        words = told(lambda: read(file))
+        words = refusal_words(lambda: read(file))
         assert "\n" not in words
         assert len(words) < 2000
         assert [p.name for p in Path(folder).iterdir()] == ["evil.toml"]
@@ -93,10 +93,10 @@ def test_a_template_with_bytes_changed(kind: str, data: st.DataObject) -> None:
 
 
 def paths(table: dict[str, Any], at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    found: list[tuple[str, ...]] = []
+    rows: list[tuple[str, ...]] = []
     for key, value in table.items():
-        found += [(*at, key), *(paths(value, (*at, key)) if isinstance(value, dict) else [])]
-    return found
+        rows += [(*at, key), *(paths(value, (*at, key)) if isinstance(value, dict) else [])]
+    return rows
 
 
 @kinds
@@ -286,10 +286,10 @@ def test_the_bounds_change_no_answer(text: str) -> None:
 @settings(max_examples=150, deadline=None, derandomize=True)
 def test_whatever_is_read_is_shallow(text: str) -> None:
     try:
-        found = tables_of(f"{text}\nx = {'{a=' * (len(text) % 12)}1{'}' * (len(text) % 12)}", "file")
+        table = tables_of(f"{text}\nx = {'{a=' * (len(text) % 12)}1{'}' * (len(text) % 12)}", "file")
     except InputError:
         return
-    assert depth(found) <= 2 * MOST_PARTS + DEEPEST * (MOST_PARTS + 1)
+    assert depth(table) <= 2 * MOST_PARTS + DEEPEST * (MOST_PARTS + 1)
 
 
 @given(
@@ -343,7 +343,7 @@ def test_bad_overrides(text: str) -> None:
 @settings(max_examples=50, deadline=None)
 def test_any_override(text: str) -> None:
     for key in ("", "ridge.height=", "material.young_modulus=", "printer.sla=", "silicones.lab-10="):
-        assert "\n" not in told(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]
+        assert "\n" not in refusal_words(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]
 
 
 @pytest.mark.parametrize("override", ["slot=none", "film=none", "contact.film=none", "material.name=x"])
@@ -352,7 +352,7 @@ def test_an_override_of_a_table_that_is_none(override: str, value: str, tmp_path
     file = tmp_path / "evil.toml"
     for key in ("slot", "film", "contact", "material"):
         file.write_text(f"{key} = {value}")
-        assert told(lambda: load(file, [override]))
+        assert refusal_words(lambda: load(file, [override]))
 
 
 @pytest.mark.parametrize(

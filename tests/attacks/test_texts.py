@@ -85,12 +85,12 @@ class Text(HTMLParser):
 @given(texts)
 def test_markdown_shows_any_text_as_it_is(text: str) -> None:
     """At the head of a paragraph, in a list, in a head and in a table's cell."""
-    told, plain = markdown_text(text), shown(text).strip()
+    markdown, plain = markdown_text(text), shown(text).strip()
     for head, tail, tags in (("", ", 5", ["p"]), ("- ", " x", ["ul", "li"]), ("# ", " y", ["h1"])):
-        page = Text(READER.render(f"{head}{told}{tail}\n"))
+        page = Text(READER.render(f"{head}{markdown}{tail}\n"))
         assert page.tags == tags
         assert page.text.strip() == f"{plain}{tail}".strip()
-    cells = Text(READER.render(f"| a | b |\n|---|---|\n| {told} | 1 |\n"))
+    cells = Text(READER.render(f"| a | b |\n|---|---|\n| {markdown} | 1 |\n"))
     assert (cells.tags.count("td"), {*cells.tags}) == (2, {"table", "thead", "tbody", "tr", "th", "td"})
     assert "".join(cells.text.split()) == "ab" + "".join(f"{plain}1".split())
 
@@ -176,10 +176,10 @@ def test_a_silicones_name_stays_text_in_every_file(name: str, job: Job, tmp_path
 def test_a_choice_of_a_sweep_stays_text() -> None:
     names = [*hostile_names(2)][:5]
     design = skincad.load("plain-ridges", ["silicones.own={based_on='ecoflex-00-30'}", "material.name=own"])
-    found = skincad.sweep(design, {"silicones.own.name": names}, tier="winkler")
-    head, *rows = read_back(sweep_csv(found))
+    sweep = skincad.sweep(design, {"silicones.own.name": names}, tier="winkler")
+    head, *rows = read_back(sweep_csv(sweep))
     cells = [row[head.index("silicones.own.name")] for row in rows]
     assert [cell.removeprefix("'") for cell in cells] == names
     assert not any(cell.startswith(("=", "+", "-", "@", "\t", "\r")) for cell in cells)
-    assert Text(sweep_page(found)).tags.count("img") == 0
-    assert "<script>alert" not in sweep_page(found)
+    assert Text(sweep_page(sweep)).tags.count("img") == 0
+    assert "<script>alert" not in sweep_page(sweep)

@@ -22,11 +22,11 @@ class Job:
     """A design and what `make` made of it."""
 
     design: Design
-    made: Made
+    result: Made
 
     def file(self, name: str) -> Path:
         """Return the path of a file that was made."""
-        return self.made.folder / name
+        return self.result.folder / name
 
     @property
     def names(self) -> list[str]:
@@ -36,7 +36,7 @@ class Job:
     @property
     def printed(self) -> list[PartReport]:
         """Parts with an STL of their own, the skin among them."""
-        return [part for part in self.made.parts if self.file(f"{part.name}.stl").is_file()]
+        return [part for part in self.result.parts if self.file(f"{part.name}.stl").is_file()]
 
 
 def volume_slack(part: PartReport) -> float:

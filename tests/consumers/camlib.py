@@ -56,9 +56,9 @@ def _left(segment: Segment, rest: NDArray[np.float64], radius: float) -> float:
     points = segment.points(np.linspace(0, 1, POINTS))
     low, high = points[:, 0].min() - 8 * radius, points[:, 0].max() + 8 * radius
     near = rest[(rest[:, 0] > low) & (rest[:, 0] < high)]
-    across = points[:, None, 0] - near[None, :, 0]
+    distances = points[:, None, 0] - near[None, :, 0]
     below = np.maximum(near[None, :, 1] - points[:, None, 1], 0.0)  # the ball came down past what is higher
-    return float(np.maximum(np.hypot(across, below).min(axis=1) - radius, 0.0).max())
+    return float(np.maximum(np.hypot(distances, below).min(axis=1) - radius, 0.0).max())
 
 
 def in_grooves(job: Job, radius: float) -> dict[str, tuple[float, float]]:
@@ -79,8 +79,8 @@ def _in_grooves(job: Job, part: Part, radius: float) -> tuple[float, float]:
     grooves = [s for s in outline if s.ridge is not None]
     wide = [s.start.x for s in grooves] + [s.end.x for s in grooves]
     over = np.arange(min(wide) - 4 * radius, max(wide) + 4 * radius, STEP)
-    own = left_standing(outline, radius, from_above=True)
-    ours = max(depth for depth, s in zip(own, outline, strict=True) if s.ridge is not None)
+    depths = left_standing(outline, radius, from_above=True)
+    ours = max(depth for depth, s in zip(depths, outline, strict=True) if s.ridge is not None)
     return max(left(grooves, centres(shape, radius, over, 0.0), radius)), ours
 
 
@@ -91,10 +91,10 @@ def _outline(part: Part) -> Loop:
 def complaints(job: Job) -> list[str]:
     """Return by how much the two answers differ, for the radius that a mill's profile has."""
     radius = processes(job.design.printer)["cnc"].reach
-    deviations = {part.name: part.deviation for part in job.made.parts}
-    found = in_grooves(job, radius)
-    wrong = [] if found else ["no cavity with a groove"]
-    for name, (theirs, ours) in found.items():
+    deviations = {part.name: part.deviation for part in job.result.parts}
+    grooves = in_grooves(job, radius)
+    wrong = [] if grooves else ["no cavity with a groove"]
+    for name, (theirs, ours) in grooves.items():
         # a ball rests up to one deviation off, and between two drops a wall moves by half a step
         if abs(theirs - ours) > 2 * deviations[name] + STEP:
             wrong.append(f"{name}: a ball leaves {theirs:.4f} mm by drop cutter, {ours:.4f} by section")

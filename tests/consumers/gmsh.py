@@ -50,18 +50,18 @@ def read(path: Path) -> Read:
     with tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / "read.geo"
         script.write_text(_SCRIPT.format(path=path.resolve()))
-        done = subprocess.run(
+        process = subprocess.run(
             ["gmsh", str(script), "-"], capture_output=True, text=True, check=False, timeout=300
         )
-    if done.returncode or "Error" in done.stdout + done.stderr:
-        raise RuntimeError(f"gmsh on {path.name}: {(done.stdout + done.stderr)[-2000:]}")
+    if process.returncode or "Error" in process.stdout + process.stderr:
+        raise RuntimeError(f"gmsh on {path.name}: {(process.stdout + process.stderr)[-2000:]}")
     return Read(
-        tuple(float(volume) for volume in re.findall(r"VOLUME (\S+)", done.stdout)),
-        tuple((float(low), float(high)) for low, high in re.findall(r"LENGTH (\S+) (\S+)", done.stdout)),
-        tuple(name.rpartition("/")[2] for name in re.findall(r"Label '(.*?)' \(3D\)", done.stdout)),
+        tuple(float(volume) for volume in re.findall(r"VOLUME (\S+)", process.stdout)),
+        tuple((float(low), float(high)) for low, high in re.findall(r"LENGTH (\S+) (\S+)", process.stdout)),
+        tuple(name.rpartition("/")[2] for name in re.findall(r"Label '(.*?)' \(3D\)", process.stdout)),
         tuple(
             tuple(float(c) for c in colour.split(","))
-            for colour in re.findall(r"Color \((.*?)\) \(3D", done.stdout)
+            for colour in re.findall(r"Color \((.*?)\) \(3D", process.stdout)
         ),
     )
 
@@ -69,7 +69,7 @@ def read(path: Path) -> Read:
 def complaints(job: Job) -> list[str]:
     """Return every STEP file without one solid of its volume, and what the assembly lost."""
     wrong = []
-    for part in job.made.parts:
+    for part in job.result.parts:
         volumes = read(job.file(f"{part.name}.step")).volumes
         if len(volumes) != 1 or abs(volumes[0] - part.volume) > VOLUME * part.volume:
             wrong.append(f"{part.name}.step: {volumes} mm3, made were {part.volume:.12g}")
@@ -77,21 +77,21 @@ def complaints(job: Job) -> list[str]:
 
 
 def _of_assembly(job: Job) -> list[str]:
-    parts, found = mold(job.design).parts, read(job.file("assembly.step"))
-    if found.names != tuple(part.name for part in parts) or len(found.volumes) != len(parts):
-        return [f"assembly.step: {len(found.volumes)} solids named {', '.join(found.names)}"]
+    parts, named = mold(job.design).parts, read(job.file("assembly.step"))
+    if named.names != tuple(part.name for part in parts) or len(named.volumes) != len(parts):
+        return [f"assembly.step: {len(named.volumes)} solids named {', '.join(named.names)}"]
     wrong = []
-    for part, volume, colour in zip(parts, found.volumes, found.colours, strict=True):
+    for part, volume, colour in zip(parts, named.volumes, named.colours, strict=True):
         if abs(volume - part.volume) > VOLUME * part.volume + STRIP:
             wrong.append(f"assembly.step: {part.name} of {volume:.12g} mm3, planned {part.volume:.12g}")
         if any(abs(a - _linear(b)) > COLOUR for a, b in zip(colour, part.colour, strict=True)):
             wrong.append(f"assembly.step: {part.name} is coloured {colour}")
-    return wrong + short_tails(found)
+    return wrong + short_tails(named)
 
 
-def short_tails(found: Read) -> list[str]:
+def short_tails(shapes: Read) -> list[str]:
     """Return every straight shim of an assembly that does not stand out of both ends' combs by `TAIL`."""
-    rows = list(zip(found.names, found.along, strict=True))
+    rows = list(zip(shapes.names, shapes.along, strict=True))
     if not all(any(name == f"end-{end}-comb" for name, _ in rows) for end in "ab"):
         return []
     low = min(along[0] for name, along in rows if name == "end-a-comb")

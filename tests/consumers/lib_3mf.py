@@ -62,18 +62,18 @@ def complaints(job: Job) -> list[str]:
     """Return what the two 3MF files lost or gained."""
     wrong = []
     colours = {p.name: tuple(round(255 * c) for c in p.colour) for p in mold(job.design).parts}
-    molded = [part for part in job.made.parts if part.name != "skin"]
-    for name, parts in (("skin.3mf", job.made.parts[:1]), ("mold.3mf", molded)):
+    molded = [part for part in job.result.parts if part.name != "skin"]
+    for name, parts in (("skin.3mf", job.result.parts[:1]), ("mold.3mf", molded)):
         objects, warnings = read(job.file(name))
         wrong += [f"{name}: {warning}" for warning in warnings]
         if list(objects) != [part.name for part in parts]:
             wrong.append(f"{name}: holds {', '.join(objects)}")
             continue
         for part in parts:
-            found = objects[part.name]
-            if not found.manifold or found.colour != colours[part.name]:
-                wrong.append(f"{name}: {part.name} is {found}")
+            obj = objects[part.name]
+            if not obj.manifold or obj.colour != colours[part.name]:
+                wrong.append(f"{name}: {part.name} is {obj}")
             # the file's corners are in single precision: 1e-6 of a volume
-            if abs(found.volume - part.volume) > volume_slack(part) + 1e-6 * part.volume:
-                wrong.append(f"{name}: {part.name} of {found.volume:.8g} mm3, made were {part.volume:.8g}")
+            if abs(obj.volume - part.volume) > volume_slack(part) + 1e-6 * part.volume:
+                wrong.append(f"{name}: {part.name} of {obj.volume:.8g} mm3, made were {part.volume:.8g}")
     return wrong

@@ -62,29 +62,29 @@ def flaws(stl: Path) -> list[str]:
         "edges of more than two faces": (topology["non_two_manifold_edges"], 0),
         "pieces": (topology["connected_components_number"], 1),
     }
-    return [f"{stl.name}: {found} {what}" for what, (found, right) in counts.items() if found != right]
+    return [f"{stl.name}: {count} {what}" for what, (count, right) in counts.items() if count != right]
 
 
 def deviations(job: Job) -> dict[str, float]:
     """Return by part how far its STL is from its STEP, mm."""
     parts = {part.name: part for part in mold(job.design).parts}
-    found = {}
+    rows = {}
     for part in job.printed:
         true = tessellated(job.file(f"{part.name}.step"), part.asked_deviation / FINER)
         if part.name != "skin":
-            own = parts[part.name]
-            true = laid(true, laid_on_end(job.design, own), own)
-        found[part.name] = deviation(job.file(f"{part.name}.stl"), true)
-    return found
+            part_values = parts[part.name]
+            true = laid(true, laid_on_end(job.design, part_values), part_values)
+        rows[part.name] = deviation(job.file(f"{part.name}.stl"), true)
+    return rows
 
 
 def complaints(job: Job) -> list[str]:
     """Return flaws of the STL files, and those further from their STEP than was asked."""
     wrong = [flaw for part in job.printed for flaw in flaws(job.file(f"{part.name}.stl"))]
-    asked = job.made.parts[0].asked_deviation
+    chord = job.result.parts[0].asked_deviation
     # the triangles' own, and digits of an STL: 6e-8 of 100 mm
-    allowed = asked * (1 + 1 / FINER) + 1e-5
+    allowed = chord * (1 + 1 / FINER) + 1e-5
     for name, far in deviations(job).items():
         if far > allowed:
-            wrong.append(f"{name}.stl: {far:.3g} mm from its STEP, asked were {asked:.3g}")
+            wrong.append(f"{name}.stl: {far:.3g} mm from its STEP, asked were {chord:.3g}")
     return wrong

@@ -19,14 +19,14 @@ UNITS = {"d": 86400.0, "h": 3600.0, "m": 60.0, "s": 1.0}
 BED = 400.0  # mm, larger than any part here: whether parts fit is not asked
 
 
-class Told(NamedTuple):
+class SlicerEstimate(NamedTuple):
     """What a slicer says: volume of material, mm3, and time, s."""
 
     volume: float
     seconds: float
 
 
-def of_filament(path: Path, process: Process, folder: Path) -> Told:
+def of_filament(path: Path, process: Process, folder: Path) -> SlicerEstimate:
     """Return what its G-code of an STL says."""
     code = folder / f"{path.stem}.gcode"
     wide = [f"{of}extrusion-width" for of in ("", "first-layer-", "perimeter-", "external-perimeter-")]
@@ -63,10 +63,10 @@ def of_filament(path: Path, process: Process, folder: Path) -> Told:
     if not volume or not time:
         raise ValueError(f"{code}: says neither material nor time")
     seconds = sum(float(n) * UNITS[unit] for n, unit in re.findall(r"(\d+)([dhms])", time[1]))
-    return Told(1000 * float(volume[1]), seconds)
+    return SlicerEstimate(1000 * float(volume[1]), seconds)
 
 
-def of_resin(path: Path, process: Process, folder: Path) -> Told:
+def of_resin(path: Path, process: Process, folder: Path) -> SlicerEstimate:
     """Return what the `config.ini` of its layers says; few pixels, which the time doesn't ask for."""
     layers, tilt = folder / f"{path.stem}.sl1", process.lift - TOWER * process.layer
     settings: dict[str, object] = {
@@ -90,8 +90,10 @@ def of_resin(path: Path, process: Process, folder: Path) -> Told:
     }
     run("--export-sla", str(path), "-o", str(layers), *(f"--{k}={v}" for k, v in settings.items()))
     with zipfile.ZipFile(layers) as archive:
-        told = dict(re.findall(r"^(\w+) = (.*)$", archive.read("config.ini").decode(), re.M))
-    return Told(1000 * float(told["usedMaterial"]), float(told["printTime"]))
+        archive_settings = dict(re.findall(r"^(\w+) = (.*)$", archive.read("config.ini").decode(), re.M))
+    return SlicerEstimate(
+        1000 * float(archive_settings["usedMaterial"]), float(archive_settings["printTime"])
+    )
 
 
 def _square(side: float) -> str:

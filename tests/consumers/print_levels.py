@@ -24,22 +24,22 @@ REACH = 2.0  # mm to either side along y in which a line's cover is looked for: 
 
 def resin_levels(path: Path, places: Array, layer: float, pixel: float, folder: Path) -> Array:
     """Return the heights `(n,)` mm over the bed at `places` `(n,)` mm along x from the part's middle."""
-    found = np.zeros(len(places))
+    levels = np.zeros(len(places))
     for number, lit in enumerate(resin_layers(path, layer, pixel, folder), 1):
         if number == 1:  # the block's whole foot: its middle is the part's
             rows, columns = np.flatnonzero(lit.any(axis=1)), np.flatnonzero(lit.any(axis=0))
             row, column = rows.mean(), columns.mean()
         at = np.rint(column + places / pixel).astype(int)
         beside = lit[round(row), at[:, None] + [-1, 0, 1]]  # no gauge sees a single pixel
-        found[beside.all(axis=1)] = number * layer
-    return found
+        levels[beside.all(axis=1)] = number * layer
+    return levels
 
 
 def resin_layers(path: Path, layer: float, pixel: float, folder: Path) -> Iterator[Mask]:
     """Yield which pixels are lit, `(rows, columns)`, layer by layer from the bed up."""
     low, high = trimesh.load_mesh(path).bounds
-    across = np.ceil((high[:2] - low[:2] + 2 * MARGIN) / pixel).astype(int)
-    wide, deep = across * pixel
+    pixels = np.ceil((high[:2] - low[:2] + 2 * MARGIN) / pixel).astype(int)
+    wide, deep = pixels * pixel
     settings = {
         "layer-height": layer,
         "initial-layer-height": layer,
@@ -50,8 +50,8 @@ def resin_layers(path: Path, layer: float, pixel: float, folder: Path) -> Iterat
         "faded-layers": 0,
         "display-width": wide,
         "display-height": deep,
-        "display-pixels-x": across[0],
-        "display-pixels-y": across[1],
+        "display-pixels-x": pixels[0],
+        "display-pixels-y": pixels[1],
         "display-orientation": "landscape",
         "display-mirror-x": 0,
         "max-print-height": high[2] + 1,
@@ -85,11 +85,11 @@ def filament_levels(path: Path, places: Array, layer: float, folder: Path) -> Ar
     lines = _extruded(code.read_text())
     foot = lines[lines[:, 4] == lines[:, 4].min()]
     middle = (foot[:, :4].reshape(-1, 2).min(axis=0) + foot[:, :4].reshape(-1, 2).max(axis=0)) / 2
-    found = np.zeros(len(places))
+    levels = np.zeros(len(places))
     for i, place in enumerate(places):
         spots = middle + np.column_stack([np.full(9, place), np.linspace(-REACH, REACH, 9)])
-        found[i] = max(z for *ends, z in lines if _covers(np.array(ends), spots))
-    return found
+        levels[i] = max(z for *ends, z in lines if _covers(np.array(ends), spots))
+    return levels
 
 
 def _covers(ends: Array, spots: Array) -> bool:
@@ -102,12 +102,12 @@ def _covers(ends: Array, spots: Array) -> bool:
 def _extruded(code: str) -> Array:
     """Lines that are laid: x, y of both ends and z, `(n, 5)` mm."""
     x = y = z = 0.0
-    kept = []
+    rows = []
     for line in code.splitlines():
         if not re.match(r"G[01] ", line):
             continue
         word = {key: float(value) for key, value in re.findall(r"([XYZE])(-?[\d.]+)", line.split(";")[0])}
         before, x, y, z = (x, y), word.get("X", x), word.get("Y", y), word.get("Z", z)
         if word.get("E", 0.0) > 0 and ("X" in word or "Y" in word):
-            kept.append((*before, x, y, z))
-    return np.array(kept)
+            rows.append((*before, x, y, z))
+    return np.array(rows)

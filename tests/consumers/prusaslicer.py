@@ -53,7 +53,7 @@ def sliced(path: Path, closing: float = 0.0) -> float:
     """Return the volume of an STL's layers, mm3."""
     low, high = trimesh.load_mesh(path).bounds
     wide, deep, high = high - low + [2 * MARGIN, 2 * MARGIN, 0.0]
-    across = round(PIXELS * wide / max(wide, deep)), round(PIXELS * deep / max(wide, deep))
+    size = round(PIXELS * wide / max(wide, deep)), round(PIXELS * deep / max(wide, deep))
     settings = {
         "layer-height": high / LAYERS,
         "initial-layer-height": high / LAYERS,
@@ -66,8 +66,8 @@ def sliced(path: Path, closing: float = 0.0) -> float:
         "gamma-correction": 1,
         "display-width": wide,
         "display-height": deep,
-        "display-pixels-x": across[0],
-        "display-pixels-y": across[1],
+        "display-pixels-x": size[0],
+        "display-pixels-y": size[1],
         "display-orientation": "landscape",
         "max-print-height": high + 1,
         "bed-shape": f"0x0,{wide}x0,{wide}x{deep},0x{deep}",
@@ -77,7 +77,7 @@ def sliced(path: Path, closing: float = 0.0) -> float:
         layers = Path(folder) / "layers.sl1"
         run("--export-sla", str(path), "-o", str(layers), *options)
         filled = _grey(layers)
-    return filled * (wide / across[0]) * (deep / across[1]) * high / LAYERS
+    return filled * (wide / size[0]) * (deep / size[1]) * high / LAYERS
 
 
 def _grey(archive: Path) -> float:
@@ -93,10 +93,10 @@ def _grey(archive: Path) -> float:
 
 def run(*arguments: str) -> str:
     """Run the program and return what it prints; raises RuntimeError with its words where it fails."""
-    done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False, timeout=300)
-    if done.returncode:
-        raise RuntimeError(f"{PROGRAM} {' '.join(arguments)}: {done.stderr[-2000:]}")
-    return done.stdout
+    process = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False, timeout=300)
+    if process.returncode:
+        raise RuntimeError(f"{PROGRAM} {' '.join(arguments)}: {process.stderr[-2000:]}")
+    return process.stdout
 
 
 def complaints(job: Job) -> list[str]:

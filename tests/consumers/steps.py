@@ -49,17 +49,17 @@ def _block(box: Box) -> cq.Solid:
 
 def sheet_numbers(text: str) -> dict[str, str]:
     """Return the numbers that a casting sheet says, as written: cm3 by part, `poured` cm3, `grams`."""
-    found = dict(re.findall(r"^\| ([\w-]+) \|.*\| ([\d.]+) \|$", text, re.M))
+    volumes = dict(re.findall(r"^\| ([\w-]+) \|.*\| ([\d.]+) \|$", text, re.M))
     cm3, grams = re.findall(r"the mold takes ([\d.]+) cm³, ([\d.]+) g", text)[0]
-    return {**found, "poured": cm3, "grams": grams}
+    return {**volumes, "poured": cm3, "grams": grams}
 
 
 def from_solids(job: Job) -> dict[str, float]:
     """Return the same numbers from the assembly's solids."""
     path = job.file("assembly.step")
-    made = {name: solid.Volume() / 1000 for name, solid in read(path)[0].items()}
+    volumes = {name: solid.Volume() / 1000 for name, solid in read(path)[0].items()}
     volume = poured(path) / 1000
-    return {**made, "poured": volume, "grams": volume * silicone(job.design).density * 1e-3}
+    return {**volumes, "poured": volume, "grams": volume * silicone(job.design).density * 1e-3}
 
 
 def complaints(job: Job) -> list[str]:

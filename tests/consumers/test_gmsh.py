@@ -32,8 +32,8 @@ def test_a_solid_of_another_size_is_seen(made: Made, tmp_path: Path) -> None:
 
 def combs_and_shims(closed: ClosedMold, path: Path) -> gmsh.Read:
     """What gmsh reads of them alone: the rest costs most and shows nothing of tails."""
-    kept = ClosedMold(tuple(closed.of(PartRole.COMB, PartRole.SHIM)), ())
-    write_assembly(assembly(kept, {part.name: workplane(part) for part in kept.parts}, "tails"), path)
+    stack = ClosedMold(tuple(closed.of(PartRole.COMB, PartRole.SHIM)), ())
+    write_assembly(assembly(stack, {part.name: workplane(part) for part in stack.parts}, "tails"), path)
     return gmsh.read(path)
 
 
@@ -56,7 +56,7 @@ def test_tails_stand_out_of_sixty_random_molds(tmp_path: Path) -> None:
             read = combs_and_shims(closed, tmp_path / "tails.step")
             shims = [along for name, along in zip(read.names, read.along, strict=True) if "shim" in name]
             assert len(shims) == len(closed.of(PartRole.SHIM))
-            short += [f"seed {seed}: {told}" for told in gmsh.short_tails(read)]
+            short += [f"seed {seed}: {flaw}" for flaw in gmsh.short_tails(read)]
             seen += 1
     assert seen >= 20  # a third of them at least
     assert short == []

@@ -39,52 +39,52 @@ def levelled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Design, Made]:
 def heights_by_kernel(path: Path, design: Design) -> list[float]:
     """What lies in the solid of each ridge's axis, from the base circle on, mm."""
     solid = cq.importers.importStep(str(path)).val()
-    found = []
+    heights = []
     for ridge in range(1, design.ridge.count + 1):
         foot, far = frame(design, ridge).at(0.0, 0.0), frame(design, ridge).at(0.0, 5.0)
         axis = cq.Edge.makeLine(cq.Vector(foot.x, 0.0, foot.z), cq.Vector(far.x, 0.0, far.z))
-        found.append(sum(edge.Length() for edge in axis.intersect(solid).Edges()))
-    return found
+        heights.append(sum(edge.Length() for edge in axis.intersect(solid).Edges()))
+    return heights
 
 
 def heights_by_gmsh(path: Path, design: Design, folder: Path) -> list[float]:
     """The summits that gmsh finds on the edges at the skin's end, over the base circle, mm."""
     (folder / "read.geo").write_text(_SCRIPT.format(path=path.resolve()))
     command = ["gmsh", "read.geo", "-v", "2", "-1", "-format", "msh22", "-o", "read.msh"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=300)
-    assert done.returncode == 0, done.stdout + done.stderr
+    process = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=300)
+    assert process.returncode == 0, process.stdout + process.stderr
     nodes = re.findall(r"^\d+ (\S+) (\S+) (\S+)$", (folder / "read.msh").read_text(), re.M)
     x, y, z = np.array(nodes, dtype=float).T
     radius, thickness = design.skin.curvature_radius, design.skin.thickness
     up, end = z - thickness + radius, np.isclose(y, y.max(), atol=1e-9)
-    found = []
+    heights = []
     for ridge in range(1, design.ridge.count + 1):
         at = end & (np.abs(radius * (np.arctan2(x, up) - design.lean(ridge))) < 1e-6) & (z > thickness - 1)
-        found.append(float((np.hypot(x[at], up[at]) - radius).max()))
-    return found
+        heights.append(float((np.hypot(x[at], up[at]) - radius).max()))
+    return heights
 
 
 def test_the_levelled_mold_is_made_and_passes_its_checks(levelled: tuple[Design, Made]) -> None:
-    design, made = levelled
-    assert made.result.passed
-    assert {f.severity for f in made.result.findings} <= {"note"}
+    design, result = levelled
+    assert result.result.passed
+    assert {f.severity for f in result.result.findings} <= {"note"}
     made_of = {part.name for part in mold(design).parts if part.made == "made"}
-    assert {part.name for part in made.parts} == made_of | {"skin"}
-    assert all(part.valid and part.watertight for part in made.parts)
-    skin = next(part for part in made.parts if part.name == "skin")
+    assert {part.name for part in result.parts} == made_of | {"skin"}
+    assert all(part.valid and part.watertight for part in result.parts)
+    skin = next(part for part in result.parts if part.name == "skin")
     assert skin.volume == pytest.approx(skincad.section(design).area * design.skin.length, rel=1e-11)
 
 
 def test_the_kernel_reads_the_levelled_heights_back(levelled: tuple[Design, Made]) -> None:
-    design, made = levelled
-    assert heights_by_kernel(made.folder / "skin.step", design) == pytest.approx(design.heights, abs=CLOSE)
+    design, result = levelled
+    assert heights_by_kernel(result.folder / "skin.step", design) == pytest.approx(design.heights, abs=CLOSE)
 
 
 @pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
 def test_gmsh_reads_the_levelled_heights_back(levelled: tuple[Design, Made], tmp_path: Path) -> None:
-    design, made = levelled
-    found = heights_by_gmsh(made.folder / "skin.step", design, tmp_path)
-    assert found == pytest.approx(design.heights, abs=CLOSE)
+    design, result = levelled
+    heights = heights_by_gmsh(result.folder / "skin.step", design, tmp_path)
+    assert heights == pytest.approx(design.heights, abs=CLOSE)
 
 
 @pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())

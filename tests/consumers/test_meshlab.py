@@ -19,9 +19,9 @@ def test_flaws_are_seen(made: Made, tmp_path: Path) -> None:
     torn.vertices[0] += [30.0, 0.0, 10.0]  # one corner pulled through the far side
     torn.update_faces([i != 50 for i in range(len(torn.faces))])
     torn.export(tmp_path / "torn.stl")
-    found = " ".join(meshlab.flaws(tmp_path / "torn.stl"))
-    assert "self-intersecting faces" in found
-    assert "open edges" in found
+    flaws = " ".join(meshlab.flaws(tmp_path / "torn.stl"))
+    assert "self-intersecting faces" in flaws
+    assert "open edges" in flaws
 
 
 def test_a_file_that_was_moved_is_seen(made: Made) -> None:

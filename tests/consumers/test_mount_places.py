@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from skincad.fabrication.mounting import mounted
+from skincad.fabrication.mounting import mount_of
 from skincad.outputs.export import write_step
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
@@ -35,13 +35,15 @@ def level_circles(path: Path) -> list[Circle]:
     """Every level circle of a STEP file as gmsh reads it."""
     script = path.with_suffix(".geo")
     script.write_text(_SCRIPT.format(path=path))
-    done = subprocess.run(["gmsh", str(script), "-"], capture_output=True, text=True, check=True, timeout=300)
-    found = []
-    for row in re.findall(r"EDGE (.*)", done.stdout):
+    process = subprocess.run(
+        ["gmsh", str(script), "-"], capture_output=True, text=True, check=True, timeout=300
+    )
+    circles = []
+    for row in re.findall(r"EDGE (.*)", process.stdout):
         x0, y0, z0, x1, y1, z1 = map(float, row.split())
         if z1 - z0 < 1e-5 and x1 - x0 > 0.1 and abs((x1 - x0) - (y1 - y0)) < 1e-5:
-            found.append(((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2, (x1 - x0) / 2))
-    return found
+            circles.append(((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2, (x1 - x0) / 2))
+    return circles
 
 
 def there(circles: list[Circle], wanted: Circle) -> bool:
@@ -53,20 +55,20 @@ def test_holes_are_in_the_step_where_the_keys_say(name: str, tmp_path: Path) -> 
     design = mounted_design(name)
     closed = mold(design)
     write_step(workplane(closed.part("carrier")), tmp_path / "carrier.step")
-    circles, found = level_circles(tmp_path / "carrier.step"), mounted(design, closed)
-    assert found is not None
+    circles, mount = level_circles(tmp_path / "carrier.step"), mount_of(design, closed)
+    assert mount is not None
     drilled = {"yamada-2002": 1.6, "milled-pad": 2.5, "lab-bench": 4.0, "bent": 1.6}[name]
-    bottom = found.top - (found.depth or 0.0)
-    assert found.positions
-    for x, y in found.positions:
-        for z in (found.top, bottom):
+    bottom = mount.top - (mount.depth or 0.0)
+    assert mount.positions
+    for x, y in mount.positions:
+        for z in (mount.top, bottom):
             assert there(circles, (x, y, z, drilled / 2)), (x, y, z)
         assert not there(circles, (x, y, 0.0, drilled / 2))  # it does not go through
-        assert not there(circles, (x + 2 * WITHIN, y, found.top, drilled / 2))  # and would be seen aside
-    for x, y in found.fiducials:
-        assert there(circles, (x, y, found.top, found.fiducial_diameter / 2))
-    if found.pin and found.pin_position:
-        assert there(circles, (*found.pin_position, found.top, found.pin / 2))
+        assert not there(circles, (x + 2 * WITHIN, y, mount.top, drilled / 2))  # and would be seen aside
+    for x, y in mount.fiducials:
+        assert there(circles, (x, y, mount.top, mount.fiducial_diameter / 2))
+    if mount.pin and mount.pin_position:
+        assert there(circles, (*mount.pin_position, mount.top, mount.pin / 2))
 
 
 def test_a_milled_pads_are_on_its_bolt_circle(tmp_path: Path) -> None:

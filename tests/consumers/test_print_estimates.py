@@ -21,7 +21,7 @@ from skincad.inputs.process import processes
 from skincad.outputs.export import write_stl
 from skincad.solids.mold import mold
 from tests.consumers import prusaslicer
-from tests.consumers.print_estimates import Told, of_filament, of_resin
+from tests.consumers.print_estimates import SlicerEstimate, of_filament, of_resin
 
 pytestmark = [
     pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()),
@@ -37,36 +37,38 @@ SPARSE = ["printer.fdm.infill=0.4"]
 
 
 def by(name: str, process: str, changes: list[str] | None = None) -> Design:
-    made = [f"mold.{key}={process}" for key in ("process", "end_plate_process", "lid_process")]
-    return skincad.load(name, [*made, *(changes or [])])
+    settings = [f"mold.{key}={process}" for key in ("process", "end_plate_process", "lid_process")]
+    return skincad.load(name, [*settings, *(changes or [])])
 
 
-def compared(design: Design, folder: Path) -> dict[str, tuple[Told, Told]]:
+def compared(design: Design, folder: Path) -> dict[str, tuple[SlicerEstimate, SlicerEstimate]]:
     """What is estimated of each part and what the slicer says of it."""
     closed, process = mold(design), processes(design.printer)[design.mold.process]
-    made = [part for part in closed.parts if part.made == "made"]
-    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in made}
-    found = by_part(estimates(design, closed, prints))
+    parts = [part for part in closed.parts if part.made == "made"]
+    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in parts}
+    estimates_by_part = by_part(estimates(design, closed, prints))
     pairs = {}
     for name, shape in prints.items():
         write_stl(shape, folder / f"{name}.stl")
-        asked = of_resin if process.exposure else of_filament
-        mass, time = found[name].mass, found[name].time
-        ours = Told(float(mass) / process.density * 1000, float(time) * 3600)
-        pairs[name] = ours, asked(folder / f"{name}.stl", process, folder)
+        slicer = of_resin if process.exposure else of_filament
+        mass, time = estimates_by_part[name].mass, estimates_by_part[name].time
+        ours = SlicerEstimate(float(mass) / process.density * 1000, float(time) * 3600)
+        pairs[name] = ours, slicer(folder / f"{name}.stl", process, folder)
     return pairs
 
 
-def total(pairs: dict[str, tuple[Told, Told]], which: int) -> Told:
-    return Told(sum(p[which].volume for p in pairs.values()), sum(p[which].seconds for p in pairs.values()))
+def total(pairs: dict[str, tuple[SlicerEstimate, SlicerEstimate]], which: int) -> SlicerEstimate:
+    return SlicerEstimate(
+        sum(p[which].volume for p in pairs.values()), sum(p[which].seconds for p in pairs.values())
+    )
 
 
 @pytest.mark.parametrize(("name", "changes"), [*((name, []) for name in template_names()), *RANDOM])
 def test_filament_of_every_part(name: str, changes: list[str], tmp_path: Path) -> None:
     pairs = compared(by(name, "fdm", changes), tmp_path)
     off = {
-        n: (ours.volume / told.volume - 1, ours.seconds / told.seconds - 1)
-        for n, (ours, told) in pairs.items()
+        n: (ours.volume / theirs.volume - 1, ours.seconds / theirs.seconds - 1)
+        for n, (ours, theirs) in pairs.items()
     }
     assert {n: o for n, o in off.items() if max(map(abs, o)) > ASKED} == {}
 
@@ -80,5 +82,5 @@ def test_filament_of_a_mold_that_is_not_solid(name: str, tmp_path: Path) -> None
 
 @pytest.mark.parametrize("name", template_names())
 def test_resin_of_every_part(name: str, tmp_path: Path) -> None:
-    for part, (ours, told) in compared(by(name, "sla"), tmp_path).items():
-        assert ours == pytest.approx(told, rel=EXPOSED), part
+    for part, (ours, theirs) in compared(by(name, "sla"), tmp_path).items():
+        assert ours == pytest.approx(theirs, rel=EXPOSED), part

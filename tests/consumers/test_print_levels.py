@@ -11,7 +11,7 @@ import skincad
 from skincad.base.arrays import Array
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.fabrication.printed_heights import on_layers, unsure
+from skincad.fabrication.printed_heights import snapped_to_layers, uncertain_ridges
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.export import write_stl
@@ -39,18 +39,18 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
     ledge = design.skin.width / 2 * grown + 1.0  # mm, in the middle of its 2 mm
     places = np.array([*((radius + height) * np.sin(lean) * grown), ledge])
     if process.pixel < 0.1:
-        found = resin_levels(folder / "cavity.stl", places, process.layer, process.pixel, folder)
+        levels = resin_levels(folder / "cavity.stl", places, process.layer, process.pixel, folder)
     else:
-        found = filament_levels(folder / "cavity.stl", places, process.layer, folder)
-    return np.asarray((found[-1] - found[:-1]) / grown)
+        levels = filament_levels(folder / "cavity.stl", places, process.layer, folder)
+    return np.asarray((levels[-1] - levels[:-1]) / grown)
 
 
 @pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
 def test_crests_on_layers_come_out_as_designed(name: str, tmp_path: Path) -> None:
     design = skincad.load(name)
-    found = on_layers(design, mold(design))
-    assert found is not None
-    heights, floor = found
+    heights_and_floor = snapped_to_layers(design, mold(design))
+    assert heights_and_floor is not None
+    heights, floor = heights_and_floor
     snapped = skincad.load(name, [f"ridge.heights={list(heights)}", f"mold.floor={floor}"])
     assert crests_as_sliced(snapped, tmp_path) == pytest.approx(summits(snapped), abs=1e-3)  # of no layer
 
@@ -61,9 +61,9 @@ def test_crests_are_within_20_um_of_the_sheet_or_told_as_unsure(floor: float, tm
     design = skincad.load("plain-ridges", [f"mold.floor={floor}"])
     closed = mold(design)
     off = np.abs(crests_as_sliced(design, tmp_path) - inspection(design, closed).crests.heights)
-    told = unsure(design, closed)
-    assert {i for i, each in enumerate(off, 1) if each > CLOSE} <= set(told)
-    assert bool(told) == (floor in (9.0, 9.013, 9.0195, 9.0475))
+    uncertain = uncertain_ridges(design, closed)
+    assert {i for i, error in enumerate(off, 1) if error > CLOSE} <= set(uncertain)
+    assert bool(uncertain) == (floor in (9.0, 9.013, 9.0195, 9.0475))
 
 
 @pytest.mark.parametrize(

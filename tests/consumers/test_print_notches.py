@@ -30,8 +30,8 @@ FINE = 0.004  # mm, of the points that a shim's section is looked at; a pixel is
 def section_points(corners: Array) -> Array:
     """Points `(n, 2)` all over a shim's section, mm, its corners `(4, 2)` in order."""
     a, b, c = corners[0], corners[1], corners[3]
-    along, across = (max(2, round(np.linalg.norm(v - a) / FINE)) for v in (b, c))
-    u, v = np.meshgrid(np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, across))
+    along, rows = (max(2, round(np.linalg.norm(v - a) / FINE)) for v in (b, c))
+    u, v = np.meshgrid(np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, rows))
     return np.asarray(a + u.reshape(-1, 1) * (b - a) + v.reshape(-1, 1) * (c - a))
 
 
@@ -40,8 +40,8 @@ def goes_in(lit: Mask, points: Array, pixel: float, play: float) -> bool:
     up or down, as the notch's bottom comes out."""
     middle = np.array(lit.shape)[::-1] / 2
     for up in np.linspace(-pixel, pixel, 9):
-        for aside in np.arange(-play, play + FINE / 2, FINE):
-            at = np.floor((points + np.array([aside, up])) / pixel + middle).astype(int)
+        for shift in np.arange(-play, play + FINE / 2, FINE):
+            at = np.floor((points + np.array([shift, up])) / pixel + middle).astype(int)
             if not lit[at[:, 1], at[:, 0]].any():
                 return True
     return False
@@ -60,11 +60,11 @@ def shims_that_go_in(design: Design, folder: Path) -> tuple[int, int]:
     shims = [
         section_points(polygon(shim.body.outline, FINE)[:4] - centre) for shim in closed.of(PartRole.SHIM)
     ]
-    found = []
+    passing = []
     for picture in (lit, lit[::-1]):  # a picture's rows may run up or down: one way there are no notches
         play = design.mold.slit_clearance + process.pixel
-        found.append(sum(goes_in(picture, points, process.pixel, play) for points in shims))
-    return max(found), len(shims)
+        passing.append(sum(goes_in(picture, points, process.pixel, play) for points in shims))
+    return max(passing), len(shims)
 
 
 @pytest.mark.parametrize(
@@ -81,8 +81,8 @@ def test_where_no_finding_says_otherwise_every_shim_goes_in(
     changes: list[str], all_go_in: bool, tmp_path: Path
 ) -> None:
     design = skincad.load("lab-bench", changes)
-    told = any(finding.rule == "notch" for finding in design_findings(design))
+    warned = any(finding.rule == "notch" for finding in design_findings(design))
     count, of = shims_that_go_in(design, tmp_path)
     assert of == 18
     assert (count == of) == all_go_in
-    assert told != all_go_in
+    assert warned != all_go_in

@@ -73,12 +73,12 @@ def _films(design: Design) -> float:
     and tabs with their pads, 9.5 by 5.04 mm behind rounded shoulders of 0.5 mm, less their corners."""
     if design.film is None or design.slot is None:
         return 0.0
-    beyond = design.film.lead
+    outside = design.film.lead
     if design.mold.method == "cast-in":
-        beyond += 2 * design.mold.end_plate + 2.0 + design.skin.length * (1 / (1 - shrinkage(design)) - 1)
+        outside += 2 * design.mold.end_plate + 2.0 + design.skin.length * (1 / (1 - shrinkage(design)) - 1)
     wide = max(5.04, design.slot.depth + 3.5)
     tab = 9.5 * wide + 0.5 * design.slot.depth + 2 * (1 - math.pi / 4) * 0.25 - 0.5
-    strip = design.slot.depth * (design.skin.length + beyond) + tab
+    strip = design.slot.depth * (design.skin.length + outside) + tab
     return 2 * design.ridge.count * design.film.thickness * strip
 
 
@@ -106,9 +106,9 @@ def drawn(
     def surface(tolerance: float) -> Array:
         return np.asarray(rng.uniform(-tolerance, tolerance, count))
 
-    aside = surface(body.tolerance) + surface(body.tolerance)
+    shift = surface(body.tolerance) + surface(body.tolerance)
     spans = max(1, ridges - 1)
-    pitch = design.ridge.pitch * batch + aside / spans
+    pitch = design.ridge.pitch * batch + shift / spans
     pitch = pitch + MICROSCOPE * math.sqrt(2) * rng.standard_normal(count) / spans
     width = design.skin.width * batch + surface(body.tolerance) + surface(body.tolerance)
     length = design.skin.length * batch + surface(end.tolerance) + surface(end.tolerance)

@@ -7,7 +7,7 @@ import pytest
 
 import skincad
 from skincad.circuit.film import capacitance, electrode
-from skincad.fabrication.bond_steps import kit, released_where
+from skincad.fabrication.bond_steps import bonding_kit, release_agent_places
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
@@ -37,8 +37,8 @@ def order(text: str) -> list[str]:
 
 
 def place(steps: list[str], words: str) -> int:
-    (found,) = (i for i, step in enumerate(steps) if words in step)
-    return found
+    (index,) = (i for i, step in enumerate(steps) if words in step)
+    return index
 
 
 @pytest.mark.parametrize("name", FILMED)
@@ -47,8 +47,8 @@ def test_a_film_is_prepared_drawn_in_cured_and_tested_in_this_order(name: str) -
     steps = order(sheet(design))
     cast = design.mold.method == "cast-in"
     words = [ALCOHOL, PRIMER, "Degas", PULL] if cast else [ALCOHOL, "Degas", PRIMER, GLUE, MIX, CURE, PULL]
-    found = [place(steps, each) for each in words]
-    assert found == sorted(set(found))
+    places = [place(steps, phrase) for phrase in words]
+    assert places == sorted(set(places))
     if not cast:
         assert place(steps, SHIMS) < place(steps, "lay the shims into the notches")
         assert place(steps, "slide the end plates off") < place(steps, GLUE)
@@ -60,8 +60,8 @@ def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() ->
     text = sheet(design)
     steps = order(text)
     words = [PRIMER, GLUE, MIX, CURE, "take the plates off", PULL]
-    found = [place(steps, each) for each in words]
-    assert found == sorted(set(found))
+    places = [place(steps, phrase) for phrase in words]
+    assert places == sorted(set(places))
     # 12 mm of the summit's arc at 25 mm, a slot's outer edge at 25.2; plates of 4, grips of 6
     arm = 25.2
     long = 2 * arm * (12 / 2 / 25 + math.asin(4 / arm)) + 2 * 6
@@ -89,8 +89,8 @@ def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
     assert "draw in 42 of the 84 strips with it, at 14 s each, within 10 min" in text
     assert "2 times in all" in text
     assert "4 g more of the silicone" in text
-    own = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
-    assert "as half the pot life on its data sheet takes at 14 s each" in own
+    unknown = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
+    assert "as half the pot life on its data sheet takes at 14 s each" in unknown
 
 
 def test_a_film_is_never_baked(yamada: Design) -> None:
@@ -102,7 +102,7 @@ def test_a_film_is_never_baked(yamada: Design) -> None:
 
 def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     """18 strips and two to spare; primer for 2 x 20 x 0.25 x 12 mm2 is 0.024 ml, less than the least told."""
-    rows = " | ".join(kit(yamada))
+    rows = " | ".join(bonding_kit(yamada))
     for words in (
         "18 strips of PVDF film, 28 µm",
         "sputtered metal on both faces",
@@ -116,18 +116,18 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "10.7 g together, and 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
-    cast = " | ".join(kit(skincad.load("cast-in")))
+    cast = " | ".join(bonding_kit(skincad.load("cast-in")))
     assert "36 weights of 5.1 g and 10.8 m of thread" in cast
     assert "cyanoacrylate" not in cast
 
 
 def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     bare = yamada.with_(film=None, contact={"film": "loose"})
-    assert kit(bare) == []
+    assert bonding_kit(bare) == []
     words = [step.words for step in opening_steps(bare, mold(bare))]
     assert words[1] == "Draw each shim out along y, towards end b."
-    assert not any("film" in each or "strip" in each for each in words)
-    assert "cover and shims" in released_where(bare)
+    assert not any("film" in line or "strip" in line for line in words)
+    assert "cover and shims" in release_agent_places(bare)
 
 
 @pytest.mark.parametrize("name", FILMED)
@@ -139,6 +139,6 @@ def test_a_meter_reads_what_the_circuit_has(name: str) -> None:
     read, error = re.search(
         r"taken off: ([\d.]+) ± ([\d.]+) pF", steps[place(steps, "capacitance meter")]
     ).groups()
-    own = 1e12 * capacitance(electrode(design), design.film.thickness, 12.0)
-    assert abs(own - float(read)) <= float(error)
+    expected = 1e12 * capacitance(electrode(design), design.film.thickness, 12.0)
+    assert abs(expected - float(read)) <= float(error)
     assert place(steps, "capacitance meter") == place(steps, PULL) + 1

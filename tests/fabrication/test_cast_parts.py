@@ -16,7 +16,7 @@ import pytest
 
 import skincad
 from skincad.base.arrays import Array, Mask
-from skincad.fabrication.crest_limits import AGAIN, READINGS, edge
+from skincad.fabrication.crest_limits import READINGS, READINGS_NEAR_EDGE, undecided_margin
 from skincad.fabrication.inspection import Inspection, inspection
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -38,12 +38,12 @@ SPOILED = 3.0  # times the process's crest errors: a mold that is not what its p
 NAMES = [n if n == "yamada-2002" else pytest.param(n, marks=pytest.mark.slow) for n in template_names()]
 
 
-class Judged(NamedTuple):
+class JudgedDesign(NamedTuple):
     """A design, its inspection, whether parts of these crests `(n, ridges)` mm pass the verdict, their
     margins `(n,)` N, and how near to 0 of it crests are read on."""
 
     design: Design
-    found: Inspection
+    inspected: Inspection
     passes: Callable[[Array], Mask]
     margin: Callable[[Array], Array]
     near: float
@@ -51,11 +51,11 @@ class Judged(NamedTuple):
     @property
     def decides(self) -> bool:
         """Whether the sheet says that its limits suffice."""
-        return not any("don't decide" in said for said in self.found.said)
+        return not any("don't decide" in said for said in self.inspected.said)
 
 
 @cache
-def judged(name: str) -> Judged:
+def judged(name: str) -> JudgedDesign:
     design = skincad.load(name)
     check = skincad.check(design)
     pad, force = pad_of(design), design.contact.force
@@ -64,31 +64,33 @@ def judged(name: str) -> Judged:
     upper = check.all_touch_force.upper
     assert upper is not None
     # what a better tier and the error add is taken as a change of stiffness, as the yield takes it
-    own = float(all_touch(model, np.zeros((1, design.ridge.count)), force / solved.scale)[0])
+    force_needed = float(all_touch(model, np.zeros((1, design.ridge.count)), force / solved.scale)[0])
 
     def passes(crests: Array) -> Mask:
         drops = (np.array(summits(design)) - crests) / unit_of(pad)
-        asked = np.full(len(crests), force * own / upper)  # in the pad's unit
-        return np.asarray((ridge_forces(model, drops, asked) > 0).all(axis=1))
+        drops_allowed = np.full(len(crests), force * force_needed / upper)  # in the pad's unit
+        return np.asarray((ridge_forces(model, drops, drops_allowed) > 0).all(axis=1))
 
     def margin(crests: Array) -> Array:
         drops = (np.array(summits(design)) - crests) / unit_of(pad)
-        return np.asarray(force - all_touch(model, drops, force / solved.scale) * upper / own)
+        return np.asarray(force - all_touch(model, drops, force / solved.scale) * upper / force_needed)
 
     drops, room = allowance(check)
-    return Judged(design, inspection(design, mold(design), drops, room), passes, margin, edge(room, drops))
+    return JudgedDesign(
+        design, inspection(design, mold(design), drops, room), passes, margin, undecided_margin(room, drops)
+    )
 
 
-def rejected(one: Judged, parts: Parts) -> Mask:
+def rejected(case: JudgedDesign, parts: Parts) -> Mask:
     """What a person rejects who follows the sheet: limits, and where these don't decide the verdict too."""
-    limits, measures = one.found.crests, one.found.measures
-    number = np.arange(one.design.ridge.count)
+    limits, measures = case.inspected.crests, case.inspected.measures
+    number = np.arange(case.design.ridge.count)
     errors = parts.crests - np.array(limits.heights)
     slope, middle = np.polyfit(number, errors.T, 1)
     beside = np.abs(errors - np.outer(slope, number) - middle[:, None]) > np.array(limits.beside)
     read = {
         "mean crest": parts.crests.mean(axis=1),
-        "tilt": slope * (one.design.ridge.count - 1),
+        "tilt": slope * (case.design.ridge.count - 1),
         "mean pitch": parts.pitch,
         "width": parts.width,
         "length": parts.length,
@@ -99,21 +101,21 @@ def rejected(one: Judged, parts: Parts) -> Mask:
     for what, values in read.items():
         (row,) = (m for m in measures if m.what.startswith(what))
         out |= (values < row.low) | (values > row.high)
-    return out if one.decides else out | ~measured_verdict(one, parts)
+    return out if case.decides else out | ~measured_verdict(case, parts)
 
 
-def measured_verdict(one: Judged, parts: Parts) -> Mask:
+def measured_verdict(case: JudgedDesign, parts: Parts) -> Mask:
     """Whether each part passes as it is measured, and read on where its margin is near 0."""
-    margins = one.margin(parts.crests)
-    near = np.abs(margins) < one.near
+    margins = case.margin(parts.crests)
+    near = np.abs(margins) < case.near
     passed = margins >= 0
-    passed[near] = one.passes(parts.crests_again[near])
+    passed[near] = case.passes(parts.crests_again[near])
     return passed
 
 
-def parts_of(one: Judged, seed: int, worse: float = 1.0) -> Parts:
-    readings = (1, 1) if one.decides else (READINGS, AGAIN)
-    return drawn(one.design, mold(one.design), PARTS, seed, worse, readings)
+def parts_of(case: JudgedDesign, seed: int, worse: float = 1.0) -> Parts:
+    readings = (1, 1) if case.decides else (READINGS, READINGS_NEAR_EDGE)
+    return drawn(case.design, mold(case.design), PARTS, seed, worse, readings)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -148,12 +150,12 @@ def test_parts_that_fail_are_caught(name: str) -> None:
 
 
 @cache
-def allowed_least(one: Judged) -> float:
+def allowed_least(case: JudgedDesign) -> float:
     """By how much the crest that counts most may lie lower alone, mm, by bisection of the verdict itself."""
-    count = one.design.ridge.count
-    depths = np.linspace(0.0, one.design.ridge.height, 201)
-    out = np.array(summits(one.design)) - depths[:, None] * (np.arange(count) == 0)
-    return float(depths[int(one.passes(out).argmin())])
+    count = case.design.ridge.count
+    depths = np.linspace(0.0, case.design.ridge.height, 201)
+    out = np.array(summits(case.design)) - depths[:, None] * (np.arange(count) == 0)
+    return float(depths[int(case.passes(out).argmin())])
 
 
 @pytest.mark.slow
@@ -171,15 +173,15 @@ def test_failing_parts_of_the_process_itself_are_few_among_those_kept(name: str)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     one = judged(name)
-    heights = np.array(one.found.crests.heights) + 0.1
+    heights = np.array(one.inspected.crests.heights) + 0.1
     number = np.arange(heights.size)
-    line = np.polyval(np.polyfit(number, heights - np.array(one.found.crests.heights), 1), number)
-    assert np.all(np.abs(0.1 - line) <= np.array(one.found.crests.beside))
-    (thick,) = (m for m in one.found.measures if m.what.startswith("mean crest"))
-    limits = one.found.crests
+    line = np.polyval(np.polyfit(number, heights - np.array(one.inspected.crests.heights), 1), number)
+    assert np.all(np.abs(0.1 - line) <= np.array(one.inspected.crests.beside))
+    (thick,) = (m for m in one.inspected.measures if m.what.startswith("mean crest"))
+    limits = one.inspected.crests
     hidden = limits.mean > 0.1
     assert hidden is (one.design.mold.process == "fdm")  # whose ledge alone is off by 0.05 / sqrt(2) mm
-    assert hidden is any("Measure the mold once" in said for said in one.found.said)
+    assert hidden is any("Measure the mold once" in said for said in one.inspected.said)
     # against its own mold then
     assert heights.mean() > np.mean(limits.heights) + min(limits.beside_mold, limits.mean)
     assert hidden or heights.mean() > thick.high
@@ -192,9 +194,9 @@ def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
     one = judged(name)
     parts = parts_of(one, 106)
     off = np.abs(parts.crests.mean(axis=1) - parts.mold_crests.mean(axis=1))
-    lost = float((off > one.found.crests.beside_mold).mean())
+    lost = float((off > one.inspected.crests.beside_mold).mean())
     assert lost < 1e-3  # 0.005 by 13 or 15 rows is 4e-4 or 3e-4: three of its errors by 10,000 parts
-    assert (off > one.found.crests.beside_mold / 2).mean() > 0.01  # and it is no wider than they are
+    assert (off > one.inspected.crests.beside_mold / 2).mean() > 0.01  # and it is no wider than they are
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -202,6 +204,6 @@ def test_layers_are_told_as_they_fall(name: str) -> None:
     """By another count of layers; the slicers' own are in consumers/test_print_levels.py."""
     design = skincad.load(name)
     closed = mold(design)
-    told = inspection(design, closed).crests.heights
+    heights = inspection(design, closed).crests.heights
     # mm: the generator's block is of exact arcs, and of a volume that gives its scale to a few digits
-    assert told == pytest.approx(sliced(design, closed), abs=5e-4)
+    assert heights == pytest.approx(sliced(design, closed), abs=5e-4)

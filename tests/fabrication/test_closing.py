@@ -23,10 +23,10 @@ def test_a_thin_cover_is_told_with_the_thickness_that_does(name: str) -> None:
     design = skincad.load(name)
     assert list(closing_findings(design)) == []
     thin = design.with_(mold={"cover": 1.0})
-    found = list(closing_findings(thin))
-    if found:
-        assert (found[0].severity, found[0].limit) == ("warning", 0.02)
-        least = float(found[0].remedy.split(" of ")[1].split(" mm")[0])
+    findings = list(closing_findings(thin))
+    if findings:
+        assert (findings[0].severity, findings[0].limit) == ("warning", 0.02)
+        least = float(findings[0].remedy.split(" of ")[1].split(" mm")[0])
         assert list(closing_findings(design.with_(mold={"cover": least}))) == []
     cover = mold(thin).part("cover").body
     assert cover.high - cover.low == 1.0  # kept, whatever its bow
@@ -34,9 +34,9 @@ def test_a_thin_cover_is_told_with_the_thickness_that_does(name: str) -> None:
 
 def test_a_printed_cover_of_four_millimetres_over_a_wide_skin_bows() -> None:
     """Two screws held it, and nobody said that it gaped."""
-    told, pushed = closing_findings(skincad.load("nozzle-04", ["mold.cover=4.0"]))
-    assert told.rule == "cover bow"
-    assert told.measured > 0.2
+    bow, pushed = closing_findings(skincad.load("nozzle-04", ["mold.cover=4.0"]))
+    assert bow.rule == "cover bow"
+    assert bow.measured > 0.2
     assert pushed.rule == "closing stack"  # six times as far by its own seal
 
 
@@ -101,27 +101,27 @@ def test_a_bowl_too_narrow_for_a_seal_says_to_lap_its_carrier() -> None:
     """At 25 mm the ends lean by 14 degrees: 1 mm of wall more and bolts and pins of the cover would meet."""
     narrow = bent("plain-ridges", 25.0)
     assert "seal" not in {part.name for part in mold(narrow).parts}
-    (told,) = closing_findings(narrow)
-    assert (told.rule, told.severity) == ("closing stack", "warning")
+    (finding,) = closing_findings(narrow)
+    assert (finding.rule, finding.severity) == ("closing stack", "warning")
     # a ledge and a carrier of resin, and 0.05 mm of the pins: three tolerances, and the foam's own bow
-    assert told.measured > 0.15
-    assert "lap the carrier's top" in told.remedy
+    assert finding.measured > 0.15
+    assert "lap the carrier's top" in finding.remedy
 
 
 def test_threads_that_meet_in_a_short_skin_ask_for_a_bottoming_tap() -> None:
     design = bent("yamada-2002", 25.0)
-    (told,) = closing_findings(design)
+    (finding,) = closing_findings(design)
     hole = min(bore.length for bore in bores(mold(design).part("cavity"), CutRole.END_THREAD))
     # a screw of 8 mm with two washers of 0.5 in a plate of 4 leaves 3 of thread: by hand
-    assert told.measured == pytest.approx(hole - 3.0)
-    assert (told.limit, told.severity) == (3.5, "note")
+    assert finding.measured == pytest.approx(hole - 3.0)
+    assert (finding.limit, finding.severity) == (3.5, "note")
     assert list(closing_findings(bent("yamada-2002", 60.0, "skin.length=24"))) == []
 
 
 def test_a_process_too_coarse_for_any_seal_is_told() -> None:
     coarse = skincad.load("nozzle-04", ["printer.fdm.tolerance=1.0"])
-    (told,) = (f for f in closing_findings(coarse) if f.rule == "closing stack")
-    assert told.measured > 3.2 > told.limit == pytest.approx(2.4)
+    (finding,) = (f for f in closing_findings(coarse) if f.rule == "closing stack")
+    assert finding.measured > 3.2 > finding.limit == pytest.approx(2.4)
 
 
 def test_the_foam_is_to_be_bought_laid_in_and_lifted_off() -> None:

@@ -23,7 +23,7 @@ def ladder(growth: float, seed: int, scatter: float = 0.005, blade: float = 0.00
 
 def by_blades(drawn: np.ndarray, wide: np.ndarray, true: np.ndarray) -> NotchForm:
     """Blades of these true thicknesses, tried one by one until one does not go in."""
-    last = [next(i for i, thick in enumerate(true) if thick > each) for each in wide]
+    last = [next(i for i, thick in enumerate(true) if thick > width) for width in wide]
     goes = np.array([BLADES[i - 1] if i else 0.0 for i in last])
     return NotchForm(drawn, goes, BLADES[last])
 
@@ -42,12 +42,12 @@ def test_a_growth_of_30_um_is_recovered_to_5_um(seed: int) -> None:
 def test_its_error_bar_holds(growth: float, scatter: float) -> None:
     """In 95 % of 200 parts. 95 % of 200 has itself a standard deviation of 3: 3 of them below is 181. The
     seeds are others than those by which the assumptions of the fit were set, 10000 and up."""
-    held = 0
+    covered = 0
     for seed in range(200):
-        found = notch_result(ladder(growth, seed, scatter)).growth
-        assert found is not None
-        held += found.lower <= growth <= found.upper  # type: ignore[operator]
-    assert held >= 181
+        growth_estimate = notch_result(ladder(growth, seed, scatter)).growth
+        assert growth_estimate is not None
+        covered += growth_estimate.lower <= growth <= growth_estimate.upper  # type: ignore[operator]
+    assert covered >= 181
 
 
 def test_a_ladder_that_pixels_drew() -> None:
@@ -57,10 +57,10 @@ def test_a_ladder_that_pixels_drew() -> None:
     for growth in (0.0, 0.03):
         places = (np.arange(drawn.size) - (drawn.size - 1) / 2) * NOTCH_PITCH
         low, high = np.ceil((places - drawn / 2) / pixel - 0.5), np.floor((places + drawn / 2) / pixel - 0.5)
-        found = notch_result(by_blades(drawn, (high - low + 1) * pixel - 2 * growth, BLADES)).growth
-        assert found is not None
-        assert found.value == pytest.approx(growth, abs=0.005)
-        assert found.lower <= growth <= found.upper  # type: ignore[operator]
+        estimate = notch_result(by_blades(drawn, (high - low + 1) * pixel - 2 * growth, BLADES)).growth
+        assert estimate is not None
+        assert estimate.value == pytest.approx(growth, abs=0.005)
+        assert estimate.lower <= growth <= estimate.upper  # type: ignore[operator]
 
 
 def test_no_growth_is_said_of_notches_that_are_shut() -> None:
@@ -88,22 +88,22 @@ def steps(
     drawn = np.array(drawn_steps())
     place = np.arange(1.0, drawn.size + 1)
     shared = dict(zip(HEIGHTS, rng.normal(0, between, len(HEIGHTS)), strict=True))
-    own = rng.normal(0, within, drawn.size) + [shared[h] for h in drawn]
-    return CrestForm(place, drawn, drawn + offset + tilt * (place - place.mean()) + own)
+    scatter = rng.normal(0, within, drawn.size) + [shared[h] for h in drawn]
+    return CrestForm(place, drawn, drawn + offset + tilt * (place - place.mean()) + scatter)
 
 
 @pytest.mark.parametrize(("within", "between"), [(0.015, 0.0), (0.01, 0.01), (0.005, 0.02)])
 def test_scatter_and_offset_hold(within: float, between: float) -> None:
     """Both in 95 % of 400 blocks, each of which lies askew; 4.4 of 380 is the standard deviation, 3 of them
     are 366."""
-    sigma, held = np.hypot(within, between), np.zeros(2)
+    sigma, covered = np.hypot(within, between), np.zeros(2)
     for seed in range(400):
-        found = crest_result(steps(seed, within, between, 0.02, 0.002))
-        held += [
-            found.sigma.lower <= sigma <= found.sigma.upper,  # type: ignore[operator]
-            found.offset.lower <= 0.02 <= found.offset.upper,  # type: ignore[operator]
+        result = crest_result(steps(seed, within, between, 0.02, 0.002))
+        covered += [
+            result.sigma.lower <= sigma <= result.sigma.upper,  # type: ignore[operator]
+            result.offset.lower <= 0.02 <= result.offset.upper,  # type: ignore[operator]
         ]
-    assert (held >= 366).all(), held
+    assert (covered >= 366).all(), covered
 
 
 def test_a_block_that_lies_askew_changes_nothing() -> None:
@@ -119,13 +119,13 @@ def test_layers_are_in_the_scatter() -> None:
     within a quarter, for eight heights are no uniform distribution."""
     drawn = np.array(drawn_steps())
     layered = np.round(drawn / 0.2) * 0.2
-    found = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, layered))
-    assert found.sigma.value == pytest.approx(0.2 / np.sqrt(12), rel=0.25)
-    assert found.worst <= 0.1 + 1e-9
+    result = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, layered))
+    assert result.sigma.value == pytest.approx(0.2 / np.sqrt(12), rel=0.25)
+    assert result.worst <= 0.1 + 1e-9
 
 
 def test_a_perfect_part_has_no_scatter() -> None:
     drawn = np.array(drawn_steps())
-    found = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, drawn + 0.01))
-    assert found.sigma.value == pytest.approx(0.0, abs=1e-12)
-    assert found.offset.value == pytest.approx(0.01)
+    result = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, drawn + 0.01))
+    assert result.sigma.value == pytest.approx(0.0, abs=1e-12)
+    assert result.offset.value == pytest.approx(0.01)

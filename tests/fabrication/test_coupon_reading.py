@@ -37,23 +37,23 @@ def fill(
         (folder / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, rows))
     if scatter is not None:
         crests = zip(*steps(1, scatter, offset=offset), strict=True)
-        lines = [[f"{place:g}", f"{drawn:.2f}", f"{found:.3f}"] for place, drawn, found in crests]
+        lines = [[f"{place:g}", f"{drawn:.2f}", f"{measured:.3f}"] for place, drawn, measured in crests]
         (folder / CREST_FORM).write_text(form(CREST_COLUMNS, lines))
 
 
 def test_what_is_written_is_a_process_of_the_same_name(tmp_path: Path) -> None:
     fill(tmp_path)
-    found = read_coupon("sla", tmp_path)
-    own = tomllib.loads(found.to_toml())
-    assert set(own) == {"sla"}
-    assert set(own["sla"]) - {"tolerance"} == {"gap", "growth", "crest_sigma", "crest_offset"}
-    made = processes(load_design("lab-bench", printer=own).printer)["sla"]
-    assert made.growth == pytest.approx(0.03, abs=0.005)
-    assert made.crest_sigma == pytest.approx(0.01, abs=0.006)  # the half-width of 24 steps
-    assert made.crest_offset == pytest.approx(0.0, abs=0.01)  # 24 crests that scatter by 0.01
-    assert made.gap == pytest.approx(0.08)
-    assert made.pixel == processes()["sla"].pixel
-    assert "growth = 0.0294 # measured on a coupon: ± 0.00" in found.to_toml()
+    reading = read_coupon("sla", tmp_path)
+    table = tomllib.loads(reading.to_toml())
+    assert set(table) == {"sla"}
+    assert set(table["sla"]) - {"tolerance"} == {"gap", "growth", "crest_sigma", "crest_offset"}
+    process = processes(load_design("lab-bench", printer=table).printer)["sla"]
+    assert process.growth == pytest.approx(0.03, abs=0.005)
+    assert process.crest_sigma == pytest.approx(0.01, abs=0.006)  # the half-width of 24 steps
+    assert process.crest_offset == pytest.approx(0.0, abs=0.01)  # 24 crests that scatter by 0.01
+    assert process.gap == pytest.approx(0.08)
+    assert process.pixel == processes()["sla"].pixel
+    assert "growth = 0.0294 # measured on a coupon: ± 0.00" in reading.to_toml()
 
 
 def test_a_tolerance_is_said_only_where_the_part_is_worse(tmp_path: Path) -> None:
@@ -79,9 +79,9 @@ def test_shut_notches_leave_growth_open(tmp_path: Path) -> None:
     drawn = np.arange(0.06, 0.31, 0.02)
     rows = [[str(i), f"{d:.2f}", "0", "0.03"] for i, d in enumerate(drawn, 1)]
     (tmp_path / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, rows))
-    found = read_coupon("fdm", tmp_path)
-    assert found.keys == []
-    assert "growth is not known, and the gap may be above 0.3 mm" in str(found)
+    reading = read_coupon("fdm", tmp_path)
+    assert reading.keys == []
+    assert "growth is not known, and the gap may be above 0.3 mm" in str(reading)
 
 
 def test_ones_own_file_is_kept_with_its_comments(tmp_path: Path) -> None:
@@ -90,13 +90,13 @@ def test_ones_own_file_is_kept_with_its_comments(tmp_path: Path) -> None:
     mine.write_text(
         '[my-resin]\nbased_on = "sla"\npixel = 0.03 # screen\ngrowth = 0.1\n\n[my-mill]\nbased_on = "cnc"\n'
     )
-    found = read_coupon("my-resin", tmp_path, printer=mine)
-    assert found.before.growth == 0.1
-    own = tomllib.loads(found.to_toml())
-    assert own["my-mill"] == {"based_on": "cnc"}
-    assert own["my-resin"]["pixel"] == 0.03
-    assert own["my-resin"]["growth"] == pytest.approx(0.03, abs=0.005)
-    assert "# screen" in found.to_toml()
+    reading = read_coupon("my-resin", tmp_path, printer=mine)
+    assert reading.before.growth == 0.1
+    table = tomllib.loads(reading.to_toml())
+    assert table["my-mill"] == {"based_on": "cnc"}
+    assert table["my-resin"]["pixel"] == 0.03
+    assert table["my-resin"]["growth"] == pytest.approx(0.03, abs=0.005)
+    assert "# screen" in reading.to_toml()
 
 
 def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
@@ -119,9 +119,9 @@ def resized(rows: Rows, draw: random.Random) -> str:
 
 def removed(rows: Rows, draw: random.Random) -> str:
     """Remove one or several rows."""
-    gone = draw.sample(rows[1:], draw.randint(1, 4))
-    rows[:] = [row for row in rows if row not in gone]
-    numbers = sorted(int(row[0]) for row in gone)
+    removed_rows = draw.sample(rows[1:], draw.randint(1, 4))
+    rows[:] = [row for row in rows if row not in removed_rows]
+    numbers = sorted(int(row[0]) for row in removed_rows)
     return f"must have a row for each {rows[0][0]} of the part; missing: {', '.join(map(str, numbers))}"
 
 
@@ -220,5 +220,5 @@ def test_growth_injected_into_the_part_itself_is_recovered_from_its_forms(seed: 
         for i, row in enumerate(zip(*as_grown(0.03, seed), strict=True), 1)
     ]
     (tmp_path / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, rows))
-    own = tomllib.loads(read_coupon("sla", tmp_path).to_toml())
-    assert own["sla"]["growth"] == pytest.approx(0.03, abs=0.005)
+    table = tomllib.loads(read_coupon("sla", tmp_path).to_toml())
+    assert table["sla"]["growth"] == pytest.approx(0.03, abs=0.005)

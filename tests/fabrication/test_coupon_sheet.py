@@ -60,9 +60,9 @@ def test_a_bars_form_gives_its_modulus(tmp_path: Path) -> None:
     stretch = 1 + np.array(EXTENSIONS) / BAR.gauge_length
     force = BAR.area * 0.4 / 3 * (stretch - stretch**-2)  # neo-Hooke's, Treloar
     (tmp_path / BAR_FORM).write_text(filled(BAR_FORM, force))
-    found = skincad.fit_material(tmp_path / BAR_FORM, gauge_length=BAR.gauge_length, area=BAR.area)
-    assert found.young_modulus.value == pytest.approx(0.4, rel=2e-3)  # forces have four decimals
-    assert found.laws  # strained enough to compare them
+    fit = skincad.fit_material(tmp_path / BAR_FORM, gauge_length=BAR.gauge_length, area=BAR.area)
+    assert fit.young_modulus.value == pytest.approx(0.4, rel=2e-3)  # forces have four decimals
+    assert fit.laws  # strained enough to compare them
     assert fit_bar_command("x") == "skincad fit-material x --gauge-length 20 --area 8"
 
 
@@ -75,7 +75,7 @@ def test_a_pads_form_gives_its_modulus(tmp_path: Path) -> None:
     curve = finite_strain_curve(small, pad, far, clock)
     force = curve.force_at(np.array(APPROACHES) - 0.03)
     (tmp_path / PAD_FORM).write_text(filled(PAD_FORM, force))
-    found = skincad.fit_material(tmp_path / PAD_FORM, pad)
-    assert found.young_modulus.value == pytest.approx(0.4, rel=5e-3)  # lines between the table's ratios
-    assert found.young_modulus.error is not None
-    assert found.young_modulus.error < 0.1 * 0.4
+    fit = skincad.fit_material(tmp_path / PAD_FORM, pad)
+    assert fit.young_modulus.value == pytest.approx(0.4, rel=5e-3)  # lines between the table's ratios
+    assert fit.young_modulus.error is not None
+    assert fit.young_modulus.error < 0.1 * 0.4

@@ -3,7 +3,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import drafted
+from skincad.fabrication.demolding import freeing_widths
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.design import Design
 from skincad.solids.undercut import SAFE_SHARE, safe_strain, squeezes, undercuts
@@ -31,13 +31,13 @@ def test_the_default_leaves_its_mold_freely(yamada: Design) -> None:
 @pytest.mark.parametrize("radius", [12.0, 20.0, 60.0])
 def test_undercut_of_a_leaning_upright_flank_is_its_closed_form(radius: float) -> None:
     """A flank that leans by a overhangs by its length x sin a; the ridge's level is 0.75 / cos a wide."""
-    found, lean = squeezes(upright(radius)), 4 / radius
+    undercuts, lean = squeezes(upright(radius)), 4 / radius
     width = flank(radius) * math.sin(lean)
     # chords of 1e-5 mm, and levels between the polygons' corners
-    assert found[9].width == pytest.approx(width, abs=1e-4)
-    assert found[9].strain == pytest.approx(width * math.cos(lean) / 0.75, abs=2e-4)
-    assert found[1] == pytest.approx(found[9], abs=1e-9)  # mirror images, to rounding
-    assert found[5] == (0.0, 0.0)
+    assert undercuts[9].width == pytest.approx(width, abs=1e-4)
+    assert undercuts[9].strain == pytest.approx(width * math.cos(lean) / 0.75, abs=2e-4)
+    assert undercuts[1] == pytest.approx(undercuts[9], abs=1e-9)  # mirror images, to rounding
+    assert undercuts[5] == (0.0, 0.0)
 
 
 def test_the_silicone_decides_whether_it_leaves() -> None:
@@ -75,7 +75,7 @@ def test_what_leans_more_than_it_is_wide_is_locked() -> None:
 
 def test_the_draft_told_is_just_enough() -> None:
     design = upright(20.0)
-    root, tip = drafted(design)
+    root, tip = freeing_widths(design)
     assert root is not None
     assert tip is not None
     for key, value, back in (("root_width", root, -0.005), ("tip_width", tip, 0.005)):
@@ -87,13 +87,13 @@ def test_the_draft_told_is_just_enough() -> None:
 
 
 def test_a_root_that_the_pitch_forbids_is_not_told() -> None:
-    root, tip = drafted(upright(12.0, material={"name": "sylgard-184"}))
+    root, tip = freeing_widths(upright(12.0, material={"name": "sylgard-184"}))
     assert root is None  # 0.75 + 0.36 is above the pitch
     assert tip is not None
 
 
 def test_a_split_cavity_is_advised_unless_the_cavity_is_split() -> None:
-    for split, told in (("none", True), ("auto", False)):
-        found = [f for f in design_findings(upright(12.0, mold={"split": split})) if f.rule == "undercut"]
-        assert found
-        assert all(('a split cavity (mold.split = "auto")' in f.remedy) == told for f in found)
+    for split, advised in (("none", True), ("auto", False)):
+        findings = [f for f in design_findings(upright(12.0, mold={"split": split})) if f.rule == "undercut"]
+        assert findings
+        assert all(('a split cavity (mold.split = "auto")' in f.remedy) == advised for f in findings)

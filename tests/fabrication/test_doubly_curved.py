@@ -74,17 +74,17 @@ def test_parts_that_turn_share_their_facets(closed: ClosedMold) -> None:
             assert (shapes[a] ^ shapes[b]).volume() < 1e-9, (a, b, chord)
         assert (shapes["skin"] ^ shapes["shim-1-S1"]).volume() < 1e-9
         # nor is there a gap: what is set lower by 1 um meets 11 mm x about 9.6 mm of back
-        pressed = shapes["carrier"].translate((0.0, 0.0, -1e-3)) ^ shapes["skin"]
-        assert pressed.volume() == pytest.approx(1e-3 * 11 * 9.6, rel=0.1)
+        overlap = shapes["carrier"].translate((0.0, 0.0, -1e-3)) ^ shapes["skin"]
+        assert overlap.volume() == pytest.approx(1e-3 * 11 * 9.6, rel=0.1)
 
 
 def test_two_turned_bodies_share_what_their_sections_do(closed: ClosedMold) -> None:
     skin, shim = closed.part("skin"), closed.part("shim-1-S1")
     assert isinstance(skin.body, Revolved)
     whole = Part("whole", PartRole.SKIN, skin.body.__class__(skin.body.outline, *_turn(skin.body)))
-    (found,) = interference(ClosedMold((whole, shim), ()), 1e-3)
+    (finding,) = interference(ClosedMold((whole, shim), ()), 1e-3)
     slot = 0.05 * 0.25 * 12.0 * (1 + 0.1 / 25)  # the slot's middle lies 0.1 mm farther from the axis
-    assert found.measured == pytest.approx(slot, rel=0.01)  # shrinkage
+    assert finding.measured == pytest.approx(slot, rel=0.01)  # shrinkage
     assert interference(ClosedMold((skin, shim), ()), 1e-3) == []
 
 
@@ -108,11 +108,11 @@ def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: ClosedM
 
 def test_findings_say_what_is_special_and_no_more(design: Design, closed: ClosedMold) -> None:
     straight = design_findings(design.with_(skin={"curvature_radius_y": None}))
-    found = design_findings(design, closed)
-    room = next(f for f in found if f.rule == "notch room")
-    wire = next(f for f in found if "bent along y" in f.where)
-    tap = next(f for f in found if f.rule == "thread run-out")  # its ends' screws meet in 12 mm
-    assert [f.rule for f in found if f not in (room, wire, tap)] == [f.rule for f in straight]
+    findings = design_findings(design, closed)
+    room = next(f for f in findings if f.rule == "notch room")
+    wire = next(f for f in findings if "bent along y" in f.where)
+    tap = next(f for f in findings if f.rule == "thread run-out")  # its ends' screws meet in 12 mm
+    assert [f.rule for f in findings if f not in (room, wire, tap)] == [f.rule for f in straight]
     assert (wire.rule, wire.severity, wire.unit) == ("tool reach", "warning", "deg end to end")
     assert wire.measured == pytest.approx(math.degrees(12 / 25), rel=1e-6)
     assert (room.rule, room.severity) == ("notch room", "note")
@@ -224,12 +224,12 @@ def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed:
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "radius"), [("yamada-2002", 60.0), ("plain-ridges", 25.0)])
 def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
-    made = make_into(bent(name, radius), tmp_path / "out")
-    assert made.result.passed
-    assert all(p.valid and p.watertight and not p.self_intersections for p in made.parts)
-    assert all(p.deviation <= p.asked_deviation for p in made.parts)
+    result = make_into(bent(name, radius), tmp_path / "out")
+    assert result.result.passed
+    assert all(p.valid and p.watertight and not p.self_intersections for p in result.parts)
+    assert all(p.deviation <= p.asked_deviation for p in result.parts)
     assert {"assembly.step", "mold.3mf", "picture.png", "drawing.svg", "casting-sheet.md"} <= {
-        file for file, _ in made.written.files
+        file for file, _ in result.written.files
     }
 
 
@@ -240,10 +240,10 @@ def ring(low: float, high: float, z: tuple[float, float], centre: float = 30.0, 
 def shared(*bodies: Revolved | Part) -> list[float]:
     """Volumes that parts share, mm3, of meshes of 0.1 mm."""
     parts = [
-        each if isinstance(each, Part) else Part(f"part-{i}", PartRole.SHIM, each)
-        for i, each in enumerate(bodies)
+        body if isinstance(body, Part) else Part(f"part-{i}", PartRole.SHIM, body)
+        for i, body in enumerate(bodies)
     ]
-    return [found.measured for found in interference(ClosedMold(tuple(parts), ()), 0.1)]
+    return [finding.measured for finding in interference(ClosedMold(tuple(parts), ()), 0.1)]
 
 
 @pytest.mark.parametrize("turned_over", [False, True])

@@ -7,7 +7,7 @@ import pytest
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.drawing_in import at_once, drawing_findings, drawing_time, lap, pull_test
+from skincad.fabrication.drawing_in import drawing_findings, drawing_time, lap, pull_test, strips_per_mix
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.strip_rules import strip_findings
 from skincad.inputs.catalog import template_names
@@ -22,21 +22,21 @@ def by_rule(design: Design) -> dict[str, Finding]:
 
 def test_a_straight_lap_has_only_the_soft_slot_on_its_way(yamada: Design) -> None:
     """Shim, glue and film: 0.05 + 0.01 + 0.028 in a slot of 0.05 x 0.25."""
-    found = lap(yamada)
-    assert found is not None
-    assert (found.tail, found.notch) == (0.05, None)
-    assert found.stack == pytest.approx(0.088, rel=1e-12)
+    joint = lap(yamada)
+    assert joint is not None
+    assert (joint.tail, joint.notch) == (0.05, None)
+    assert joint.stack == pytest.approx(0.088, rel=1e-12)
     girth, round_it = 2 * (0.05 + 0.25), 2 * (0.088 + 0.25)
-    assert found.stretch == pytest.approx(round_it / girth - 1, rel=1e-12)
+    assert joint.stretch == pytest.approx(round_it / girth - 1, rel=1e-12)
 
 
 def test_a_bent_laps_tail_is_thinned_to_pass_its_notches() -> None:
     """A notch of 0.06 by a wire good to 0.003: 0.057, less film and glue."""
-    found = lap(three_ridges())
-    assert found is not None
-    assert found.notch == pytest.approx(0.057, rel=1e-12)
-    assert found.tail == pytest.approx(0.057 - 0.028 - 0.01, abs=1e-6)
-    assert found.stack <= found.notch + 1e-9
+    joint = lap(three_ridges())
+    assert joint is not None
+    assert joint.notch == pytest.approx(0.057, rel=1e-12)
+    assert joint.tail == pytest.approx(0.057 - 0.028 - 0.01, abs=1e-6)
+    assert joint.stack <= joint.notch + 1e-9
     loose = lap(three_ridges().with_(mold={"slit_clearance": 0.05}))
     assert loose is not None
     assert loose.tail == 0.05  # and no thinning where there is room
@@ -51,10 +51,10 @@ def test_a_notch_is_at_least_what_its_shim_was_lapped_into() -> None:
 def test_a_process_that_grows_leaves_a_narrower_notch() -> None:
     """Both sides of 0.1 come in by 0.015; 0.067 is left by a wire good to 0.003, for a lap of 0.067."""
     wide = three_ridges().with_(mold={"slit_clearance": 0.025})
-    found = lap(wide.with_(printer={"edm": {"growth": 0.015}}))
-    assert found is not None
-    assert found.notch == pytest.approx(0.067)
-    assert found.tail == pytest.approx(0.067 - 0.038)
+    joint = lap(wide.with_(printer={"edm": {"growth": 0.015}}))
+    assert joint is not None
+    assert joint.notch == pytest.approx(0.067)
+    assert joint.tail == pytest.approx(0.067 - 0.038)
 
 
 def test_there_is_no_lap_without_a_film_or_a_shim() -> None:
@@ -83,54 +83,54 @@ def test_the_lap_of_a_random_design_passes_or_is_an_error(curved: bool) -> None:
         if curved and design.slot and design.mold.method == "shim":
             radius = 40 * max(design.skin.length, design.skin.thickness)
             design = design.with_(skin={"curvature_radius_y": radius})
-        found = lap(design)
-        if found is None:
+        joint = lap(design)
+        if joint is None:
             continue
         seen += 1
-        assert (found.notch is None) == (design.skin.curvature_radius_y is None)
+        assert (joint.notch is None) == (design.skin.curvature_radius_y is None)
         breaks = 0.2 * silicone(design).elongation_at_break
-        fits = found.stretch <= breaks and (found.notch is None or found.stack <= found.notch + 1e-6)
-        told = [f for f in strip_findings(design) if f.rule == "strip lap"]
-        assert bool(told) != fits, f"seed {seed}"
-        assert all(f.severity == "error" and f.measured > f.limit for f in told)
+        fits = joint.stretch <= breaks and (joint.notch is None or joint.stack <= joint.notch + 1e-6)
+        findings = [f for f in strip_findings(design) if f.rule == "strip lap"]
+        assert bool(findings) != fits, f"seed {seed}"
+        assert all(f.severity == "error" and f.measured > f.limit for f in findings)
     assert seen >= 10
 
 
 def test_a_lap_that_jams_is_an_error_that_its_remedy_cures() -> None:
     tight = three_ridges().with_(film={"thickness": 0.05})
-    found = by_rule(tight)["strip lap"]
-    assert (found.severity, found.unit) == ("error", "mm")
-    assert found.measured == pytest.approx(0.015 + 0.01 + 0.05)
-    wide = float(re.search(r"slit_clearance of ([\d.]+) mm", found.remedy)[1])
+    finding = by_rule(tight)["strip lap"]
+    assert (finding.severity, finding.unit) == ("error", "mm")
+    assert finding.measured == pytest.approx(0.015 + 0.01 + 0.05)
+    wide = float(re.search(r"slit_clearance of ([\d.]+) mm", finding.remedy)[1])
     assert "strip lap" not in by_rule(tight.with_(mold={"slit_clearance": wide}))
     assert "strip lap" in by_rule(tight.with_(mold={"slit_clearance": wide - 1e-3}))  # whole micrometres
 
 
 def test_a_lap_that_would_tear_its_slot_is_an_error_that_its_remedy_cures(yamada: Design) -> None:
     brittle = yamada.with_(silicones={"dragon-skin-30": {"elongation_at_break": 0.6}})
-    found = by_rule(brittle)["strip lap"]
-    assert (found.severity, found.limit) == ("error", pytest.approx(0.12))
-    assert found.measured == pytest.approx(0.038 / 0.3)
-    deep = float(re.search(r"slot.depth of ([\d.]+) mm", found.remedy)[1])
+    finding = by_rule(brittle)["strip lap"]
+    assert (finding.severity, finding.limit) == ("error", pytest.approx(0.12))
+    assert finding.measured == pytest.approx(0.038 / 0.3)
+    deep = float(re.search(r"slot.depth of ([\d.]+) mm", finding.remedy)[1])
     assert "strip lap" not in by_rule(brittle.with_(slot={"depth": deep}))
     assert "strip lap" in by_rule(brittle.with_(slot={"depth": deep - 2e-3}))  # rounded up by 1e-3
 
 
 def test_a_contact_that_ends_in_its_notch_is_told() -> None:
     short = three_ridges().with_(film={"lead": 5.0})
-    found = by_rule(short)["strip lead"]
-    assert (found.measured, found.limit, found.severity) == (1.0, 2.0, "warning")
-    assert "film.lead of 6 mm" in found.remedy
+    finding = by_rule(short)["strip lead"]
+    assert (finding.measured, finding.limit, finding.severity) == (1.0, 2.0, "warning")
+    assert "film.lead of 6 mm" in finding.remedy
     assert "strip lead" not in by_rule(three_ridges().with_(film={"lead": 6.0}))
 
 
 def test_strips_of_one_mix_fit_half_its_pot_life(yamada: Design) -> None:
     """20 min: 600 s at 14 s each."""
-    assert at_once(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}})) == 42
-    assert at_once(yamada.with_(material={"name": None, "young_modulus": 0.5})) is None
+    assert strips_per_mix(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}})) == 42
+    assert strips_per_mix(yamada.with_(material={"name": None, "young_modulus": 0.5})) is None
     fast = yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 0.4}})
-    found = by_rule(fast)["strip batch"]
-    assert (found.measured, found.limit, found.severity) == (14.0, pytest.approx(12.0), "error")
+    finding = by_rule(fast)["strip batch"]
+    assert (finding.measured, finding.limit, finding.severity) == (14.0, pytest.approx(12.0), "error")
     assert "strip batch" not in by_rule(yamada)
 
 
@@ -142,7 +142,7 @@ def test_a_long_strip_is_drawn_in_slowly_for_its_drags_sake(yamada: Design) -> N
     assert 40e-6 * speed / 0.011 * 2 * 0.25 * 100.0 == pytest.approx(pull, rel=1e-12)
     tight = long.with_(slot={"thickness": 0.028})
     assert drawing_time(tight) == pytest.approx(1.1 * drawing_time(long), rel=1e-12)  # a coat of 0.010
-    assert at_once(long) == int(0.5 * 45 * 60 / (7 + drawing_time(long)))
+    assert strips_per_mix(long) == int(0.5 * 45 * 60 / (7 + drawing_time(long)))
 
 
 def test_the_pull_test_is_a_third_of_the_weaker_of_film_and_bond(yamada: Design) -> None:

@@ -11,11 +11,11 @@ from skincad.fabrication.electrodes import (
     LEAST_LEAD,
     PAD,
     PITCH,
-    aside,
     electrode_findings,
     faces,
     half_gap,
     half_tab,
+    label_offset,
     tab,
 )
 from skincad.fabrication.finding import Finding
@@ -32,28 +32,28 @@ def test_a_faces_metal_by_hand(yamada: Design) -> None:
     """Electrode, lead to the link's end, the link above the lead, and the pad beyond the link."""
     film = yamada.film
     assert film is not None
-    found = faces(film, 0.25, 6.0, 14.0)
+    outlines = faces(film, 0.25, 6.0, 14.0)
     sensed = 2 * (6 - 0.04) * 2 * (0.125 - 0.04)
     first = 14.0 + 0.5 + 4.5 + 0.5
     lead = (first + 1.0 - (6 - 0.04)) * (0.125 - 0.02)
     rest = 1.0 * (2.02 - 0.125) + 2.0 * 1.5
-    for metal in (found.front, found.back):
+    for metal in (outlines.front, outlines.back):
         assert area(metal) == pytest.approx(sensed + lead + rest, rel=1e-12)
-    assert area(found.overlap) == pytest.approx(sensed, rel=1e-12)
-    assert [area(pad) for pad in found.pads] == pytest.approx([PAD[0] * PAD[1]] * 2)
-    heights = [sum(s.start.z for s in pad) / 4 for pad in found.pads]
+    assert area(outlines.overlap) == pytest.approx(sensed, rel=1e-12)
+    assert [area(pad) for pad in outlines.pads] == pytest.approx([PAD[0] * PAD[1]] * 2)
+    heights = [sum(s.start.z for s in pad) / 4 for pad in outlines.pads]
     assert heights == pytest.approx([PITCH / 2, -PITCH / 2])
-    assert {s.start.x for s in found.front} == {s.start.x for s in found.back}
-    assert {s.start.z for s in found.front} == {-s.start.z for s in found.back}
+    assert {s.start.x for s in outlines.front} == {s.start.x for s in outlines.back}
+    assert {s.start.z for s in outlines.front} == {-s.start.z for s in outlines.back}
 
 
 def test_tolerances_make_the_margin_and_the_gap(yamada: Design) -> None:
     coarse = yamada.with_(film={"cut_tolerance": 0.03, "registration": 0.01}).film
-    given = yamada.with_(film={"electrode_margin": 0.06}).film
+    wide = yamada.with_(film={"electrode_margin": 0.06}).film
     assert yamada.film is not None
     assert coarse is not None
-    assert given is not None
-    assert (yamada.film.margin, coarse.margin, given.margin) == pytest.approx((0.04, 0.04, 0.06))
+    assert wide is not None
+    assert (yamada.film.margin, coarse.margin, wide.margin) == pytest.approx((0.04, 0.04, 0.06))
     assert [half_gap(film, 0.25) for film in (yamada.film, coarse)] == pytest.approx([0.02, 0.01])
     assert half_gap(yamada.film, 0.1) == pytest.approx(0.01 / 3)  # a third of what is left beside the margin
 
@@ -62,7 +62,8 @@ def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
     film = yamada.film
     assert film is not None
     assert half_tab(film, 0.25) == pytest.approx((2.54 + 1.5) / 2 + 0.5)
-    assert half_tab(film, 6.0) == pytest.approx(aside(6.0) + 1.5)  # the label is beside leads of 3 mm each
+    # the label is beside leads of 3 mm each
+    assert half_tab(film, 6.0) == pytest.approx(label_offset(6.0) + 1.5)
     assert tab(film)[1] - tab(film)[0] == pytest.approx(3.0 + 0.5 + 1.0)  # pad, bare film, cut corner
 
 
@@ -74,9 +75,9 @@ def test_templates_have_no_finding(name: str) -> None:
 def test_a_narrow_strip_has_no_room_for_two_leads(yamada: Design) -> None:
     """0.2 mm: half of it less margin and registration, 0.04 and 0.02, leaves 0.04 of metal."""
     narrow = yamada.with_(slot={"depth": 0.2})
-    found = by_rule(narrow)["lead width"]
-    assert (found.severity, found.measured, found.limit) == ("error", pytest.approx(0.04), LEAST_LEAD)
-    deep = float(re.search(r"slot.depth of ([\d.]+) mm", found.remedy)[1])  # type: ignore[index]
+    finding = by_rule(narrow)["lead width"]
+    assert (finding.severity, finding.measured, finding.limit) == ("error", pytest.approx(0.04), LEAST_LEAD)
+    deep = float(re.search(r"slot.depth of ([\d.]+) mm", finding.remedy)[1])  # type: ignore[index]
     assert deep == pytest.approx(0.22)
     assert "lead width" not in by_rule(yamada.with_(slot={"depth": deep}))
     assert "lead width" in by_rule(yamada.with_(slot={"depth": deep - 0.001}))

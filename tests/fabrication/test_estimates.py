@@ -12,7 +12,7 @@ from skincad.base.estimate import Estimate
 from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, lines
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
-from skincad.fabrication.resin import exposed
+from skincad.fabrication.resin import exposure_time
 from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
@@ -23,68 +23,71 @@ from skincad.solids.mold import mold
 
 def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
     closed = mold(design)
-    made = [part for part in closed.parts if part.made == "made"]
-    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in made}
+    parts = [part for part in closed.parts if part.made == "made"]
+    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in parts}
     return estimates(design, closed, prints)
 
 
 @pytest.mark.parametrize("name", template_names())
 def test_every_made_part_has_estimates_with_errors(name: str) -> None:
     design = skincad.load(name)
-    found = estimated(design)
-    assert sorted(by_part(found)) == sorted(p.name for p in mold(design).parts if p.made == "made")
-    for each in (*found, *by_part(found).values()):
-        for number in (each.mass, each.time, each.cost):
+    processes = estimated(design)
+    assert sorted(by_part(processes)) == sorted(p.name for p in mold(design).parts if p.made == "made")
+    for estimate in (*processes, *by_part(processes).values()):
+        for number in (estimate.mass, estimate.time, estimate.cost):
             assert number.error is not None
             assert 0 < number.error < float(number)
-    for each in found:
-        assert float(each.mass) == pytest.approx(sum(float(part.mass) for part in each.parts))
-        assert float(each.cost) == pytest.approx(sum(float(part.cost) for part in each.parts))
+    for estimate in processes:
+        assert float(estimate.mass) == pytest.approx(sum(float(part.mass) for part in estimate.parts))
+        assert float(estimate.cost) == pytest.approx(sum(float(part.cost) for part in estimate.parts))
 
 
 def test_resin_takes_the_tallest_part_of_each_plate() -> None:
     """lab-bench: the cavity, 23.06 mm high, and what lies beside it; the cover does not fit there."""
     design = skincad.load("lab-bench")
-    (found,) = estimated(design)
+    (resin,) = estimated(design)
     sla = processes()["sla"]
-    assert found.plates == 2
-    assert float(found.time) == pytest.approx((exposed(23.06, sla) + exposed(4.0, sla)) / 3600)
-    assert float(found.time) < sum(float(part.time) for part in found.parts)
+    assert resin.plates == 2
+    assert float(resin.time) == pytest.approx((exposure_time(23.06, sla) + exposure_time(4.0, sla)) / 3600)
+    assert float(resin.time) < sum(float(part.time) for part in resin.parts)
     (one,) = estimated(skincad.load("lab-bench", ["printer.sla.build_y=120.0"]))
     assert one.plates == 1
-    assert float(one.time) == pytest.approx(exposed(23.06, sla) / 3600)
+    assert float(one.time) == pytest.approx(exposure_time(23.06, sla) / 3600)
 
 
 def test_filament_takes_all_parts_one_after_the_other() -> None:
-    (found,) = estimated(skincad.load("nozzle-04"))
-    assert found.plates == 1
-    assert float(found.time) == pytest.approx(sum(float(part.time) for part in found.parts))
+    (filament,) = estimated(skincad.load("nozzle-04"))
+    assert filament.plates == 1
+    assert float(filament.time) == pytest.approx(sum(float(part.time) for part in filament.parts))
 
 
 def test_parts_of_two_processes_are_told_apart() -> None:
     design = skincad.load("milled-pad")
-    found = estimated(design)
-    assert [(each.process, len(each.parts), each.plates) for each in found] == [("cnc", 3, 0), ("edm", 4, 0)]
-    assert [line[:16] for line in lines(design, found)] == ["By cnc, 3 parts:", "By edm, 4 parts:"]
+    processes = estimated(design)
+    assert [(estimate.process, len(estimate.parts), estimate.plates) for estimate in processes] == [
+        ("cnc", 3, 0),
+        ("edm", 4, 0),
+    ]
+    assert [line[:16] for line in lines(design, processes)] == ["By cnc, 3 parts:", "By edm, 4 parts:"]
 
 
 def test_cost_is_material_machine_and_setup() -> None:
     """Of lab-bench by hand; and where prices are known, its error is that of mass and time."""
-    (found,) = estimated(skincad.load("lab-bench"))
+    (resin,) = estimated(skincad.load("lab-bench"))
     sla = processes()["sla"]
-    material = float(found.mass) / 1000 * (1 + sla.waste) * sla.price
-    machine, setup = float(found.time) * sla.rate, found.plates * sla.setup / 60 * sla.rate
-    assert float(found.cost) == pytest.approx(material + machine + setup)
+    material = float(resin.mass) / 1000 * (1 + sla.waste) * sla.price
+    machine, setup = float(resin.time) * sla.rate, resin.plates * sla.setup / 60 * sla.rate
+    assert float(resin.cost) == pytest.approx(material + machine + setup)
     (sure,) = estimated(skincad.load("lab-bench", ["printer.sla.price_error=0.0"]))
     assert sure.cost.error == pytest.approx(material * sla.mass_error + machine * sla.time_error)
 
 
 def test_a_workshops_own_prices_count() -> None:
     (shipped,) = estimated(skincad.load("lab-bench"))
-    (own,) = estimated(skincad.load("lab-bench", ["printer.sla.price=0.0", "printer.sla.rate=20.0"]))
+    (priced,) = estimated(skincad.load("lab-bench", ["printer.sla.price=0.0", "printer.sla.rate=20.0"]))
     setup, hours = 2 * 45 / 60, float(shipped.time)
-    assert float(own.cost) == pytest.approx(20.0 * (hours + setup))
-    assert own.mass == shipped.mass
+    assert float(priced.cost) == pytest.approx(20.0 * (hours + setup))
+    assert priced.mass == shipped.mass
 
 
 @pytest.mark.parametrize(
@@ -98,10 +101,10 @@ def test_bad_keys_are_refused(key: str, value: float) -> None:
 
 def test_the_parts_list_has_them_beside_the_volumes() -> None:
     design = skincad.load("plain-ridges")
-    closed, found = mold(design), estimated(design)
-    _, head, *rows = parts_csv(design, closed, found).splitlines()
+    closed, processes = mold(design), estimated(design)
+    _, head, *rows = parts_csv(design, closed, processes).splitlines()
     assert head.split(",") == [*HEADS, *ESTIMATED]
-    cover = by_part(found)["cover"]
+    cover = by_part(processes)["cover"]
     (row,) = (row for row in rows if row.split(",")[2] == "cover")
     cells = [
         f"{n:.4g}" for e in (cover.mass, cover.time, cover.cost) for n in (float(e), e.error or math.nan)
@@ -112,14 +115,14 @@ def test_the_parts_list_has_them_beside_the_volumes() -> None:
 
 def test_the_sheet_says_them_in_a_line() -> None:
     design = skincad.load("plain-ridges")
-    closed, found = mold(design), estimated(design)
-    text = casting_sheet(design, closed, [], "Passes.", True, None, found)
-    assert f"Estimates. {lines(design, found)[0]}" in text
+    closed, processes = mold(design), estimated(design)
+    text = casting_sheet(design, closed, [], "Passes.", True, None, processes)
+    assert f"Estimates. {lines(design, processes)[0]}" in text
     assert "Estimates" not in casting_sheet(design, closed, [], "Passes.", True)
     assert "5 parts on 1 plate:" in text
 
 
 def test_an_estimate_keeps_its_unit() -> None:
-    (found,) = estimated(skincad.load("plain-ridges"))
-    assert isinstance(found.mass, Estimate)
-    assert (found.mass.unit, found.time.unit, found.cost.unit) == ("g", "h", "EUR")
+    (resin,) = estimated(skincad.load("plain-ridges"))
+    assert isinstance(resin.mass, Estimate)
+    assert (resin.mass.unit, resin.time.unit, resin.cost.unit) == ("g", "h", "EUR")

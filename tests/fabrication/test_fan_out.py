@@ -9,7 +9,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.electrodes import PITCH, half_tab
-from skincad.fabrication.fan_out import BEND, MOST_TURN, fan_out, fan_out_findings, fanned
+from skincad.fabrication.fan_out import BEND, MOST_TURN, fan_out, fan_out_findings, fan_out_steps
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -17,42 +17,42 @@ from skincad.shape.cross_section import section
 
 
 def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None:
-    found = fan_out(yamada)
-    assert found is not None
+    spread = fan_out(yamada)
+    assert spread is not None
     outermost = section(yamada).slots[-1].centre.x
-    assert found.aside == pytest.approx(17 / 2 * PITCH - outermost, rel=1e-12)
+    assert spread.offset == pytest.approx(17 / 2 * PITCH - outermost, rel=1e-12)
     # the S, followed in 1e5 steps: an arc, a straight, the arc back
     radius = BEND * 0.028
     arc = radius * MOST_TURN
     steps = 100_000
-    across = 0.0
+    shift = 0.0
     for i in range(steps):
-        s = (i + 0.5) / steps * found.lead
-        angle = min(s, found.lead - s, arc) / radius
-        across += math.sin(angle) * found.lead / steps
-    assert across == pytest.approx(found.aside, rel=1e-8)  # the midpoint rule's error is 1e-10
+        s = (i + 0.5) / steps * spread.lead
+        angle = min(s, spread.lead - s, arc) / radius
+        shift += math.sin(angle) * spread.lead / steps
+    assert shift == pytest.approx(spread.offset, rel=1e-8)  # the midpoint rule's error is 1e-10
 
 
 def test_a_small_way_aside_takes_two_arcs_alone() -> None:
     """One ridge: its two tabs go from 0.16 mm to half a pitch; at 3 mm radius 0.8 mm is all by arcs."""
     design = skincad.load("nozzle-04", ["ridge.count=1"])
-    found = fan_out(design)
-    assert found is not None
+    spread = fan_out(design)
+    assert spread is not None
     radius = BEND * design.film.thickness  # type: ignore[union-attr]
-    angle = found.lead / 2 / radius
+    angle = spread.lead / 2 / radius
     assert angle < MOST_TURN
-    assert 2 * radius * (1 - math.cos(angle)) == pytest.approx(found.aside, rel=1e-12)
+    assert 2 * radius * (1 - math.cos(angle)) == pytest.approx(spread.offset, rel=1e-12)
 
 
 def test_tabs_cross_where_slots_lean_against_each_other() -> None:
     """S1 and S2 of a ridge lean towards each other by 45 degrees about centres 0.34 mm apart; upright ones
     stand as far apart as their slots."""
     tilted = skincad.load("yamada-2002-tilted")
-    (found,) = fan_out_findings(tilted)
-    assert (found.rule, found.severity) == ("strip tabs", "note")
+    (finding,) = fan_out_findings(tilted)
+    assert (finding.rule, finding.severity) == ("strip tabs", "note")
     assert half_tab(tilted.film, tilted.slot.depth) * math.sin(math.pi / 4) > 0.17  # type: ignore[arg-type, union-attr]
-    assert found in design_findings(tilted)
-    assert "Tabs cross" in fanned(tilted)[0]
+    assert finding in design_findings(tilted)
+    assert "Tabs cross" in fan_out_steps(tilted)[0]
 
 
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
@@ -63,9 +63,9 @@ def test_only_leaning_slots_have_a_finding(name: str) -> None:
 
 
 def test_the_sheet_says_whether_the_lead_is_long_enough(yamada: Design) -> None:
-    (short,) = fanned(yamada)
+    (short,) = fan_out_steps(yamada)
     need = float(re.search(r"in a lead of ([\d.]+) mm", short)[1])  # type: ignore[index]
     assert "single plugs on wires" in short
-    (enough,) = fanned(yamada.with_(film={"lead": math.ceil(need)}))
+    (enough,) = fan_out_steps(yamada.with_(film={"lead": math.ceil(need)}))
     assert "is long enough" in enough
-    assert fanned(skincad.load("plain-ridges")) == []
+    assert fan_out_steps(skincad.load("plain-ridges")) == []

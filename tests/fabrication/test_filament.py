@@ -27,17 +27,17 @@ def box(x: float, y: float, z: float = HEIGHT) -> trimesh.Trimesh:
 
 def layer_of_box(x: float, y: float, process: Process, bottom: bool) -> float:
     """Seconds of a solid layer of a rectangle, written out."""
-    apart, firm, seconds = spacing(process), process.acceleration, 0.0
+    pitch, firm, seconds = spacing(process), process.acceleration, 0.0
     for loop in range(process.loops):
-        in_by = process.line + 2 * loop * apart
+        in_by = process.line + 2 * loop * pitch
         speed = process.outer_speed if loop == 0 else process.loop_speed
         speed = process.first_speed if bottom else speed
         seconds += moves(2 * (x - in_by), 2, speed, JERK, firm) + moves(2 * (y - in_by), 2, speed, JERK, firm)
-    in_by = process.line + (2 * process.loops - 1) * apart - 2 * OVERLAP * process.line
+    in_by = process.line + (2 * process.loops - 1) * pitch - 2 * OVERLAP * process.line
     wide, deep, speed = x - in_by, y - in_by, process.first_speed if bottom else process.fill_speed
-    count, corner = (wide + deep) / DIAGONAL / apart, min(speed, JERK * DIAGONAL)
-    seconds += moves(wide * deep / apart, count, speed, corner, firm)
-    seconds += moves(DIAGONAL * apart * count, count, speed, corner, firm)
+    count, corner = (wide + deep) / DIAGONAL / pitch, min(speed, JERK * DIAGONAL)
+    seconds += moves(wide * deep / pitch, count, speed, corner, firm)
+    seconds += moves(DIAGONAL * pitch * count, count, speed, corner, firm)
     drawn = 2 * (2.0 / 40.0 + 37.5**2 / (1500.0 * 40.0))  # back and forth from 2.5 to 40 mm/s
     far = moves(math.sqrt(x * y), 1, process.travel_speed, JERK, firm)
     return seconds + (2 + process.loops - 1) * (drawn + far)
@@ -45,9 +45,9 @@ def layer_of_box(x: float, y: float, process: Process, bottom: bool) -> float:
 
 @pytest.mark.parametrize(("x", "y"), [(30.0, 20.0), (48.0, 6.0)])
 def test_time_of_a_box_is_its_layers(x: float, y: float) -> None:
-    found = filament(box(x, y), FDM)
+    effort = filament(box(x, y), FDM)
     by_hand = layer_of_box(x, y, FDM, bottom=True) + 49 * layer_of_box(x, y, FDM, bottom=False)
-    assert found.seconds == pytest.approx(by_hand, rel=1e-6)  # single precision of the manifold's corners
+    assert effort.seconds == pytest.approx(by_hand, rel=1e-6)  # single precision of the manifold's corners
 
 
 def test_a_solid_print_holds_its_volume() -> None:
@@ -61,10 +61,10 @@ def test_a_solid_print_holds_its_volume() -> None:
 def test_inside_of_a_sparse_box() -> None:
     """Four solid layers below and above; between, loops are solid, and of the rest a share, with links."""
     sparse, solid = filament(box(30.0, 20.0), changed(infill=0.25)), filament(box(30.0, 20.0), FDM)
-    apart = spacing(FDM)
-    in_by = FDM.line + (2 * FDM.loops - 1) * apart - 2 * OVERLAP * FDM.line
+    pitch = spacing(FDM)
+    in_by = FDM.line + (2 * FDM.loops - 1) * pitch - 2 * OVERLAP * FDM.line
     wide, deep = 30.0 - in_by, 20.0 - in_by
-    links = (wide + deep) / DIAGONAL / (apart / 0.25) * DIAGONAL * (apart / 0.25) * apart  # mm2
+    links = (wide + deep) / DIAGONAL / (pitch / 0.25) * DIAGONAL * (pitch / 0.25) * pitch  # mm2
     empty = 42 * FDM.layer * (0.75 * wide * deep - links)
     assert solid.volume - sparse.volume == pytest.approx(empty, rel=0.06)  # 16 of 50 layers are looked at
     assert sparse.seconds < solid.seconds

@@ -129,10 +129,10 @@ def test_a_step_in_the_ceiling_holds_the_wedge_before_it() -> None:
 
 def test_a_bore_that_narrows_empties_at_the_tilt_of_its_cone() -> None:
     cone = Space("cone", Bore((0.0, 0.0, 0.0), "y", 5.0, 1.0, 0.8), PartRole.SKIN)
-    beyond = Space("beyond", Prism(rectangle(-2, 2, -2, 2), "y", 5.0, 9.0), PartRole.SKIN, open_at=2.0)
+    neighbour = Space("beyond", Prism(rectangle(-2, 2, -2, 2), "y", 5.0, 9.0), PartRole.SKIN, open_at=2.0)
     half_angle = math.degrees(math.atan(0.2 / 5))
-    assert total(Void((cone, beyond)), 0.9 * half_angle) > 0.001
-    assert total(Void((cone, beyond)), 1.001 * half_angle) == 0.0
+    assert total(Void((cone, neighbour)), 0.9 * half_angle) > 0.001
+    assert total(Void((cone, neighbour)), 1.001 * half_angle) == 0.0
 
 
 def test_a_liquid_rises_no_higher_than_the_rim_that_it_runs_over(lidded: Void) -> None:
@@ -172,10 +172,10 @@ def test_the_best_tilt_is_the_best_of_all_half_degrees_near_it(yamada: Design) -
     tilt, least = best_tilt(yamada, hood)
     low, high = filling.TILTS
     others = [t for t in np.arange(tilt - 2.0, tilt + 2.25, 0.5) if low <= t <= high]
-    kept = {float(t): sum(p.volume for p in pockets(yamada, hood, float(t))) for t in others}
+    volumes = {float(t): sum(p.volume for p in pockets(yamada, hood, float(t))) for t in others}
     assert 2 * tilt == round(2 * tilt)
-    assert least == pytest.approx(min(kept.values()), abs=1e-3)
-    assert kept[tilt] == pytest.approx(least, abs=1e-3)
+    assert least == pytest.approx(min(volumes.values()), abs=1e-3)
+    assert volumes[tilt] == pytest.approx(least, abs=1e-3)
 
 
 def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None:
@@ -245,9 +245,9 @@ def test_poured_volume_is_that_of_the_merged_solid(name: str) -> None:
 def test_air_is_less_than_what_is_poured_and_the_same_every_time(yamada: Design) -> None:
     closed = plain_mold(yamada)
     for tilt in (0.0, 7.0, 33.0, 60.0):
-        found = pockets(yamada, closed, tilt)
-        assert 0 < sum(p.volume for p in found) < poured_volume(yamada, closed)
-        assert pockets(yamada, closed, tilt) == found
+        air = pockets(yamada, closed, tilt)
+        assert 0 < sum(p.volume for p in air) < poured_volume(yamada, closed)
+        assert pockets(yamada, closed, tilt) == air
 
 
 def test_a_level_carrier_is_noted_since_statics_cannot_judge_it(yamada: Design) -> None:

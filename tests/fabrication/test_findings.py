@@ -30,10 +30,10 @@ def warnings(design: Design) -> dict[str, Finding]:
 def test_the_default_asks_for_no_more_than_its_shims_edges_broken(yamada: Design) -> None:
     """A wire of 0.015 mm and its gap of 0.01 leave 0.414 x 0.025 in a notch's corner; the shim has 0.005 of
     play a side, 0.0071 on the diagonal, and the wire's own tolerance of 0.003."""
-    (found,) = design_findings(yamada)
-    assert (found.rule, found.severity) == ("tool reach", "note")
-    assert found.measured == pytest.approx((math.sqrt(2) - 1) * 0.025, abs=1e-4)  # reach.ERROR
-    assert found.limit == pytest.approx(math.sqrt(2) * 0.005 + 0.003, rel=1e-12)
+    (finding,) = design_findings(yamada)
+    assert (finding.rule, finding.severity) == ("tool reach", "note")
+    assert finding.measured == pytest.approx((math.sqrt(2) - 1) * 0.025, abs=1e-4)  # reach.ERROR
+    assert finding.limit == pytest.approx(math.sqrt(2) * 0.005 + 0.003, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -42,16 +42,16 @@ def test_templates_have_no_warning_by_their_own_processes(name: str) -> None:
 
 
 def test_every_process_makes_at_least_one_template() -> None:
-    own = {skincad.load(name).mold.process for name in template_names()}
-    assert own == set(PROCESSES)
+    makers = {skincad.load(name).mold.process for name in template_names()}
+    assert makers == set(PROCESSES)
 
 
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_finding_is_beyond_its_limit_told_once_and_has_a_remedy(name: str, process: str) -> None:
-    found = design_findings(by(skincad.load(name), process))
-    assert len({(f.rule, f.where) for f in found}) == len(found)
-    for finding in found:
+    findings = design_findings(by(skincad.load(name), process))
+    assert len({(f.rule, f.where) for f in findings}) == len(findings)
+    for finding in findings:
         over = finding.measured > finding.limit
         assert over == (finding.rule in LARGEST_IS_BEST), finding
         assert finding.remedy
@@ -67,12 +67,12 @@ def test_one_feature_breaks_one_rule(yamada: Design) -> None:
 
 
 def test_a_resin_printer_is_told_crown_and_slit_and_what_would_make_them(yamada: Design) -> None:
-    found = {(f.rule, f.where): f for f in design_findings(by(yamada, "sla"))}
-    slit = found["gap", "end plates' combs, notch of a shim, by sla"]
+    findings = {(f.rule, f.where): f for f in design_findings(by(yamada, "sla"))}
+    slit = findings["gap", "end plates' combs, notch of a shim, by sla"]
     assert "multiply all lengths by 1.67" in slit.remedy  # 0.1 / 0.06
     assert "lab-bench" in slit.remedy
     assert slit.remedy.endswith("or by edm")
-    crown = found["detail", "cavity, crown's rise, by sla"]
+    crown = findings["detail", "cavity, crown's rise, by sla"]
     assert (crown.measured, crown.limit, crown.severity) == (0.03, 0.05, "note")
 
 

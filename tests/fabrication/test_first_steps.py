@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.first_steps import prepared
+from skincad.fabrication.first_steps import preparation
 from skincad.solids.mold import mold
 
 
 def words(name: str, settings: list[str]) -> str:
     design = skincad.load(name, settings)
-    return prepared(design, mold(design))
+    return preparation(design, mold(design))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import drafted, neediest, undercut_findings
+from skincad.fabrication.demolding import freeing_widths, least_drafted_ridge, undercut_findings
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.rules import Case, grooves, teeth
@@ -53,9 +53,9 @@ def test_a_tooth_too_slender_says_between_which_ridges() -> None:
             "root_fillet": 0.0,
         },
     )
-    (found,) = (f for f in design_findings(thin) if f.rule == "slender")
-    assert "ridges 4 and 5" in found.where
-    assert found.measured == pytest.approx(1.9 / 0.4)
+    (finding,) = (f for f in design_findings(thin) if f.rule == "slender")
+    assert "ridges 4 and 5" in finding.where
+    assert finding.measured == pytest.approx(1.9 / 0.4)
 
 
 def test_each_crest_is_inspected_at_its_own_height(unlike: Design) -> None:
@@ -69,8 +69,8 @@ def test_each_crest_is_inspected_at_its_own_height(unlike: Design) -> None:
 def test_the_draft_is_for_the_ridge_that_needs_most() -> None:
     """A high third ridge leans half as much as the outermost, and needs more: flanks must clear it too."""
     high = upright(20.0).with_(ridge={"heights": [0.5, 0.5, 1.6, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]})
-    assert neediest(high) == 3
-    root, tip = drafted(high)
+    assert least_drafted_ridge(high) == 3
+    root, tip = freeing_widths(high)
     assert root is None  # beyond the pitch
     freed = high.with_(ridge={"tip_width": tip})
     assert all(undercut.width == 0.0 for undercut in squeezes(freed).values())
@@ -90,7 +90,7 @@ def test_a_cavity_is_split_alike_on_both_sides() -> None:
 
 
 def test_the_drawing_tells_the_heights(unlike: Design, yamada: Design) -> None:
-    told = drawing(unlike, mold(unlike))
-    assert "along the arc, 0.47 to 0.55 high" in told
-    assert ">0.5<" in told  # of the ridge that it enlarges
+    sheet = drawing(unlike, mold(unlike))
+    assert "along the arc, 0.47 to 0.55 high" in sheet
+    assert ">0.5<" in sheet  # of the ridge that it enlarges
     assert "high<" not in drawing(yamada, mold(yamada))

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import skincad
-from skincad.fabrication.crest_limits import edge
+from skincad.fabrication.crest_limits import undecided_margin
 from skincad.fabrication.inspection import Measure, inspection
 from skincad.fabrication.inspection_form import inspection_lines
 from skincad.inputs.catalog import load, template_names
@@ -31,14 +31,14 @@ def rows(design: Design) -> dict[str, Measure]:
 
 
 def test_crests_have_limits_beside_their_line(yamada: Design) -> None:
-    found = inspection(yamada, mold(yamada)).crests
+    crests = inspection(yamada, mold(yamada)).crests
     # by hand: 60.5 mm on an axis leaning by 4 pitches / 60 mm
-    assert found.heights[0] == pytest.approx(4.0 - 60.0 + 60.5 * math.cos(4.0 / 60.0), abs=1e-9)
+    assert crests.heights[0] == pytest.approx(4.0 - 60.0 + 60.5 * math.cos(4.0 / 60.0), abs=1e-9)
     # by hand: 0.005 of both sides of 15 rows is 3.588 deviations; of 3 um by wire and 2 um by the gauge a
     # line through nine crests leaves 1 - 1/9 - 16/60 at its ends and 1 - 1/9 in its middle
     sigma = 3.588 * math.hypot(0.003, 0.002)
-    assert found.beside[0] == found.beside[8] == pytest.approx(sigma * math.sqrt(0.6222), rel=1e-3)
-    assert found.beside[4] == pytest.approx(sigma * math.sqrt(0.8889), rel=1e-3)
+    assert crests.beside[0] == crests.beside[8] == pytest.approx(sigma * math.sqrt(0.6222), rel=1e-3)
+    assert crests.beside[4] == pytest.approx(sigma * math.sqrt(0.8889), rel=1e-3)
 
 
 def grown_volume(design: Design, grown: float) -> float:
@@ -55,8 +55,8 @@ def grown_volume(design: Design, grown: float) -> float:
 def test_growth_is_in_the_nominal_sizes_and_the_mass(name: str) -> None:
     """Of walls nearer by 0.02 mm the width loses 0.04 and the length gains it; silicone alone, by volume."""
     drawn = skincad.load(name, ["mold.carrier=plain", "contact.film=ignored"])
-    made = drawn.mold.process
-    grown = drawn.with_(printer={made: {"growth": 0.02}})
+    process = drawn.mold.process
+    grown = drawn.with_(printer={process: {"growth": 0.02}})
     before, after = rows(drawn), rows(grown)
     width, length = "width across the back", "length along the ridges"
     assert after[width].nominal - before[width].nominal == pytest.approx(-0.04, abs=1e-12)
@@ -86,36 +86,36 @@ def test_an_offset_of_all_crests_is_in_their_heights_and_the_mass(yamada: Design
     assert heavier - mass == pytest.approx(up * 11.0 * 12.0 * silicone(yamada).density * 1e-6, rel=1e-3)
     printed = skincad.load("lab-bench")
     offset = printed.with_(printer={"sla": {"crest_offset": 0.05}})
-    told = [inspection(each, mold(each)).said[0] for each in (printed, offset)]
-    assert told[0] == told[1]  # what layers do, beside the offset
+    remarks = [inspection(variant, mold(variant)).said[0] for variant in (printed, offset)]
+    assert remarks[0] == remarks[1]  # what layers do, beside the offset
 
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_nothing_lies_beside_a_line_through_two_crests(yamada: Design, count: int) -> None:
     design = yamada.with_(ridge={"count": count})
-    found = inspection(design, mold(design))
-    assert found.crests.beside == ()
-    assert ("tilt of the crests" in {m.what for m in found.measures}) is (count == 2)
-    assert len([line for line in inspection_lines(found) if line.endswith("| - |")]) == count
+    inspected = inspection(design, mold(design))
+    assert inspected.crests.beside == ()
+    assert ("tilt of the crests" in {m.what for m in inspected.measures}) is (count == 2)
+    assert len([line for line in inspection_lines(inspected) if line.endswith("| - |")]) == count
 
 
 def test_a_margin_that_the_process_uses_up_is_told(yamada: Design) -> None:
     """By wire: 3.588 deviations of 3 um, of two crests and two sides of the ledge at 8/11 of its width."""
-    taken = 3.588 * 0.003 * math.sqrt(2 + 2 * (8 / 11) ** 2)
+    scatter = 3.588 * 0.003 * math.sqrt(2 + 2 * (8 / 11) ** 2)
 
     def said(room: float) -> str:
         return " ".join(inspection(yamada, mold(yamada), (*[math.inf] * 8, room)).said)
 
-    assert "crest 9" in said(1.01 * taken)
-    assert "parts within these limits pass it" in said(1.01 * taken)
-    assert "These limits don't decide" in said(0.99 * taken)
+    assert "crest 9" in said(1.01 * scatter)
+    assert "parts within these limits pass it" in said(1.01 * scatter)
+    assert "These limits don't decide" in said(0.99 * scatter)
     assert "leaves no margin or was not asked" in " ".join(inspection(yamada, mold(yamada)).said)
 
 
 def test_how_near_to_its_edge_a_measured_verdict_is_the_gauges_own_doing() -> None:
     """By hand: means of 4 readings of 2 um are off by 1 um; by slopes of 3 and 4 N/mm that is 0.005 N."""
-    assert edge(1.2, (0.4, math.inf, 0.3)) == pytest.approx(2.5 * 0.005)
-    assert edge(0.0, (0.0, math.inf)) == 0.0  # no margin, no slopes
+    assert undecided_margin(1.2, (0.4, math.inf, 0.3)) == pytest.approx(2.5 * 0.005)
+    assert undecided_margin(0.0, (0.0, math.inf)) == 0.0  # no margin, no slopes
     coarse = skincad.load("plain-ridges")
     drops = (0.1, *[math.inf] * 7, 0.1)
     said = " ".join(inspection(coarse, mold(coarse), drops, 1.0).said)
@@ -123,28 +123,28 @@ def test_how_near_to_its_edge_a_measured_verdict_is_the_gauges_own_doing() -> No
 
 
 def test_the_mass_is_what_stays_on_the_carrier(yamada: Design) -> None:
-    found = rows(yamada)["mass of the skin with rivets and films"]
+    mass = rows(yamada)["mass of the skin with rivets and films"]
     closed = mold(yamada)
-    held = [c for c in closed.part("carrier").cuts if c.role in (CutRole.RIVET, CutRole.VENT)]
-    silicone = section(yamada).area * 12.0 + 18 * (0.05 - 0.028) * 0.25 * 12.0 + sum(c.volume for c in held)
+    holes = [c for c in closed.part("carrier").cuts if c.role in (CutRole.RIVET, CutRole.VENT)]
+    silicone = section(yamada).area * 12.0 + 18 * (0.05 - 0.028) * 0.25 * 12.0 + sum(c.volume for c in holes)
     tab = 9.5 * 5.04 - 0.5 + 0.5 * 0.25 + 2 * (1 - math.pi / 4) * 0.25  # less its corner, with its shoulders
     films = 18 * 0.028 * (0.25 * (12.0 + 8.0) + tab)  # with leads and tabs
-    assert found.nominal == pytest.approx(silicone * 1080e-6 + films * 1780e-6, rel=1e-9)
-    assert found.low < 0.97 * found.nominal < 1.03 * found.nominal < found.high
+    assert mass.nominal == pytest.approx(silicone * 1080e-6 + films * 1780e-6, rel=1e-9)
+    assert mass.low < 0.97 * mass.nominal < 1.03 * mass.nominal < mass.high
 
 
 def test_without_films_or_rivets_the_mass_is_the_skins(yamada: Design) -> None:
     bare = yamada.with_(slot=None, film=None, contact={"film": None}, mold={"carrier": "plain"})
-    found = rows(bare)["mass of the skin"]
+    mass = rows(bare)["mass of the skin"]
     vent = next(c for c in mold(bare).part("carrier").cuts if c.role is CutRole.VENT)
-    assert found.nominal == pytest.approx((section(bare).area * 12.0 + vent.volume) * 1080e-6, rel=1e-9)
+    assert mass.nominal == pytest.approx((section(bare).area * 12.0 + vent.volume) * 1080e-6, rel=1e-9)
 
 
 def test_the_mean_pitch_is_limited_by_the_way_from_first_to_last(yamada: Design) -> None:
     coarse = skincad.load("nozzle-04")
-    found = rows(coarse)["mean pitch"]
-    assert found.high - found.nominal < 0.12  # mm, of 6; two surfaces of 0.2 mm by six pitches are 0.067
-    assert found.high - found.nominal > 0.4 / 6
+    pitch = rows(coarse)["mean pitch"]
+    assert pitch.high - pitch.nominal < 0.12  # mm, of 6; two surfaces of 0.2 mm by six pitches are 0.067
+    assert pitch.high - pitch.nominal > 0.4 / 6
     assert rows(yamada)["mean pitch"].high < 1.01
 
 
@@ -152,24 +152,24 @@ def test_the_mean_pitch_is_limited_by_the_way_from_first_to_last(yamada: Design)
 def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
     """On its end the section is drawn by a screen's pixels."""
     design = skincad.load("plain-ridges").with_(printer={"sla": {"orientation": "end", "pixel": pixel}})
-    found = inspection(design, mold(design))
-    assert found.crests.heights == pytest.approx(summits(design), abs=1e-12)
-    assert found.crests.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
-    assert any(f"one of {pixel:g} mm" in said for said in found.said)
+    inspected = inspection(design, mold(design))
+    assert inspected.crests.heights == pytest.approx(summits(design), abs=1e-12)
+    assert inspected.crests.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
+    assert any(f"one of {pixel:g} mm" in said for said in inspected.said)
 
 
 def test_a_nozzle_follows_the_section_on_its_end() -> None:
     design = skincad.load("nozzle-04").with_(printer={"fdm": {"orientation": "end"}})
-    found = inspection(design, mold(design))
-    assert (found.crests.heights, found.crests.sigma) == (summits(design), 0.05)
-    assert not any("layers" in said for said in found.said)
+    inspected = inspection(design, mold(design))
+    assert (inspected.crests.heights, inspected.crests.sigma) == (summits(design), 0.05)
+    assert not any("layers" in said for said in inspected.said)
 
 
 def test_the_list_is_a_form(yamada: Design) -> None:
-    found = inspection(yamada, mold(yamada))
-    text = inspection_lines(found)
+    inspected = inspection(yamada, mold(yamada))
+    text = inspection_lines(inspected)
     assert sum(line.startswith(tuple(f"| {i} |" for i in range(1, 10))) for line in text) == 9
-    assert sum(line.startswith(tuple(f"| {m.what} |" for m in found.measures)) for line in text) == 6
+    assert sum(line.startswith(tuple(f"| {m.what} |" for m in inspected.measures)) for line in text) == 6
     # a spreadsheet's columns: the table's first row is row 1
     assert any("`=D2-FORECAST(A2,D$2:D$10,A$2:A$10)`" in line for line in text)
 

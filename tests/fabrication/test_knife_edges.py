@@ -25,15 +25,15 @@ def test_an_arc_meets_its_chord_at_half_its_sweep() -> None:
 
 
 def test_a_slot_that_lies_flat_leaves_the_comb_a_knife_edge() -> None:
-    def found(tilt: float) -> list:
+    def findings_of(tilt: float) -> list:
         flat = skincad.load("yamada-2002-tilted").with_(
             ridge={"count": 1, "pitch": 5.0, "root_width": 4.0, "tip_width": 3.5, "height": 1.5},
             slot={"tilt": tilt, "depth": 0.1, "offset": 0.2, "elevation": -0.5},
         )
         return [f for f in design_findings(flat) if f.rule == "knife edge"]
 
-    assert found(45.0) == []
-    (sharp,) = found(62.0)  # combs of both ends are told once
+    assert findings_of(45.0) == []
+    (sharp,) = findings_of(62.0)  # combs of both ends are told once
     assert sharp.measured == pytest.approx(90.0 - 62.0, abs=0.5)  # the split's arc turns by less
     assert sharp.measured < LEAST_ANGLE == sharp.limit
 

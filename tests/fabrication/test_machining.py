@@ -7,7 +7,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.machining import machined
+from skincad.fabrication.machining import machining
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Bore, Prism, Revolved, plain
@@ -23,21 +23,21 @@ HOLES = tuple(Bore((x, 0.0, 0.0), "z", 5.0, 1.5) for x in (-5.0, 5.0))
 def test_a_milled_block() -> None:
     stock = 44.0 * 24.0 * 9.0
     faces = 2 * (40.0 * 20.0 + 40.0 * 5.0 + 20.0 * 5.0)
-    found = machined(BLOCK, CNC)
-    assert found.volume == pytest.approx(stock)
+    effort = machining(BLOCK, CNC)
+    assert effort.volume == pytest.approx(stock)
     minutes = (stock - 4000.0) / CNC.removal_rate + faces / CNC.finish_rate
-    assert found.seconds == pytest.approx(60 * minutes)
+    assert effort.seconds == pytest.approx(60 * minutes)
 
 
 def test_a_wire_cuts_around_and_no_chips() -> None:
-    found = machined(BLOCK, EDM)
-    assert found.volume == pytest.approx(46.0 * 26.0 * 11.0)
-    assert found.seconds == pytest.approx(60 * (120.0 * 5.0 / EDM.finish_rate))
+    effort = machining(BLOCK, EDM)
+    assert effort.volume == pytest.approx(46.0 * 26.0 * 11.0)
+    assert effort.seconds == pytest.approx(60 * (120.0 * 5.0 / EDM.finish_rate))
 
 
 def test_each_hole_takes_its_time() -> None:
     drilled = Part("cover", PartRole.COVER, BLOCK.body, HOLES)
-    more = machined(drilled, EDM).seconds - machined(BLOCK, EDM).seconds
+    more = machining(drilled, EDM).seconds - machining(BLOCK, EDM).seconds
     assert more == pytest.approx(60 * 2 * EDM.hole_time)
 
 
@@ -58,7 +58,7 @@ def test_notches_of_a_comb_are_cut_by_the_fine_wire() -> None:
     outline = loop([Point(*map(float, p)) for p in [*corners, (10, 8), (0, 8)]])
     comb = Part("end-a-comb", PartRole.COMB, Prism(outline, "y", 0.0, 4.0))
     minutes = 76.0 * 4.0 / EDM.finish_rate + 4.0 * 4.0 / EDM.fine_rate
-    assert machined(comb, EDM).seconds == pytest.approx(60 * minutes)
+    assert machining(comb, EDM).seconds == pytest.approx(60 * minutes)
 
 
 def test_the_skins_negative_is_cut_by_the_fine_tool() -> None:
@@ -66,11 +66,11 @@ def test_the_skins_negative_is_cut_by_the_fine_tool() -> None:
     closed = mold(skincad.load("yamada-2002"))
     slower = EDM.model_copy(update={"fine_rate": EDM.fine_rate / 2})
     cavity, cover = closed.part("cavity"), closed.part("cover")
-    assert machined(cover, slower) == machined(cover, EDM)
+    assert machining(cover, slower) == machining(cover, EDM)
     assert isinstance(cavity.body, Prism)
     trough = math.fsum(s.length for s in cavity.body.outline if s.kind != "other")
     long = cavity.body.high - cavity.body.low
-    more = machined(cavity, slower).seconds - machined(cavity, EDM).seconds
+    more = machining(cavity, slower).seconds - machining(cavity, EDM).seconds
     assert more == pytest.approx(60 * trough * long / EDM.fine_rate)
 
 
@@ -80,6 +80,6 @@ def test_a_bowls_trough_is_fine_work_too() -> None:
     (trough,) = (cut for cut in map(plain, cavity.cuts) if isinstance(cut, Revolved))
     long = trough.centre * (trough.high - trough.low)  # of its back's arc
     area = math.fsum(s.length for s in trough.outline if s.kind != "other") * abs(long)
-    more = machined(cavity, slower).seconds - machined(cavity, CNC).seconds
+    more = machining(cavity, slower).seconds - machining(cavity, CNC).seconds
     assert more == pytest.approx(60 * area / CNC.fine_rate)
     assert area > 11.0 * 12.0  # more than the skin's back

@@ -56,9 +56,9 @@ def test_everything_says_that_nobody_asked(unchecked: MakeResult, tmp_path: Path
 
 def test_the_command_leaves_the_check_out(tmp_path: Path) -> None:
     few = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--format", "toml")
-    done = run_skincad("make", "plain-ridges", *few, "--no-check", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("Not checked whether all ridges touch.\nParts:")
+    result = run_skincad("make", "plain-ridges", *few, "--no-check", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("Not checked whether all ridges touch.\nParts:")
 
 
 @pytest.mark.parametrize(
@@ -73,10 +73,10 @@ def test_the_command_leaves_the_check_out(tmp_path: Path) -> None:
 def test_what_the_check_does_not_take_is_told_before_any_work(
     asked: tuple[str, ...], says: str, tmp_path: Path
 ) -> None:
-    done = run_skincad("make", "plain-ridges", *asked, cwd=tmp_path)
-    assert done.returncode == 2
-    assert says in done.stderr
-    assert done.stderr.count("\n") == 1
+    result = run_skincad("make", "plain-ridges", *asked, cwd=tmp_path)
+    assert result.returncode == 2
+    assert says in result.stderr
+    assert result.stderr.count("\n") == 1
     assert not [*tmp_path.iterdir()]
     with pytest.raises(InputError):
         skincad.make(skincad.load("plain-ridges"), checked=False, budget=1.0)
@@ -112,28 +112,28 @@ def test_a_preview_writes_all_but_exact_solids(preview: MakeResult, unchecked: M
 
 
 def test_a_preview_never_loads_the_cad_kernel(tmp_path: Path) -> None:
-    told = (
+    program = (
         "import sys, skincad\n"
         "found = skincad.make(skincad.load('plain-ridges'), preview=True)\n"
         f"skincad.write(found, {str(tmp_path / 'made')!r})\n"
         "print([name for name in ('cadquery', 'OCP', 'ngsolve') if name in sys.modules])\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", told], capture_output=True, text=True, check=True, timeout=300
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=300
     )
-    assert done.stdout.strip() == "[]"
+    assert result.stdout.strip() == "[]"
 
 
 def test_the_command_previews_and_makes_step_where_that_is_asked(tmp_path: Path) -> None:
     few = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--preview", "--format")
-    done = run_skincad("make", "plain-ridges", *few, "toml", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("Preview: meshes and findings alone")
-    done = run_skincad("make", "plain-ridges", *few, "step", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    result = run_skincad("make", "plain-ridges", *few, "toml", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("Preview: meshes and findings alone")
+    result = run_skincad("make", "plain-ridges", *few, "step", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
     assert (tmp_path / "out" / "plain-ridges" / "skin.step").is_file()
-    done = run_skincad("make", "plain-ridges", "--preview", "--tier", "linear", cwd=tmp_path)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    result = run_skincad("make", "plain-ridges", "--preview", "--tier", "linear", cwd=tmp_path)
+    assert (result.returncode, result.stderr.count("\n")) == (2, 1)
 
 
 def test_watch_makes_a_preview_at_each_save(tmp_path: Path) -> None:
@@ -146,14 +146,14 @@ def test_watch_makes_a_preview_at_each_save(tmp_path: Path) -> None:
         assert "ridge.count" in process.stdout.readline()
         assert process.stdout.readline() == "Watching mine.toml; Ctrl-C ends.\n"
         file.write_text(good)
-        told = lines_until("Watching mine.toml; Ctrl-C ends.\n", process.stdout)
-        assert told[0].startswith("Preview:")
+        line = lines_until("Watching mine.toml; Ctrl-C ends.\n", process.stdout)
+        assert line[0].startswith("Preview:")
         assert (tmp_path / "out" / "mine" / "design.toml").is_file()
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=30) == 130
 
 
 def test_watch_takes_a_file(tmp_path: Path) -> None:
-    done = run_skincad("watch", "plain-ridges", cwd=tmp_path)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert "DESIGN: must be a design's file" in done.stderr
+    result = run_skincad("watch", "plain-ridges", cwd=tmp_path)
+    assert (result.returncode, result.stderr.count("\n")) == (2, 1)
+    assert "DESIGN: must be a design's file" in result.stderr

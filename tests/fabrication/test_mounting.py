@@ -10,8 +10,8 @@ import pytest
 
 import skincad
 from skincad.fabrication.bore_fits import full_thread, limits, major, purpose, thread
-from skincad.fabrication.first_steps import prepared
-from skincad.fabrication.mounting import kept_clean, mounted, screws_to_buy
+from skincad.fabrication.first_steps import preparation
+from skincad.fabrication.mounting import cleanliness_steps, mount_of, screws_to_buy
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.parts_list import parts_csv
 from skincad.fabrication.sheet import casting_sheet
@@ -33,22 +33,24 @@ def bought(design: Design) -> list[dict[str, str]]:
 def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
     design = mounted_design(name)
     closed = mold(design)
-    found = mounted(design, closed)
-    assert found is not None
-    told = json.loads(json.dumps(found.as_json()))
+    mount = mount_of(design, closed)
+    assert mount is not None
+    manifest = json.loads(json.dumps(mount.as_json()))
     carrier = closed.part("carrier")
     for key, role in (("positions_mm", CutRole.MOUNT), ("fiducials_mm", CutRole.FIDUCIAL)):
         there = [bore.start[:2] for bore in bores(carrier, role)]
-        assert len(told[key]) == len(there)
-        assert all(math.dist(a, b) < 1e-8 for a, b in zip(told[key], there, strict=True))
+        assert len(manifest[key]) == len(there)
+        assert all(math.dist(a, b) < 1e-8 for a, b in zip(manifest[key], there, strict=True))
     for bore in bores(carrier, CutRole.MOUNT):
-        assert told["depth_mm"] == bore.length > told["engagement_mm"][1] > told["engagement_mm"][0]
-        assert told["top_mm"] == bore.start[2] + bore.length
+        assert (
+            manifest["depth_mm"] == bore.length > manifest["engagement_mm"][1] > manifest["engagement_mm"][0]
+        )
+        assert manifest["top_mm"] == bore.start[2] + bore.length
 
 
 def test_of_a_gang_places_count_from_each_carriers_middle() -> None:
     one, two = mounted_design("yamada-2002"), mounted_design("yamada-2002").with_(mold={"cavities": 2})
-    assert mounted(two, mold(two)) == mounted(one, mold(one))
+    assert mount_of(two, mold(two)) == mount_of(one, mold(one))
 
 
 def test_what_is_bought_is_counted_for_every_carrier() -> None:
@@ -71,7 +73,7 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     design = mounted_design("lab-bench")
     closed = mold(design)
     sheet = casting_sheet(design, closed, [], "", True)
-    (buy,), (clean,) = screws_to_buy(design, closed), kept_clean(design, closed)
+    (buy,), (clean,) = screws_to_buy(design, closed), cleanliness_steps(design, closed)
     assert f"- {buy}" in sheet
     assert clean in sheet
     assert "4 threaded inserts M3 (glued, 5.7 mm long, in holes of 4 mm), 4 M3 screws" in buy
@@ -79,16 +81,16 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     assert "under the foam" in clean
     assert "Tape" not in clean
     poured = design.with_(mold={"pour": "open", "gate": None})
-    assert "Tape them until the carrier lies" in kept_clean(poured, mold(poured))[0]
+    assert "Tape them until the carrier lies" in cleanliness_steps(poured, mold(poured))[0]
     steep = bent("plain-ridges", 30.0).with_(mount=MOUNTS["bent"][0] | {"pitch_x": 6.0}, **PLAIN)
-    (bare,) = kept_clean(steep, mold(steep))  # no room for foam on its narrow top
+    (bare,) = cleanliness_steps(steep, mold(steep))  # no room for foam on its narrow top
     assert "threads and fiducials are blind and lie under the cover" in bare
     assert "fill them flush with wax" in bare
 
 
 def test_the_first_step_taps_a_mount_as_deep_as_its_thread_is() -> None:
     design = mounted_design("milled-pad")
-    words = prepared(design, mold(design))
+    words = preparation(design, mold(design))
     assert "Tap the M3 x" not in words
     assert "Tap the M3 threads of carrier, 4 mm deep (mount)." in words
 
@@ -97,18 +99,18 @@ def test_marks_alone_ask_for_nothing_to_buy() -> None:
     design = skincad.load("yamada-2002").with_(mount={"fiducials": 3})
     closed = mold(design)
     assert screws_to_buy(design, closed) == []
-    assert "mount's fiducials are blind" in kept_clean(design, closed)[0]
+    assert "mount's fiducials are blind" in cleanliness_steps(design, closed)[0]
     assert not any(row["what"].startswith("mount") for row in bought(design))
-    found = mounted(design, closed)
-    assert found is not None
-    assert found.as_json()["depth_mm"] is None
+    mount = mount_of(design, closed)
+    assert mount is not None
+    assert mount.as_json()["depth_mm"] is None
 
 
 def test_without_a_mount_nothing_is_said() -> None:
     design = skincad.load("yamada-2002")
     closed = mold(design)
-    assert mounted(design, closed) is None
-    assert screws_to_buy(design, closed) == kept_clean(design, closed) == []
+    assert mount_of(design, closed) is None
+    assert screws_to_buy(design, closed) == cleanliness_steps(design, closed) == []
     assert "mount" not in casting_sheet(design, closed, [], "", True)
 
 

@@ -27,8 +27,8 @@ def test_the_steps_make_each_move_once_in_the_molds_order(name: str) -> None:
     steps = opening_steps(design, closed)
     assert [move for step in steps for move in step.moves] == list(closed.opening)
     sheet = casting_sheet(design, closed, [], "", True)
-    told = [sheet.index(step.words) for step in steps]
-    assert told == sorted(told)
+    order = [sheet.index(step.words) for step in steps]
+    assert order == sorted(order)
     for step in steps:
         roles = {closed.part(part).role for move in step.moves for part in move.parts}
         if roles & END_PLATES:

@@ -28,9 +28,9 @@ def test_every_part_and_every_bought_piece_is_there(name: str) -> None:
     closed, rows = mold(design), read(design)
     assert set(rows[0]) == {*HEADS, *ESTIMATED}
     assert [row["item"] for row in rows] == [str(number) for number in range(1, len(rows) + 1)]
-    made = [row for row in rows if row["made_by"] != "bought"]
-    assert [row["what"] for row in made] == [part.name for part in closed.parts if part.made == "made"]
-    for row in made:
+    rows_made = [row for row in rows if row["made_by"] != "bought"]
+    assert [row["what"] for row in rows_made] == [part.name for part in closed.parts if part.made == "made"]
+    for row in rows_made:
         x, y, z = map(float, row["designation"].split(" x "))
         assert 0 < float(row["volume_cm3"]) < x * y * z / 1000
     counts = Counter[str]()

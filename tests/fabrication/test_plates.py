@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.fabrication.plates import APART, Laid, plates
+from skincad.fabrication.plates import PART_GAP, Laid, plates
 from skincad.inputs.process import processes
 
 SLA = processes()["sla"]  # 120 x 68 mm
@@ -15,7 +15,7 @@ def names(parts: list[Laid]) -> list[list[str]]:
 
 
 def test_what_fits_exactly_shares_a_plate() -> None:
-    half = (120.0 - APART) / 2
+    half = (120.0 - PART_GAP) / 2
     two = [Laid("a", half, 68.0, 5.0), Laid("b", half, 60.0, 9.0)]
     assert names([part._replace(x=part.x, y=57.0) for part in two]) == [["b", "a"]]
     assert names([Laid("a", half + 0.1, 40.0, 5.0), Laid("b", half, 40.0, 5.0)]) == [["a"], ["b"]]

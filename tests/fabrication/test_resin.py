@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.fabrication.resin import exposed
+from skincad.fabrication.resin import exposure_time
 from skincad.inputs.process import processes
 
 SLA = processes()["sla"]
@@ -23,8 +23,8 @@ def counted(layers: int) -> float:
 
 @pytest.mark.parametrize("layers", [1, 2, 3, 4, 12, 13, 14, 80, 461])
 def test_layers_fade_to_the_usual_exposure(layers: int) -> None:
-    assert exposed(layers * SLA.layer, SLA) == pytest.approx(counted(layers))
+    assert exposure_time(layers * SLA.layer, SLA) == pytest.approx(counted(layers))
 
 
 def test_the_least_print_is_one_layer() -> None:
-    assert exposed(0.01, SLA) == SLA.first_exposure + SLA.lift
+    assert exposure_time(0.01, SLA) == SLA.first_exposure + SLA.lift

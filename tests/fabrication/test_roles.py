@@ -31,7 +31,7 @@ def renamed(closed: ClosedMold) -> ClosedMold:
     return ClosedMold(tuple(replace(part, name=OTHER + part.name) for part in closed.parts), steps)
 
 
-def told(design: Design, closed: ClosedMold) -> Iterator[str]:
+def mold_texts(design: Design, closed: ClosedMold) -> Iterator[str]:
     """Everything that is said of a mold, as text."""
     findings = [*design_findings(design, closed), *filling_findings(design, closed)]
     yield from (json.dumps(finding.as_json()) for finding in findings)
@@ -55,15 +55,17 @@ def told(design: Design, closed: ClosedMold) -> Iterator[str]:
 def test_a_mold_whose_parts_have_other_names_is_judged_and_told_alike(name: str, settings: list[str]) -> None:
     design = skincad.load(name, settings)
     closed = mold(design)
-    other = "\n".join(told(design, renamed(closed)))
-    assert other != "\n".join(told(design, closed))  # the names are there
-    assert other.replace(OTHER, "") == "\n".join(told(design, closed))
+    other = "\n".join(mold_texts(design, renamed(closed)))
+    assert other != "\n".join(mold_texts(design, closed))  # the names are there
+    assert other.replace(OTHER, "") == "\n".join(mold_texts(design, closed))
 
 
 def test_a_doubly_curved_mold_too() -> None:
     design = three_ridges()
     closed = mold(design)
-    assert "\n".join(told(design, renamed(closed))).replace(OTHER, "") == "\n".join(told(design, closed))
+    assert "\n".join(mold_texts(design, renamed(closed))).replace(OTHER, "") == "\n".join(
+        mold_texts(design, closed)
+    )
 
 
 def test_what_is_free_to_bend_is_known_by_its_role() -> None:

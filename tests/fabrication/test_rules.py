@@ -10,7 +10,7 @@ import skincad
 from bench.table_processes import by
 from skincad.fabrication import meshes
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.findings import design_findings, judged
+from skincad.fabrication.findings import design_findings, part_findings
 from skincad.fabrication.reach import ERROR
 from skincad.fabrication.rules import Case, Feature, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
@@ -38,40 +38,40 @@ def case(design: Design, name: str, process: str) -> Case:
     return Case(design, part, process, processes(design.printer)[process])
 
 
-def found(design: Design, rule: str) -> list[Finding]:
+def findings_of(design: Design, rule: str) -> list[Finding]:
     return [f for f in design_findings(design) if f.rule == rule]
 
 
 def test_a_milled_sharp_tip_keeps_the_balls_corner(flat: Design) -> None:
     """Flank and tip meet at 90 degrees and the draft's atan(0.25 / 1)."""
     angle = math.pi / 2 + math.atan(0.25)
-    (tip,) = (f for f in found(flat, "tool reach") if f.severity == "warning")
+    (tip,) = (f for f in findings_of(flat, "tool reach") if f.severity == "warning")
     assert tip.measured == pytest.approx(0.25 * (1 / math.sin(angle / 2) - 1), abs=ERROR)
     assert tip.limit == 0.02
     assert "and 8 more" in tip.where
     assert "tip_fillet of 0.25 mm" in tip.remedy
     rounded = flat.with_(ridge={"tip_fillet": 0.25})
-    assert all(f.severity == "note" for f in found(rounded, "tool reach"))
+    assert all(f.severity == "note" for f in findings_of(rounded, "tool reach"))
 
 
 def test_an_undercut_ridge_cannot_be_milled_from_above_but_wire_cut() -> None:
     leaning = skincad.load("milled-pad").with_(
         slot=None, skin={"curvature_radius": 40.0}, ridge={"root_width": 1.5, "tip_width": 1.5, "crown": 0.0}
     )
-    (tip,) = (f for f in found(leaning, "tool reach") if f.severity == "warning")
+    (tip,) = (f for f in findings_of(leaning, "tool reach") if f.severity == "warning")
     assert "no undercut" in tip.remedy
-    assert all(f.severity == "note" for f in found(by(leaning, "edm"), "tool reach"))
+    assert all(f.severity == "note" for f in findings_of(by(leaning, "edm"), "tool reach"))
 
 
 def test_wall_and_slender_tooth_of_the_cavity(flat: Design) -> None:
     """Roots 0.15 mm apart, tips 0.65: a tooth of 0.4 mm mean width and 2 mm height."""
     thin = flat.with_(ridge={"root_width": 2.35, "tip_width": 1.85, "height": 2.0})
-    (wall,) = found(thin, "wall")
+    (wall,) = findings_of(thin, "wall")
     assert (wall.measured, wall.limit) == (pytest.approx(0.15), 0.2)
-    (slender,) = found(thin, "slender")
+    (slender,) = findings_of(thin, "slender")
     assert (slender.measured, slender.limit) == (pytest.approx(5.0), 4.0)
     assert "at most 1.6 mm" in slender.remedy
-    assert found(thin.with_(ridge={"count": 1}), "wall") == []
+    assert findings_of(thin.with_(ridge={"count": 1}), "wall") == []
 
 
 def test_teeth_of_a_comb_are_the_webs_between_notches(yamada: Design) -> None:
@@ -85,36 +85,36 @@ def test_teeth_of_a_comb_are_the_webs_between_notches(yamada: Design) -> None:
 
 
 def test_a_mill_goes_no_deeper_than_its_neck(flat: Design) -> None:
-    assert found(flat.with_(ridge={"height": 1.9, "tip_width": 1.2}), "tool depth") == []
-    (deep,) = found(flat.with_(ridge={"height": 2.1, "tip_width": 1.2}), "tool depth")
+    assert findings_of(flat.with_(ridge={"height": 1.9, "tip_width": 1.2}), "tool depth") == []
+    (deep,) = findings_of(flat.with_(ridge={"height": 2.1, "tip_width": 1.2}), "tool depth")
     assert (deep.measured, deep.limit) == (pytest.approx(2.1 / 0.5), 4.0)
     thicker = flat.with_(ridge={"height": 2.1, "tip_width": 1.2, "tip_fillet": 0.3})  # a 0.6 mm ball fits
-    assert found(thicker, "tool depth") == []
+    assert findings_of(thicker, "tool depth") == []
 
 
 def test_clearance_is_told_once_for_all_that_slides(yamada: Design) -> None:
-    (gap,) = found(by(yamada, "sla"), "clearance")
+    (gap,) = findings_of(by(yamada, "sla"), "clearance")
     assert (gap.measured, gap.limit) == (0.01, 0.05)
 
 
 def test_the_slits_fit_is_that_of_what_growth_leaves(yamada: Design) -> None:
     """0.005 drawn a side; wire keeps ± 0.003: 0.003 of growth leaves 0.002, and 0.006 no gap, but a jam."""
 
-    def told(growth: float) -> dict[str, Finding]:
+    def by_rule(growth: float) -> dict[str, Finding]:
         return {f.rule: f for f in design_findings(yamada.with_(printer={"edm": {"growth": growth}}))}
 
-    assert "slit fit" not in told(0.0)
-    assert told(0.003)["slit fit"].measured == pytest.approx(0.002, abs=1e-12)
-    assert "slit fit" not in told(0.006)
-    assert "notch" in told(0.006)
-    assert told(0.003)["clearance"].limit == pytest.approx(0.005 + 2 * 0.003)
+    assert "slit fit" not in by_rule(0.0)
+    assert by_rule(0.003)["slit fit"].measured == pytest.approx(0.002, abs=1e-12)
+    assert "slit fit" not in by_rule(0.006)
+    assert "notch" in by_rule(0.006)
+    assert by_rule(0.003)["clearance"].limit == pytest.approx(0.005 + 2 * 0.003)
 
 
 def test_platinum_silicone_against_resin_is_a_note() -> None:
-    (told,) = found(skincad.load("lab-bench"), "cure inhibition")
-    assert told.severity == "note"
+    (finding,) = findings_of(skincad.load("lab-bench"), "cure inhibition")
+    assert finding.severity == "note"
     safe = skincad.load("lab-bench", ["printer.sla.inhibits_platinum=false"])
-    assert found(safe, "cure inhibition") == []
+    assert findings_of(safe, "cure inhibition") == []
 
 
 def test_a_shim_sags_as_a_beam_on_two_supports(yamada: Design) -> None:
@@ -123,9 +123,9 @@ def test_a_shim_sags_as_a_beam_on_two_supports(yamada: Design) -> None:
     b, t = 0.25, 0.05
     by_hand = 5 * (7850e-9 * 9.81 * b * t) * 60**4 / (384 * 200e3 * b * t**3 / 12)
     assert shim_sag(long) == pytest.approx(by_hand, rel=1e-12)
-    (told,) = (f for f in design_findings(long) if f.where.startswith("shims"))
-    assert (told.measured, told.limit) == (pytest.approx(by_hand), 0.025)
-    most = float(told.remedy.split(" mm")[0].split()[-1])
+    (finding,) = (f for f in design_findings(long) if f.where.startswith("shims"))
+    assert (finding.measured, finding.limit) == (pytest.approx(by_hand), 0.025)
+    most = float(finding.remedy.split(" mm")[0].split()[-1])
     assert shim_sag(long.with_(skin={"length": most})) == pytest.approx(0.025, rel=0.02)  # 3 digits, power 4
 
 
@@ -153,19 +153,19 @@ def test_a_horizontal_bore_beyond_the_bridge_needs_support() -> None:
     design = skincad.load("nozzle-04")
     for radius, rules in ((2.5, []), (2.6, ["overhang"])):
         bored = replace(block, cuts=(Bore((0.0, 0.0, 0.0), "y", 10.0, radius),))
-        told = judged(Case(design, bored, "fdm", processes()["fdm"]))
-        assert [f.rule for f in told if f.rule == "overhang"] == rules
+        findings = part_findings(Case(design, bored, "fdm", processes()["fdm"]))
+        assert [f.rule for f in findings if f.rule == "overhang"] == rules
 
 
 def test_what_is_dear_is_worked_out_once(yamada: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     """A print mesh serves both ways to lay a part, and a comb's narrowest tooth all rules and processes."""
-    made, combs = [], []
+    meshed, combs = [], []
     mesh, distance = meshes.mesh, shapely.distance
-    monkeypatch.setattr(meshes, "mesh", lambda *a: made.append(a) or mesh(*a))
+    monkeypatch.setattr(meshes, "mesh", lambda *a: meshed.append(a) or mesh(*a))
     monkeypatch.setattr(shapely, "distance", lambda *a: combs.append(a) or distance(*a))
-    told = judged(Case(yamada, roof(61.0), "fdm", processes()["fdm"]))
-    assert "overhang" in [f.rule for f in told]
-    assert len(made) == 1
+    findings = part_findings(Case(yamada, roof(61.0), "fdm", processes()["fdm"]))
+    assert "overhang" in [f.rule for f in findings]
+    assert len(meshed) == 1
     design_findings(by(yamada.with_(name="once"), "cnc"))
     assert len(combs) == 1
 
@@ -175,16 +175,16 @@ BLOCK = [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)]
 
 def test_no_film_closes_a_socket_of_a_print_mesh() -> None:
     """The left pin socket of gripper-pad ended 1e-15 mm below the cavity's top; a roof of 3.2 mm2 stayed."""
-    assert found(by(skincad.load("gripper-pad"), "fdm"), "overhang") == []
+    assert findings_of(by(skincad.load("gripper-pad"), "fdm"), "overhang") == []
 
 
 def test_details_are_of_layers_when_flat_and_of_pixels_on_end() -> None:
     bench = skincad.load("lab-bench", ["printer.sla.layer=0.1"])  # its crown rises by 0.06
-    (crown,) = found(bench, "detail")
+    (crown,) = findings_of(bench, "detail")
     assert (crown.measured, crown.limit, crown.severity) == (0.06, 0.1, "note")
     assert "on end" in crown.remedy
     turned = bench.with_(printer={"sla": {"layer": 0.1, "orientation": "end"}})
-    assert found(turned, "detail") == []
+    assert findings_of(turned, "detail") == []
     cavity = mold(bench).part("cavity")
     assert (laid_on_end(bench, cavity), laid_on_end(turned, cavity)) == (False, True)
 

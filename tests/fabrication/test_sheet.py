@@ -32,8 +32,8 @@ def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
 def test_each_part_is_said_to_be_made_by_what_judges_it() -> None:
     design = load("milled-pad")
     rows = dict(re.findall(r"^\| (\S+) \| (\w+), ", sheet(design), re.MULTILINE))
-    made = {p.name: p for p in mold(design).parts if p.made == "made"}
-    assert rows == {name: maker(design, part) for name, part in made.items()}
+    parts = {p.name: p for p in mold(design).parts if p.made == "made"}
+    assert rows == {name: maker(design, part) for name, part in parts.items()}
     assert (rows["cavity"], rows["end-a-comb"], rows["cover"]) == ("cnc", "edm", "cnc")
 
 
@@ -71,9 +71,9 @@ def test_a_resin_is_not_asked_to_melt_round_an_insert(name: str, insert: str) ->
 
 
 def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:
-    own = sheet(yamada.with_(material={"name": None, "young_modulus": 0.5}))
-    assert "by its data sheet" in own
-    assert "of A" not in own
+    text = sheet(yamada.with_(material={"name": None, "young_modulus": 0.5}))
+    assert "by its data sheet" in text
+    assert "of A" not in text
 
 
 def test_bolts_and_pins_are_long_and_short_enough(yamada: Design) -> None:

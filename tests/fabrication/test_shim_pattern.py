@@ -33,9 +33,9 @@ def test_arcs_laid_flat_have_the_area_of_the_shims_in_the_mold() -> None:
 def test_bars_are_the_shims_of_one_skin_in_whole_millimetres(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)
-    found, parts = shim_patterns(design, closed), closed.of(PartRole.SHIM)
-    assert len(found) * design.mold.cavities == len(parts)
-    for shim, part in zip(found, parts, strict=False):
+    patterns, parts = shim_patterns(design, closed), closed.of(PartRole.SHIM)
+    assert len(patterns) * design.mold.cavities == len(parts)
+    for shim, part in zip(patterns, parts, strict=False):
         assert design.slot is not None
         long = area(shim.cut) / design.slot.depth
         assert long == pytest.approx(round(long), abs=1e-9)

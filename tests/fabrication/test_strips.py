@@ -10,15 +10,15 @@ from scipy.integrate import solve_bvp
 import skincad
 from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.strip_rules import misplaced, strip_findings
+from skincad.fabrication.strip_rules import placement_error, strip_findings
 from skincad.fabrication.strips import (
     Strip,
     _ahead,
     deflection,
     drag,
     pour,
-    released,
-    straight_pull,
+    release_strain,
+    straightening_tension,
     strip,
     weight,
 )
@@ -45,8 +45,8 @@ def test_without_tension_a_rod_is_a_beam() -> None:
     bending = 3000.0 * 0.4 * 0.05**3 / 12
     assert slack.bending == pytest.approx(bending, rel=1e-12)
     assert deflection(slack, LOAD) == pytest.approx(5 * LOAD * 20.0**4 / (384 * bending), rel=1e-12)
-    held = replace(slack, ends="built in")
-    assert deflection(held, LOAD) == pytest.approx(LOAD * 20.0**4 / (384 * bending), rel=1e-12)
+    clamped = replace(slack, ends="built in")
+    assert deflection(clamped, LOAD) == pytest.approx(LOAD * 20.0**4 / (384 * bending), rel=1e-12)
 
 
 def test_with_much_tension_a_rod_is_a_string() -> None:
@@ -68,12 +68,12 @@ def test_between_beam_and_string_it_is_the_tie_rods_equation(ends: str, u: float
     def slope(_: np.ndarray, y: np.ndarray) -> np.ndarray:
         return np.vstack([y[1], y[2], y[3], 1.0 + u**2 * y[2]])
 
-    def held(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    def end_residuals(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         second = 2 if ends == "hinged" else 1
         return np.array([a[0], b[0], a[second], b[second]])
 
     x = np.linspace(0.0, 2.0, 41)
-    solved = solve_bvp(slope, held, x, np.zeros((4, x.size)), tol=1e-8, max_nodes=10_000)
+    solved = solve_bvp(slope, end_residuals, x, np.zeros((4, x.size)), tol=1e-8, max_nodes=10_000)
     assert solved.success
     assert deflection(middle, 1.0) == pytest.approx(float(solved.sol(1.0)[0]), rel=1e-6)  # its own tolerance
 
@@ -95,7 +95,7 @@ def test_weight_is_less_by_what_floats() -> None:
 
 
 def test_the_pull_asked_for_keeps_the_sag_below_its_limit() -> None:
-    pull = straight_pull(ROD, LOAD, 1e-3)
+    pull = straightening_tension(ROD, LOAD, 1e-3)
     assert pull == pytest.approx(LOAD * 400 / 8e-3, rel=1e-12)
     sag = deflection(replace(ROD, tension=pull), LOAD)
     assert 0.95e-3 < sag < 1e-3  # stiffness takes off a little
@@ -148,11 +148,11 @@ def test_the_pour_by_hand(cast: Design) -> None:
 
 
 def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -> None:
-    own = 0.05 / (0.052 * 0.375 * 3000)
+    strain = 0.05 / (0.052 * 0.375 * 3000)
     area = skincad.skin_solid(cast).val().Volume() / 18.0
     film = 18 * 0.052 * 0.375 * 3000
-    assert released(cast) == pytest.approx(own * film / (film + 0.356 * area), rel=1e-9)
-    assert released(yamada) == 0.0
+    assert release_strain(cast) == pytest.approx(strain * film / (film + 0.356 * area), rel=1e-9)
+    assert release_strain(yamada) == 0.0
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -177,9 +177,9 @@ def test_the_cast_in_template_has_none_at_all(cast: Design) -> None:
 )
 def test_a_finding_goes_by_its_own_remedy(cast: Design, rule: str, change: dict, key: str) -> None:
     bad = cast.with_(**change)
-    found = by_rule(bad)[rule]
-    assert found.measured > found.limit
-    value = float(re.search(rf"{key} of (?:at most )?([\d.e+-]+)", found.remedy)[1])
+    finding = by_rule(bad)[rule]
+    assert finding.measured > finding.limit
+    value = float(re.search(rf"{key} of (?:at most )?([\d.e+-]+)", finding.remedy)[1])
     table, field = key.split(".")
     factor = 1.05 if rule in ("strip sag", "strip drift") else 0.95  # the remedy has two digits
     assert rule not in by_rule(bad.with_(**{table: {field: value * factor}}))
@@ -192,21 +192,21 @@ def test_beyond_yield_is_an_error(cast: Design) -> None:
 
 def test_a_strip_that_comes_back_too_late_is_told(cast: Design) -> None:
     late = cast.with_(film={"tension": 1e-5}, skin={"length": 60.0}, mold={"fill_time": 1e5})
-    found = by_rule(late)["strip drift"]
-    assert (found.unit, found.limit) == ("s", pytest.approx(0.1 * 25 * 60))
-    assert found.measured > found.limit
+    finding = by_rule(late)["strip drift"]
+    assert (finding.unit, finding.limit) == ("s", pytest.approx(0.1 * 25 * 60))
+    assert finding.measured > finding.limit
 
 
 def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> None:
-    assert misplaced(cast) == pytest.approx(0.01 + 0.003)
-    assert misplaced(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
+    assert placement_error(cast) == pytest.approx(0.01 + 0.003)
+    assert placement_error(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
     grown = cast.with_(mold={"slit_clearance": 0.04}, printer={"edm": {"growth": 0.03}})
-    assert misplaced(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
+    assert placement_error(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
     coated = skincad.load("lab-bench", ["mold.slit_clearance=0.028", "printer.sla.coating=0.02"])
-    assert misplaced(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
-    found = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
-    assert (found.severity, found.limit) == ("note", pytest.approx(0.024))
-    assert "may differ by 50 %" in found.remedy  # 2 x 0.06 / 0.24
+    assert placement_error(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
+    finding = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
+    assert (finding.severity, finding.limit) == ("note", pytest.approx(0.024))
+    assert "may differ by 50 %" in finding.remedy  # 2 x 0.06 / 0.24
 
 
 @pytest.mark.parametrize(

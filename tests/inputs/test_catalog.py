@@ -8,7 +8,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import KINDS, Kind, entitled, load, template_names, template_text
+from skincad.inputs.catalog import KINDS, Kind, display_name, load, template_names, template_text
 from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad
 
@@ -74,17 +74,17 @@ def test_a_scenes_skin_may_be_no_scene() -> None:
     [("make", "drop"), ("check", "drop"), ("simulate", "lab-bench"), ("circuit", "drop")],
 )
 def test_the_command_leaves_with_2_and_one_line(command: str, source: str, tmp_path: Path) -> None:
-    told = run_skincad(command, source, cwd=tmp_path)
-    assert (told.returncode, told.stdout, told.stderr.count("\n")) == (2, "", 1)
-    assert told.stderr.startswith(f"skincad: {source}: is a ")
+    result = run_skincad(command, source, cwd=tmp_path)
+    assert (result.returncode, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+    assert result.stderr.startswith(f"skincad: {source}: is a ")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_changed_template_says_so_and_has_another_revision() -> None:
     as_shipped, changed = load("yamada-2002"), load("yamada-2002", ["ridge.height=0.45"])
-    assert entitled(as_shipped) == "yamada-2002"
-    assert entitled(changed) == "yamada-2002 (changed)"
-    assert entitled(changed.with_(name="my-skin")) == "my-skin"
+    assert display_name(as_shipped) == "yamada-2002"
+    assert display_name(changed) == "yamada-2002 (changed)"
+    assert display_name(changed.with_(name="my-skin")) == "my-skin"
     assert re.fullmatch("[0-9a-f]{8}", as_shipped.revision)
     assert as_shipped.revision != changed.revision
     assert load("yamada-2002").revision == as_shipped.revision

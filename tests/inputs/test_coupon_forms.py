@@ -32,10 +32,10 @@ def notches(folder: Path, text: str) -> str:
 def test_a_form_reads_back_as_it_was_filled_in(tmp_path: Path) -> None:
     (tmp_path / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, NOTCHES, ["a note", "another"]))
     (tmp_path / CREST_FORM).write_text(form(CREST_COLUMNS, STEPS))
-    found, steps = read_notches(tmp_path), read_crests(tmp_path)
-    assert found is not None
+    notches, steps = read_notches(tmp_path), read_crests(tmp_path)
+    assert notches is not None
     assert steps is not None
-    assert [*zip(*(column.tolist() for column in found), strict=True)] == [
+    assert [*zip(*(column.tolist() for column in notches), strict=True)] == [
         tuple(map(float, row[1:])) for row in NOTCHES
     ]
     assert steps.measured.tolist() == [float(row[2]) for row in STEPS]
@@ -44,9 +44,9 @@ def test_a_form_reads_back_as_it_was_filled_in(tmp_path: Path) -> None:
 def test_so_does_one_of_a_spreadsheet_with_decimal_commas(tmp_path: Path) -> None:
     lines = form(NOTCH_COLUMNS, NOTCHES).replace(",", ";").replace(".", ",")
     (tmp_path / NOTCH_FORM).write_text(lines.replace("\n", ";;\r\n"))
-    found = read_notches(tmp_path)
-    assert found is not None
-    assert found.drawn[0] == 0.06
+    notches = read_notches(tmp_path)
+    assert notches is not None
+    assert notches.drawn[0] == 0.06
 
 
 def test_a_form_that_is_not_there_was_not_measured(tmp_path: Path) -> None:

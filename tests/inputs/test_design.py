@@ -106,10 +106,10 @@ def test_all_broken_rules_are_told_in_one_line_the_first_as_it_is_alone(yamada: 
                 changes[table] = {**changes.get(table, {}), **values}
         with pytest.raises(InputError) as refused:
             yamada.with_(**changes)
-        told = [refused.value, *refused.value.others]
-        assert {error.key for error in told} == set(left)
+        errors = [refused.value, *refused.value.others]
+        assert {error.key for error in errors} == set(left)
         assert "\n" not in str(refused.value)
-        assert str(refused.value) == "; besides, ".join([*lines_of(told)])
+        assert str(refused.value) == "; besides, ".join([*lines_of(errors)])
         lines.append(str(refused.value))
         del left[refused.value.key]
     assert all(before.endswith(after) for before, after in pairwise(lines))
@@ -172,8 +172,8 @@ def test_another_silicone_brings_its_own_values(yamada: Design) -> None:
         yamada.with_(material={"name": "ecoflex-00-30"}),
     ):
         assert silicone(soft).young_modulus.value == 0.07
-    own = load("yamada-2002", ["material.young_modulus=0.06", "material.name=ecoflex-00-30"])
-    assert silicone(own).young_modulus.value == 0.06
+    changed = load("yamada-2002", ["material.young_modulus=0.06", "material.name=ecoflex-00-30"])
+    assert silicone(changed).young_modulus.value == 0.06
 
 
 @pytest.mark.parametrize(
@@ -191,10 +191,10 @@ def test_overriding_does_not_touch_its_input() -> None:
 
 
 def test_own_values_lie_on_top_of_the_catalog(yamada: Design) -> None:
-    found = silicone(yamada)
-    assert (found.name, found.young_modulus.value, found.density) == ("dragon-skin-30", 0.8, 1080.0)
-    own = silicone(yamada.with_(material={"name": None, "young_modulus": 0.3}))
-    assert (own.young_modulus.low, own.young_modulus.high) == (0.3, 0.3)
+    named = silicone(yamada)
+    assert (named.name, named.young_modulus.value, named.density) == ("dragon-skin-30", 0.8, 1080.0)
+    unnamed = silicone(yamada.with_(material={"name": None, "young_modulus": 0.3}))
+    assert (unnamed.young_modulus.low, unnamed.young_modulus.high) == (0.3, 0.3)
     with pytest.raises(InputError, match="did you mean 'dragon-skin-30'"):
         yamada.with_(material={"name": "dragonskin-30"})
 

@@ -13,7 +13,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.outputs.newfile import schema_of
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
 TEXT = f"ridge.heights={UNLIKE}"
@@ -149,4 +149,4 @@ def test_what_is_poured_is_larger_by_the_shrinkage(yamada: Design) -> None:
     for ridge in ({"heights": UNLIKE}, {"levelling": 0.3}):
         design = yamada.with_(ridge=ridge, mold={"shrinkage": 0.02})
         larger = [height / 0.98 for height in design.heights]
-        assert poured(design).heights == pytest.approx(larger, rel=1e-14)
+        assert scaled_for_shrinkage(design).heights == pytest.approx(larger, rel=1e-14)

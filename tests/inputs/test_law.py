@@ -28,15 +28,15 @@ def with_law(law: object, **material: Any) -> Design:
 
 def test_the_modulus_follows_from_the_law() -> None:
     """E = 2 (1 + nu) G, G the sum of Ogden's mu."""
-    found = silicone(with_law(OGDEN, poisson_ratio=0.49))
-    assert found.young_modulus.value == pytest.approx(2 * 1.49 * 0.3, rel=1e-14)
-    assert found.young_modulus.low == found.young_modulus.high == found.young_modulus.value
+    material = silicone(with_law(OGDEN, poisson_ratio=0.49))
+    assert material.young_modulus.value == pytest.approx(2 * 1.49 * 0.3, rel=1e-14)
+    assert material.young_modulus.low == material.young_modulus.high == material.young_modulus.value
     assert pad_of(with_law(OGDEN)).law == Ogden(mu=[0.1, 0.2], alpha=[3.0, -1.5])
 
 
 def test_a_modulus_beside_it_gives_the_range() -> None:
-    found = silicone(with_law(OGDEN, young_modulus={"value": 0.9, "low": 0.8, "high": 1.1}))
-    assert (found.young_modulus.low, found.young_modulus.high) == (0.8, 1.1)
+    material = silicone(with_law(OGDEN, young_modulus={"value": 0.9, "low": 0.8, "high": 1.1}))
+    assert (material.young_modulus.low, material.young_modulus.high) == (0.8, 1.1)
     with pytest.raises(InputError, match=r"material\.young_modulus: must be within 1% of the 0\.8994 MPa"):
         with_law(OGDEN, young_modulus=0.95)
 
@@ -80,9 +80,9 @@ def test_another_silicone_has_another_law() -> None:
 
 def test_a_law_that_is_not_the_named_silicones_is_told() -> None:
     named = with_law(OGDEN, name="ecoflex-00-30")
-    told = foreign_modulus(named)
-    assert told is not None
-    assert told[1].value == pytest.approx(0.9, rel=1e-2)
+    mismatch = foreign_modulus(named)
+    assert mismatch is not None
+    assert mismatch[1].value == pytest.approx(0.9, rel=1e-2)
 
 
 def test_a_labs_silicone_may_have_a_law(tmp_path: Path) -> None:

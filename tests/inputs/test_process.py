@@ -44,10 +44,10 @@ def test_every_shipped_value_is_a_key_with_a_source() -> None:
 
 def test_an_own_file_changes_what_it_names_and_no_more(printer: Path) -> None:
     design = skincad.load("lab-bench", printer=printer)
-    own, shipped = processes(design.printer), processes()
-    assert own["sla"] == shipped["sla"].model_copy(update={"pixel": 0.035, "crest_sigma": 0.02})
-    assert own["my-mill"] == shipped["cnc"].model_copy(update={"tool_radius": 0.1})
-    assert own["edm"] == shipped["edm"]
+    known, shipped = processes(design.printer), processes()
+    assert known["sla"] == shipped["sla"].model_copy(update={"pixel": 0.035, "crest_sigma": 0.02})
+    assert known["my-mill"] == shipped["cnc"].model_copy(update={"tool_radius": 0.1})
+    assert known["edm"] == shipped["edm"]
     assert spread_of(design).crest_sigma == 0.02
 
 
@@ -130,7 +130,7 @@ def test_a_new_shipped_process_needs_its_table_only(tmp_path: Path) -> None:
         "print('laser' in str(skincad.Design.model_json_schema()['$defs']['Mold']))"
     )
     env = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    done = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-c", code],
         cwd=tmp_path,
         env=env,
@@ -139,5 +139,5 @@ def test_a_new_shipped_process_needs_its_table_only(tmp_path: Path) -> None:
         check=True,
         timeout=300,
     )
-    assert "mill, sink-erode or print it" in done.stdout
-    assert done.stdout.endswith("True\n")
+    assert "mill, sink-erode or print it" in result.stdout
+    assert result.stdout.endswith("True\n")

@@ -35,16 +35,16 @@ def test_a_changed_template_is_its_name_and_what_was_set(settings: list[str]) ->
 
 
 def test_what_no_line_tells_is_a_file() -> None:
-    own = load_design("yamada-2002", ["name=own"])
-    assert retyped(own, "designs", load_design, file="design.toml") == "design.toml"
-    assert retyped(own, "designs", load_design) == "own.toml"
+    design = load_design("yamada-2002", ["name=own"])
+    assert retyped(design, "designs", load_design, file="design.toml") == "design.toml"
+    assert retyped(design, "designs", load_design) == "own.toml"
     lengths = {"root_fillet": 0.07, "tip_fillet": 0.04, "crown": 0.02, "height": 0.51, "pitch": 1.01}
-    many = own.with_(name="yamada-2002", ridge=lengths, skin={"length": 12.5, "width": 11.2})
+    many = design.with_(name="yamada-2002", ridge=lengths, skin={"length": 12.5, "width": 11.2})
     assert retyped(many, "designs", load_design, file="design.toml") == "design.toml"
     lab = skincad.load("yamada-2002", silicones={"lab": {"based_on": "dragon-skin-30"}})
-    found = retyped(lab, "designs", load_design, file="design.toml")
-    words = shlex.split(found)
-    assert found == "design.toml" or load_design(words[0], words[2::2]) == lab
+    command = retyped(lab, "designs", load_design, file="design.toml")
+    words = shlex.split(command)
+    assert command == "design.toml" or load_design(words[0], words[2::2]) == lab
 
 
 def test_circuits_too() -> None:

@@ -33,14 +33,14 @@ def read(text: str) -> Any:
 
 def decimals(count: int) -> list[str]:
     """Numbers without a digit before or behind the point, some with signs and exponents."""
-    found = []
+    keys = []
     for _ in range(count):
         digits = str(DICE.randint(0, 9999))
         body = DICE.choice(
             [f".{digits}", f"{DICE.randint(0, 999)}.", f"0.{digits}", f"{DICE.randint(1, 99)}.5"]
         )
-        found.append(DICE.choice(["", "+", "-"]) + body + DICE.choice(["", f"e{DICE.randint(-9, 9)}", "E+2"]))
-    return found
+        keys.append(DICE.choice(["", "+", "-"]) + body + DICE.choice(["", f"e{DICE.randint(-9, 9)}", "E+2"]))
+    return keys
 
 
 def test_a_decimal_needs_no_zero_beside_its_point() -> None:
@@ -78,13 +78,13 @@ def test_a_setting_of_the_command_line_stands_above_the_studys(tmp_path: Path) -
 
 def whole_numbers(model: type[BaseModel], path: str = "") -> list[str]:
     """The keys of a table, and of those in it, that hold a whole number."""
-    found = []
+    keys = []
     for key, field in model.model_fields.items():
         if (inner := table_of(model, key)) is not None:
-            found += whole_numbers(inner, f"{path}{key}{'.x' * ('dict[' in str(field.annotation))}.")
+            keys += whole_numbers(inner, f"{path}{key}{'.x' * ('dict[' in str(field.annotation))}.")
         elif re.fullmatch(r"int( \| None)?|<class 'int'>", str(field.annotation)):
-            found.append(path + key)
-    return found
+            keys.append(path + key)
+    return keys
 
 
 @pytest.mark.parametrize("model", [Design, Scene, Circuit])
@@ -93,8 +93,8 @@ def test_a_whole_number_with_a_point_is_shown_with_it(model: type[BaseModel]) ->
     assert keys
     for key in keys:
         for number in DICE.sample(range(1000), 3):
-            told = refusal(model, key, float(number))
-            assert f"{key}: must be an integer, got {number}.0; write {number}" in told, key
+            error = refusal(model, key, float(number))
+            assert f"{key}: must be an integer, got {number}.0; write {number}" in error, key
             assert f"{key}: must be an integer, got {number}.5" in refusal(model, key, number + 0.5)
 
 
@@ -146,9 +146,9 @@ def test_a_number_of_values_beside_a_sample_is_refused() -> None:
     design = load_design("yamada-2002")
     for _ in range(20):
         low, count = round(DICE.uniform(0.001, 0.01), 4), DICE.randint(2, 9)
-        told = DICE.choice([f"{low}:0.02:{count}", (low, 0.02, count)])
+        values = DICE.choice([f"{low}:0.02:{count}", (low, 0.02, count)])
         with pytest.raises(InputError) as refused:
-            points_of(design, {"skin.length": (8.0, 9.0), "ridge.crown": told}, 4)
+            points_of(design, {"skin.length": (8.0, 9.0), "ridge.crown": values}, 4)
         assert str(refused.value) == (
             f"ridge.crown: must have no number of values beside a sample, which takes its own, got {count}; "
             f"write ridge.crown={low:g}:0.02, or leave the sample out"
@@ -163,13 +163,13 @@ def test_one_ridge_needs_no_pitch() -> None:
         tables = {"count": 1, "tip_width": 0.4, "crown": 0.02, **sizes}
         others = load_design("plain-ridges").model_dump(exclude_none=True)
         bare = Design(**{**others, "ridge": tables})
-        given = bare.with_(ridge={"pitch": round(DICE.uniform(2.0, 50.0), 2)})
+        pitched = bare.with_(ridge={"pitch": round(DICE.uniform(2.0, 50.0), 2)})
         assert (bare.ridge.pitch, bare.ridge.spacing) == (
             None,
             2 * (sizes["root_width"] + 2 * sizes["root_fillet"]),
         )
-        assert skincad.section(bare) == skincad.section(given)
-        one, other = (skincad.check(design, tier="winkler") for design in (bare, given))
+        assert skincad.section(bare) == skincad.section(pitched)
+        one, other = (skincad.check(design, tier="winkler") for design in (bare, pitched))
         assert one.approach.lower <= other.approach.value <= one.approach.upper
         assert Design(**tomllib.loads(bare.to_toml())) == bare
     with pytest.raises(InputError, match=r"ridge.pitch: is missing; give ridge.pitch a value"):

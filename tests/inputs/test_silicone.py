@@ -91,20 +91,20 @@ def test_a_source_that_says_nothing_is_refused(row: str, told: str, tmp_path: Pa
 
 def test_an_own_file_changes_what_it_names_and_adds_what_is_new(lab: Path) -> None:
     design = skincad.load("yamada-2002", silicones=lab)
-    own, shipped = silicones(design.silicones), silicones()
-    changed = {"young_modulus": own["dragon-skin-30"].young_modulus}
-    assert own["dragon-skin-30"].young_modulus.value == 0.9
-    assert own["dragon-skin-30"] == shipped["dragon-skin-30"].model_copy(update=changed)
-    assert (own["lab-10"].name, own["lab-10"].mix, own["lab-10"].platinum_cure) == (
+    known, shipped = silicones(design.silicones), silicones()
+    changed = {"young_modulus": known["dragon-skin-30"].young_modulus}
+    assert known["dragon-skin-30"].young_modulus.value == 0.9
+    assert known["dragon-skin-30"] == shipped["dragon-skin-30"].model_copy(update=changed)
+    assert (known["lab-10"].name, known["lab-10"].mix, known["lab-10"].platinum_cure) == (
         "lab-10",
         [10.0, 1.0],
         False,
     )
-    assert (own["lab-10"].density, own["lab-10"].source) == (1070.0, "assumption")
-    assert own["soft-batch"] == shipped["ecoflex-00-30"].model_copy(
+    assert (known["lab-10"].density, known["lab-10"].source) == (1070.0, "assumption")
+    assert known["soft-batch"] == shipped["ecoflex-00-30"].model_copy(
         update={"name": "soft-batch", "viscosity": 4.0}
     )
-    assert own["sylgard-184"] == shipped["sylgard-184"]
+    assert known["sylgard-184"] == shipped["sylgard-184"]
 
 
 def test_the_design_means_it_by_name_and_its_own_values_come_first(lab: Path) -> None:
@@ -140,9 +140,9 @@ def test_the_designs_own_tables_add_up_with_the_files(lab: Path) -> None:
     design = skincad.load("lab-bench").with_(silicones=before)
     file = lab.with_name("own.toml")
     file.write_text(design.to_toml())
-    found = silicones(skincad.load(file, silicones=lab).silicones)
-    assert (found["lab-10"].young_modulus.value, found["lab-10"].density) == (0.25, 990.0)
-    assert found["third"].young_modulus.value == 1.0
+    known = silicones(skincad.load(file, silicones=lab).silicones)
+    assert (known["lab-10"].young_modulus.value, known["lab-10"].density) == (0.25, 990.0)
+    assert known["third"].young_modulus.value == 1.0
 
 
 def test_what_is_neither_is_told() -> None:
@@ -235,8 +235,8 @@ def test_the_ends_of_the_range_are_in_it(yamada: Design) -> None:
 
 def foreign(design: Design) -> tuple[list[str], list[str]]:
     """What make and check say of a name with another's modulus."""
-    found = [str(f) for f in design_findings(design) if f.rule == "silicone"]
-    return found, [w for w in check(design, tier="winkler").warnings if "modulus" in w]
+    findings = [str(f) for f in design_findings(design) if f.rule == "silicone"]
+    return findings, [w for w in check(design, tier="winkler").warnings if "modulus" in w]
 
 
 def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
@@ -260,8 +260,10 @@ def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
 def test_a_scene_is_told_so_too(tmp_path: Path) -> None:
     change = {"name": "dragon-skin-10", "young_modulus": 0.8}
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=2", "readout.ridges=[1]")
-    told = skincad.simulate(scene.with_(skin={"material": change}), budget=0.01).warnings
-    assert any("the modulus of 0.8 MPa is not that of dragon-skin-10 (0.11 to 0.3 MPa)" in w for w in told)
+    warnings = skincad.simulate(scene.with_(skin={"material": change}), budget=0.01).warnings
+    assert any(
+        "the modulus of 0.8 MPa is not that of dragon-skin-10 (0.11 to 0.3 MPa)" in w for w in warnings
+    )
 
 
 def test_a_batch_within_the_published_range_is_not(yamada: Design) -> None:
@@ -282,13 +284,13 @@ def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
 def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path) -> None:
     chosen = ("--silicones", str(lab), "--set", "material.name=lab-10", "--set", "ridge.count=1")
     out = ("--format", "toml", "-o", str(tmp_path / "made"))
-    made = run_skincad("make", "lab-bench", *chosen, *out, "--tier", "winkler", "--json", cwd=tmp_path)
-    assert made.returncode in (0, 1), made.stderr
+    result = run_skincad("make", "lab-bench", *chosen, *out, "--tier", "winkler", "--json", cwd=tmp_path)
+    assert result.returncode in (0, 1), result.stderr
     lab.unlink()
     assert silicone(skincad.load(tmp_path / "made" / "design.toml")).young_modulus.value == 0.25
     checked = run_skincad("check", "made/design.toml", "--tier", "winkler", "--json", cwd=tmp_path)
-    told, again = json.loads(made.stdout)["check"], json.loads(checked.stdout)
-    assert (told["approach_mm"], told["tier"]) == (again["approach_mm"], again["tier"])
+    verdict, again = json.loads(result.stdout)["check"], json.loads(checked.stdout)
+    assert (verdict["approach_mm"], verdict["tier"]) == (again["approach_mm"], again["tier"])
 
 
 @pytest.mark.parametrize(
@@ -303,14 +305,14 @@ def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path) -> None:
 )
 def test_every_command_with_a_skin_refuses_a_bad_lab(arguments: tuple[str, ...], tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text("[lab-10]\nviscosty = 1.0")
-    told = run_skincad(*arguments, "--silicones", "lab.toml", cwd=tmp_path)
-    assert told.returncode == 2
-    assert told.stderr in (
+    result = run_skincad(*arguments, "--silicones", "lab.toml", cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr in (
         "skincad: silicones.lab-10.viscosty: unknown key; did you mean 'viscosity'?\n",
         "skincad: skin.silicones.lab-10.viscosty: unknown key; did you mean 'viscosity'?\n",
     )
 
 
 def test_fit_material_takes_them_only_with_a_design(tmp_path: Path, lab: Path) -> None:
-    told = run_skincad("fit-material", "x.csv", "--silicones", str(lab), cwd=tmp_path)
-    assert told.stderr == "skincad: --silicones: needs --design; name the design with --design\n"
+    result = run_skincad("fit-material", "x.csv", "--silicones", str(lab), cwd=tmp_path)
+    assert result.stderr == "skincad: --silicones: needs --design; name the design with --design\n"

@@ -26,7 +26,7 @@ from skincad.shape.curves import area
 from skincad.solids.body import Prism, Turned, plain
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import PartRole
 from skincad.solids.shrinkage import shrinkage
 from tests.bent_skin import three_ridges
@@ -64,7 +64,7 @@ def cut_area(path: Path) -> float:
 
 def sections(part: Part, path: Path) -> Iterator[float]:
     """The areas of a STEP file's solid across its body's axis, plane after plane, mm2."""
-    body = own(part).body
+    body = unturned(part).body
     assert isinstance(body, Prism)
     solid = cq.importers.importStep(str(path)).val()
     turn, shift = part.body.placement() if isinstance(part.body, Turned) else (np.eye(3), np.zeros(3))
@@ -75,7 +75,7 @@ def sections(part: Part, path: Path) -> Iterator[float]:
 
 
 def without_cuts_across(part: Part) -> Part:
-    axis = own(part).body.axis  # type: ignore[union-attr]
+    axis = unturned(part).body.axis  # type: ignore[union-attr]
     return replace(part, cuts=tuple(cut for cut in part.cuts if plain(cut).axis == axis))  # type: ignore[union-attr]
 
 

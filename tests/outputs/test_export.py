@@ -18,7 +18,7 @@ import shapely
 import trimesh
 
 import skincad
-from skincad.fabrication.pattern import GLUED, HOLE, SHOULDER
+from skincad.fabrication.pattern import GLUED_LENGTH, HOLE, SHOULDER
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs import export
@@ -124,7 +124,8 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
     cuts = dxf_loops(made.folder / "strips.dxf")["CUT"]
     assert len(cuts) == 18
     places = np.array([s.start for s in cuts[0]])
-    assert np.ptp(places, axis=0) == pytest.approx([12.0 + 8.0 + GLUED + 10.0, 5.04], abs=1e-12)  # and tab
+    long = 12.0 + 8.0 + GLUED_LENGTH + 10.0  # and tab
+    assert np.ptp(places, axis=0) == pytest.approx([long, 5.04], abs=1e-12)
     assert np.ptp(places[places[:, 0] < 6.0], axis=0)[1] == pytest.approx(0.25, abs=1e-12)
     labels = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
     assert labels[:3] == ["1 S1", "1 S2", "2 S1"]
@@ -178,7 +179,7 @@ def test_a_drawn_in_strips_tail_is_at_its_unwired_end(side: str, tmp_path: Path,
     """Its contact never goes through the slot; the mark at which the tail is cut is the skin's end."""
     cut = pattern(yamada.with_(film={"wiring_side": side}), tmp_path)["CUT"][0]
     ends = sorted(abs(f(p.start.x for p in cut)) for f in (min, max))
-    assert ends == pytest.approx([6.0 + GLUED, 6.0 + 8.0 + 10.0])  # lead and tab
+    assert ends == pytest.approx([6.0 + GLUED_LENGTH, 6.0 + 8.0 + 10.0])  # lead and tab
     assert (max(p.start.x for p in cut) > 12.0) == (side == "b")
 
 

@@ -164,7 +164,7 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
         seen = {view.name: view.of_solid for view in views(part)}
         faces = cylinders(made)
         for group in drawing.holes:
-            for aside in group.asides:
+            for aside in group.side_views:
                 assert aside.view != group.view
                 way = math.atan2(aside.end[1] - aside.start[1], aside.end[0] - aside.start[0])
                 off = math.inf  # how far the nearest bore's axis passes the centre line's start
@@ -194,9 +194,9 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
     (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
     marks = bore_marks((group,), {view: Placed((0.0, 0.0), 2.0) for view in drawing.views})
     hidden = [m.stroke.points for m in marks if isinstance(m, Ink) and m.layer == "HIDDEN"]
-    assert len(hidden) == 3 * len(group.asides)
-    assert group.asides
-    for aside in group.asides:
+    assert len(hidden) == 3 * len(group.side_views)
+    assert group.side_views
+    for aside in group.side_views:
         (u, v), (x, y) = aside.start, aside.end
         share = 4.0 / math.dist(aside.start, aside.end)
         last = 2 * (x + share * (u - x)), 2 * (y + share * (v - y))  # of full thread, on paper

@@ -19,7 +19,7 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.export import write_strips_dxf
 from skincad.shape.cross_section import section
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.conftest import Made
 
 FILMS = [name for name in template_names() if skincad.load(name).film]
@@ -39,7 +39,7 @@ def read(design: Design, folder: Path) -> dict[str, list[shapely.Polygon]]:
 
 def skins(design: Design) -> list[shapely.Polygon]:
     """What of each strip's row lies in the skin: its length, or its arc, as it is poured."""
-    whole, radius = poured(design) if design.mold.method == "cast-in" else design, 1e99
+    whole, radius = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design, 1e99
     radius = design.skin.curvature_radius_y or radius
     halves = [
         whole.skin.length / 2 * (1 + (slot.centre.z - design.skin.thickness) / radius)

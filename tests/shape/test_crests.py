@@ -32,8 +32,8 @@ def measured(path: Path, design: Design, lower: list[float]) -> Path:
 def test_drops_are_those_from_the_circle_of_the_crests(tmp_path: Path, name: str) -> None:
     design = skincad.load(name)
     lower = [0.01 * (-1) ** i * i for i in range(design.ridge.count)]
-    found = crest_drops(measured(tmp_path / "crests.csv", design, lower), design)
-    assert found == pytest.approx(lower, abs=1e-12)  # rounding of a height of some mm
+    drops = crest_drops(measured(tmp_path / "crests.csv", design, lower), design)
+    assert drops == pytest.approx(lower, abs=1e-12)  # rounding of a height of some mm
 
 
 @pytest.mark.parametrize("sign", [1, -1])

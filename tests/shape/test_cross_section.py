@@ -181,13 +181,13 @@ def test_fillets_have_their_radius_and_touch_what_they_join(
             assert math.remainder(turn, 2 * math.pi) == pytest.approx(
                 0.0, abs=1e-9
             )  # rounding of short chords
-    for each in ridge:
-        if each.kind == "tip_fillet":
-            assert each.radius == pytest.approx(tip, rel=1e-9)
-            assert each.bulge > 0
-        if each.kind == "root_fillet":
-            assert each.radius == pytest.approx(root, rel=1e-9)
-            assert each.bulge < 0
+    for segment in ridge:
+        if segment.kind == "tip_fillet":
+            assert segment.radius == pytest.approx(tip, rel=1e-9)
+            assert segment.bulge > 0
+        if segment.kind == "root_fillet":
+            assert segment.radius == pytest.approx(root, rel=1e-9)
+            assert segment.bulge < 0
 
 
 @pytest.mark.parametrize("radius", [2.0, 60.0, 1e7])

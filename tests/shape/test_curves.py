@@ -77,10 +77,10 @@ def test_reversing_and_flipping_keep_the_area() -> None:
 def test_offset_of_a_rectangle_is_rounded_outward_and_sharp_inward(distance: float) -> None:
     (grown,) = offset(rectangle(0.0, 4.0, 0.0, 2.0), distance, 1e-4)
     x, z = grown.T
-    found = abs(float(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1)))) / 2
+    shoelace = abs(float(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1)))) / 2
     corners = math.pi * distance**2 if distance > 0 else 4 * distance**2
     exact = 8.0 + 12.0 * distance + corners  # Steiner's formula; inward it keeps square corners
-    assert found == pytest.approx(exact, abs=12 * 1e-4)  # perimeter x chord tolerance
+    assert shoelace == pytest.approx(exact, abs=12 * 1e-4)  # perimeter x chord tolerance
 
 
 def test_a_polygon_has_a_loops_corners_to_the_last_digit() -> None:

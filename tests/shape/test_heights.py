@@ -18,8 +18,8 @@ UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
 
 
 def crown(design: Design, ridge: int) -> Segment:
-    (found,) = (s for s in section(design).outline if s.kind == "crown" and s.ridge == ridge)
-    return found
+    (segment,) = (s for s in section(design).outline if s.kind == "crown" and s.ridge == ridge)
+    return segment
 
 
 @pytest.mark.parametrize("ridge", [{"heights": UNLIKE}, {"levelling": 0.7}, {"levelling": 1.0}])

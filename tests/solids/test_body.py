@@ -149,8 +149,8 @@ def test_an_arc_that_turns_has_its_corners_on_the_grid(upside_down: bool) -> Non
     assert [z for _, z in points if z < 0] == [-3.0, -3.0]
     on_arc = points[points[:, 1] >= 0]
     assert np.hypot(on_arc[:, 0], on_arc[:, 1] - 25.0) == pytest.approx(np.full(len(angles), 25.0), rel=SAME)
-    found = np.arctan2(on_arc[:, 0], 25.0 - on_arc[:, 1])
-    assert np.sort(found) == pytest.approx(angles, abs=SAME)
+    corner_angles = np.arctan2(on_arc[:, 0], 25.0 - on_arc[:, 1])
+    assert np.sort(corner_angles) == pytest.approx(angles, abs=SAME)
     steps = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
     assert steps.min() > 0.1  # in order, none twice
     around = 2 * 25 * (0.4 + math.sin(0.4)) + 2 * (3 + on_arc[:, 1].max())

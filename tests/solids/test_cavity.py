@@ -55,8 +55,8 @@ def test_a_piece_pulled_along_its_neighbours_ridge_is_seen_to_interfere() -> Non
         Move(step.parts, ways["cavity-left"], step.travel) if step.parts == ("cavity-5",) else step
         for step in closed.opening
     )
-    found = interference(ClosedMold(closed.parts, wrong), 1e-3)
-    assert any("cavity-5 against skin" in f.where for f in found)
+    findings = interference(ClosedMold(closed.parts, wrong), 1e-3)
+    assert any("cavity-5 against skin" in f.where for f in findings)
 
 
 def test_pulled_straight_the_outer_pieces_would_catch_the_outer_ridges() -> None:

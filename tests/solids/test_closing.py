@@ -16,15 +16,24 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
-from skincad.solids.closing import BOW, COVER, PRESSURE, ScrewRow, Spans, bow, closed_by, rows, thick_enough
+from skincad.solids.closing import (
+    LEAST_COVER,
+    MOST_BOW,
+    PRESSURE,
+    ScrewRow,
+    Spans,
+    bow,
+    choose_screws,
+    screw_rows,
+    thick_enough,
+)
 from skincad.solids.layout import Layout, cover_pins, layout, lid_process
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.undercut import split_ridges
 
 NU = 0.35  # the formula has none
-TINY = (
-    1e-6  # N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none
-)
+# N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none
+TINY = 1e-6
 
 
 POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (3, 1), (1, 3)]
@@ -70,26 +79,26 @@ def plate_bow(place: Layout, modulus: float, size: float, points: tuple[tuple[fl
     ys = lines(place.cover, {-place.end, place.end} | {y for _, y in points}, size)
     number = np.arange(xs.size * ys.size).reshape(xs.size, ys.size)
     rows_, columns, values, force = [], [], [], np.zeros(3 * number.size)
-    made = {}
+    elements = {}
     for i, j in product(range(xs.size - 1), range(ys.size - 1)):
         a, b = xs[i + 1] - xs[i], ys[j + 1] - ys[j]
         key = round(a, 9), round(b, 9)
-        if key not in made:
-            made[key] = element(a, b, modulus * place.lid**3 / 12)
-        stiff, load = made[key]
+        if key not in elements:
+            elements[key] = element(a, b, modulus * place.lid**3 / 12)
+        stiff, load = elements[key]
         nodes = number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]
-        own = np.array([3 * n + k for n in nodes for k in range(3)])
-        rows_.append(np.repeat(own, 12))
-        columns.append(np.tile(own, 12))
+        dofs = np.array([3 * n + k for n in nodes for k in range(3)])
+        rows_.append(np.repeat(dofs, 12))
+        columns.append(np.tile(dofs, 12))
         values.append(stiff.ravel())
         x, y = (xs[i] + xs[i + 1]) / 2, (ys[j] + ys[j + 1]) / 2
         if abs(y) < place.end and min(abs(x - c) for c in place.centres) < place.trough:
-            force[own] += PRESSURE * load
+            force[dofs] += PRESSURE * load
     size_ = force.size
     whole = coo_matrix((np.concatenate(values), (np.concatenate(rows_), np.concatenate(columns))))
     whole = whole.tocsr() + TINY * identity(size_)
-    held = {3 * number[np.argmin(abs(xs - x)), np.argmin(abs(ys - y))] for x, y in points}
-    free = np.array([i for i in range(size_) if i not in held])
+    fixed = {3 * number[np.argmin(abs(xs - x)), np.argmin(abs(ys - y))] for x, y in points}
+    free = np.array([i for i in range(size_) if i not in fixed])
     w = np.zeros(size_)
     w[free] = spsolve(whole[free][:, free], force[free])
     over = abs(ys) <= place.end + 1e-9
@@ -98,7 +107,7 @@ def plate_bow(place: Layout, modulus: float, size: float, points: tuple[tuple[fl
 
 @cache
 def placed(name: str, cavities: int) -> tuple[Design, Layout]:
-    design = poured(skincad.load(name).with_(mold={"cavities": cavities}))
+    design = scaled_for_shrinkage(skincad.load(name).with_(mold={"cavities": cavities}))
     return design, layout(design, section(design), split_cavity=bool(split_ridges(design)))[0]
 
 
@@ -112,9 +121,9 @@ def test_no_cover_bows_by_more_than_its_limit_and_the_formula_is_on_the_safe_sid
     design, place = placed(name, cavities)
     modulus = lid_process(design).part_modulus
     formula = bow(place.spans, place.lid, modulus)
-    found = plate_bow(place, modulus, 2.0, place.bolts)
-    assert found <= formula <= BOW == 0.02
-    assert found > 0.1 * formula  # a plate on its walls' screws is stiffer than beams, not tenfold
+    computed = plate_bow(place, modulus, 2.0, place.bolts)
+    assert computed <= formula <= MOST_BOW == 0.02
+    assert computed > 0.1 * formula  # a plate on its walls' screws is stiffer than beams, not tenfold
 
 
 def test_a_plate_on_its_corners_bows_as_in_the_books() -> None:
@@ -125,11 +134,11 @@ def test_a_plate_on_its_corners_bows_as_in_the_books() -> None:
     square = place._replace(half=side / 2, cover=side / 2, end=side / 2, trough=side / 2, lid=thick)
     corners = tuple((x, y) for x in (-side / 2, side / 2) for y in (-side / 2, side / 2))
     rigid = modulus * thick**3 / 12 / (1 - NU**2)
-    found = plate_bow(square, modulus, 1.0, corners) * rigid / (PRESSURE * side**4)
-    assert found == pytest.approx(0.0257, rel=0.05)  # nu 0.35, not 0.3, and elements of a fortieth
+    coefficient = plate_bow(square, modulus, 1.0, corners) * rigid / (PRESSURE * side**4)
+    assert coefficient == pytest.approx(0.0257, rel=0.05)  # nu 0.35, not 0.3, and elements of a fortieth
     formula = bow(Spans(side, side, side), thick, modulus) * modulus * thick**3 / 12 / (PRESSURE * side**4)
     assert formula == pytest.approx(10 / 384, rel=1e-12)
-    assert formula / (1 - NU**2) > found
+    assert formula / (1 - NU**2) > coefficient
 
 
 def test_a_beam_under_a_load_in_its_middle_bows_as_integrated() -> None:
@@ -146,24 +155,24 @@ def test_a_beam_under_a_load_in_its_middle_bows_as_integrated() -> None:
 def test_a_cover_is_as_thick_as_it_must_and_has_as_few_screws_as_it_may() -> None:
     spans = Spans(60.0, 50.0, 0.0)
     thick = thick_enough(spans, 2000.0, 0.5)
-    assert bow(spans, thick, 2000.0) <= BOW < bow(spans, thick - 0.5, 2000.0)
-    assert thick_enough(Spans(10.0, 5.0, 0.0), 2000.0, 0.5) == COVER
-    choices = rows(40.0, 10.0, 3.2, 8.0)
+    assert bow(spans, thick, 2000.0) <= MOST_BOW < bow(spans, thick - 0.5, 2000.0)
+    assert thick_enough(Spans(10.0, 5.0, 0.0), 2000.0, 0.5) == LEAST_COVER
+    choices = screw_rows(40.0, 10.0, 3.2, 8.0)
     assert choices[:2] == [ScrewRow(1, 0.0, 60.0), ScrewRow(2, pytest.approx(33.6), pytest.approx(33.6))]
-    assert all(row.apart >= 8.0 for row in choices[1:])
-    row, least = closed_by(choices, 60.0, 50.0, 2000.0, None, 0.5)
+    assert all(row.spacing >= 8.0 for row in choices[1:])
+    row, least = choose_screws(choices, 60.0, 50.0, 2000.0, None, 0.5)
     assert least == thick
-    fewer = [each for each in choices if each.screws < row.screws]
-    assert all(bow(Spans(60.0, 50.0, each.reach), thick, 2000.0) > BOW for each in fewer)
-    assert closed_by(choices, 60.0, 50.0, 2000.0, 3.0, 0.5)[1] == 3.0  # given, so kept
+    fewer = [choice for choice in choices if choice.screws < row.screws]
+    assert all(bow(Spans(60.0, 50.0, choice.reach), thick, 2000.0) > MOST_BOW for choice in fewer)
+    assert choose_screws(choices, 60.0, 50.0, 2000.0, 3.0, 0.5)[1] == 3.0  # given, so kept
 
 
 def test_screws_stand_between_the_skins_and_clear_of_all_else() -> None:
     """Six skins on two screws bowed by 3.76 mm: each land has its own."""
     for name in ("yamada-2002", "lab-bench"):
         _, place = placed(name, 6)
-        across = sorted({x for x, _ in place.bolts})
-        assert len(across) == 7
+        row_places = sorted({x for x, _ in place.bolts})
+        assert len(row_places) == 7
         for x, _ in place.bolts:
             assert min(abs(x - lane) for lane in place.lanes) >= 1.2 + 2 * 1.7 - 1e-9
             assert min(abs(x - c) for c in place.centres) >= place.trough + 1.2 + 1.7 - 1e-9
@@ -174,5 +183,5 @@ def test_pins_stand_aside_of_screws() -> None:
         design, place = placed(name, 1)
         for pin in cover_pins(place):
             for bolt in place.bolts:
-                apart = np.hypot(pin[0] - bolt[0], pin[1] - bolt[1])
-                assert apart >= 1.0 + design.mold.clearance + 1.7 + 1.2 - 0.7, name  # keyed aside by that
+                distance = np.hypot(pin[0] - bolt[0], pin[1] - bolt[1])
+                assert distance >= 1.0 + design.mold.clearance + 1.7 + 1.2 - 0.7, name  # keyed aside by that

@@ -120,8 +120,8 @@ def test_the_kernel_and_the_mesh_agree_with_the_formula(name: str) -> None:
     from skincad.solids.occ import solid, volume
 
     part: Part = PARTS[name]
-    made = solid(part)  # raises unless it is one valid solid
-    assert volume(part, made) == pytest.approx(part.volume, rel=1e-9)
+    exact = solid(part)  # raises unless it is one valid solid
+    assert volume(part, exact) == pytest.approx(part.volume, rel=1e-9)
     shape = mesh(part, 0.005)
     assert shape.is_watertight
     assert abs(shape.volume - part.volume) <= 0.005 * shape.area

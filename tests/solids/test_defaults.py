@@ -46,8 +46,8 @@ def few() -> list[tuple[Design, Planned, Planned]]:
 
 def plain(design: Design) -> Design:
     """The design with each value that the mold would compute written down, where nobody wrote another."""
-    own = design.mold.model_dump(exclude_none=True)
-    return design.with_(mold={key: value for key, value in PLAIN.items() if key not in own})
+    values = design.mold.model_dump(exclude_none=True)
+    return design.with_(mold={key: value for key, value in PLAIN.items() if key not in values})
 
 
 def planned(design: Design) -> Planned:
@@ -69,7 +69,7 @@ def told_in_keys_that_were_written(found: list[InputError], count: int) -> None:
 
 
 def test_nine_of_ten_random_sections_have_a_mold() -> None:
-    told_in_keys_that_were_written([made for _, made, _ in few() if isinstance(made, InputError)], FEW)
+    told_in_keys_that_were_written([result for _, result, _ in few() if isinstance(result, InputError)], FEW)
 
 
 @pytest.mark.slow
@@ -80,13 +80,13 @@ def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
 def test_where_plain_values_make_a_mold_it_is_the_computed_one() -> None:
     for design in map(skincad.load, template_names()):
         assert mold(design) == mold(plain(design)), design.name
-    same = [made == expected for _, made, expected in few() if isinstance(expected, ClosedMold)]
+    same = [result == expected for _, result, expected in few() if isinstance(expected, ClosedMold)]
     assert all(same)
     assert len(same) > FEW / 5  # else nothing is shown
 
 
 def test_a_value_that_was_written_is_refused_not_changed() -> None:
-    refused = set().union(*(keys(found) for _, _, found in few() if isinstance(found, InputError)))
+    refused = set().union(*(keys(result) for _, _, result in few() if isinstance(result, InputError)))
     computed = {"mold.wall", "mold.carrier_thickness", "mold.carrier", "mold.gate", "mold.vent"}
     assert refused <= computed | WRITTEN | {"skin.thickness"}
     assert {"mold.wall", "mold.carrier_thickness", "mold.gate"} <= refused

@@ -27,9 +27,9 @@ from skincad.solids.bowl import gap_beside
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import solid, volume
-from skincad.solids.plan import Part, own
+from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.split import notch_rise
 from skincad.solids.undercut import undercuts
 from tests.bent_skin import bent, three_ridges
@@ -72,12 +72,12 @@ def test_every_solid_is_valid_and_of_its_formulas_volume(radius: float) -> None:
 @pytest.mark.parametrize("radius", RADII)
 @pytest.mark.parametrize("name", ["yamada-2002", "lab-bench", "plain-ridges", "gripper-pad", "nozzle-04"])
 def test_templates_have_a_doubly_curved_mold(name: str, radius: float) -> None:
-    made = bent(name, radius if name != "nozzle-04" else 2 * radius)
-    closed = mold(made)
+    design = bent(name, radius if name != "nozzle-04" else 2 * radius)
+    closed = mold(design)
     for part in closed.parts:
         if part.made == "made":
             assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-9), part.name
-    assert interference(closed, min(made.mold.clearance, made.mold.slit_clearance) / 10) == []
+    assert interference(closed, min(design.mold.clearance, design.mold.slit_clearance) / 10) == []
 
 
 @cache
@@ -135,17 +135,17 @@ def test_nearly_flat_crowns_make_a_mold() -> None:
 @pytest.mark.slow
 def test_files_of_a_mold_with_flat_crowns_read_back(tmp_path: Path) -> None:
     design = bent("gripper-pad", 100.0, "ridge.crown=0", "ridge.count=9", "skin.width=16")
-    made = files_into(design, tmp_path / "out", ["step", "stl", "3mf"])
+    result = files_into(design, tmp_path / "out", ["step", "stl", "3mf"])
     closed = mold(design)
-    for part in made.parts:
+    for part in result.parts:
         assert part.valid
         assert part.watertight
         assert part.self_intersections == 0
         assert part.deviation <= part.asked_deviation
-        again = cq.importers.importStep(str(made.folder / f"{part.name}.step")).val()
+        again = cq.importers.importStep(str(result.folder / f"{part.name}.step")).val()
         assert again.isValid()
         assert volume(closed.part(part.name), again) == pytest.approx(part.volume, rel=1e-9)  # STEP's digits
-        assert trimesh.load_mesh(made.folder / f"{part.name}.stl").is_watertight
+        assert trimesh.load_mesh(result.folder / f"{part.name}.stl").is_watertight
 
 
 @pytest.mark.parametrize(("y", "wide"), [(0.0, 1.0), (3.0, 1.0), (-5.0, 1.6), (2.0, 0.7)])
@@ -229,14 +229,14 @@ def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
 
 
 def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: ClosedMold) -> None:
-    upright = own(closed.part("end-b-comb"))
+    upright = unturned(closed.part("end-b-comb"))
     shim = closed.part("shim-2-S1")
     assert isinstance(shim.body, Revolved)
     straight = replace(shim, body=Prism(shim.body.outline, "y", -10.0, 16.0))
     for wrong in (upright, straight):
         parts = tuple(wrong if part.name == wrong.name else part for part in closed.parts)
-        found = interference(ClosedMold(parts, ()), FINE)
-        assert any(wrong.name in finding.where for finding in found)
+        findings = interference(ClosedMold(parts, ()), FINE)
+        assert any(wrong.name in finding.where for finding in findings)
 
 
 def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:
@@ -285,7 +285,7 @@ def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
         moved = shim.translate(tuple(rise * up + [x, 0.0, 0.0]))
         return float((moved ^ comb).volume() + (moved ^ keeper).volume())
 
-    rise = notch_rise(design, section(poured(design)).slots)
+    rise = notch_rise(design, section(scaled_for_shrinkage(design)).slots)
     assert rise > 50 * play  # the notch is that much higher than the shim, and still
     for sign in (-1, 1):
         assert shared(0.9 * sign * play, 0.0) < 1e-9

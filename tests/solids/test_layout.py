@@ -18,7 +18,7 @@ from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part, bores
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.templates import KINDS
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
@@ -39,9 +39,9 @@ def pockets(design: Design) -> list[tuple[Part, Prism]]:
 
 @pytest.mark.parametrize("name", ["lab-bench", "nozzle-04", "plain-ridges"])
 def test_a_nut_goes_into_each_pocket_of_a_printed_end_plate_and_does_not_turn(name: str) -> None:
-    found = pockets(skincad.load(name))
-    assert len(found) == 4
-    for part, cut in found:
+    nuts = pockets(skincad.load(name))
+    assert len(nuts) == 4
+    for part, cut in nuts:
         assert part.name.startswith("end-b")
         assert cut.high == part.body.high  # open outward
         assert cut.high - cut.low >= HEIGHT
@@ -72,10 +72,10 @@ def test_pins_press_and_slide_as_the_process_needs(yamada: Design) -> None:
     known = processes()
     tight = yamada.with_(mold={"clearance": 0.0})
     for name in ("fdm", "sla", "cnc", "edm"):
-        own = fits(tight, name)
-        assert own.slide == 1.0 + known[name].clearance
-        assert 1.0 <= own.press < own.slide
-        assert (own.press == 1.0) == (known[name].layer == 0)  # metal is reamed
+        holes = fits(tight, name)
+        assert holes.slide == 1.0 + known[name].clearance
+        assert 1.0 <= holes.press < holes.slide
+        assert (holes.press == 1.0) == (known[name].layer == 0)  # metal is reamed
     assert fits(yamada, "edm").slide == 1.0 + yamada.mold.clearance
 
 
@@ -122,9 +122,9 @@ def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
         for pull in pulls:
             assert pull.start[2] + pull.length == carrier.body.high
             for other in (*filled, *inside):
-                apart = math.dist(pull.start[:2], other.start[:2])
+                distance = math.dist(pull.start[:2], other.start[:2])
                 wide = max(other.radius, other.end_radius or 0.0) if other in filled else other.radius
-                assert apart > pull.radius + wide + 0.2, name
+                assert distance > pull.radius + wide + 0.2, name
     assert without == ["steep-fingertip"]  # 5 mm wide, with one hole: it is held by its free ends
 
 
@@ -152,13 +152,13 @@ def test_too_short_a_skin_is_told_by_the_length_that_was_written(
 
     def refused(length: float) -> list[InputError]:
         skin = {"length": length, "curvature_radius_y": bent}
-        design = poured(yamada.with_(mold={"shrinkage": shrinks}, skin=skin))
-        return [each for each in layout(design, section(design))[1] if each.key == "skin.length"]
+        design = scaled_for_shrinkage(yamada.with_(mold={"shrinkage": shrinks}, skin=skin))
+        return [error for error in layout(design, section(design))[1] if error.key == "skin.length"]
 
-    (told,) = refused(2.5)
-    assert told.value == pytest.approx(2.5, rel=1e-9)  # a length is put on a grid of 1e-12 mm
-    assert what in str(told)
-    least = float(str(told).split()[5])
+    (refusal,) = refused(2.5)
+    assert refusal.value == pytest.approx(2.5, rel=1e-9)  # a length is put on a grid of 1e-12 mm
+    assert what in str(refusal)
+    least = float(str(refusal).split()[5])
     assert refused(least) == []
     (nearly,) = refused(least - 0.002)
     assert f"at least {least:g} mm" in str(nearly)

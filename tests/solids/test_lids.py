@@ -19,7 +19,7 @@ from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_do
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
 from skincad.solids.screws import TAP_RADIUS
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 BARE = {"slot": None, "film": None, "contact": {"film": None}}
 CHANGES = {
@@ -36,14 +36,14 @@ CHANGES = {
 def planned(name: str, change: str) -> tuple[Design, Layout]:
     """What is poured, flat and without slots, and where its mold's bores lie."""
     design = skincad.load(name).with_(**BARE).with_(**CHANGES[change])
-    design = poured(design.with_(mold={"cavities": 1}))
+    design = scaled_for_shrinkage(design.with_(mold={"cavities": 1}))
     return design, layout(design, section(design))[0]
 
 
 @cache
 def possible() -> list[tuple[Design, Layout]]:
-    found = [planned(name, change) for name in template_names()[::3] for change in CHANGES]
-    return [each for each in found if not list(refused_lids(*each))]
+    plans = [planned(name, change) for name in template_names()[::3] for change in CHANGES]
+    return [plan for plan in plans if not list(refused_lids(*plan))]
 
 
 def at(bore: Bore) -> tuple[float, float]:
@@ -184,9 +184,9 @@ def test_a_reservoir_is_refused_outside_the_range_told_and_taken_at_its_ends() -
         cover(design.with_(mold={"reservoir": 1.0}), place)
     words = str(refused.value).split()
     low, high = float(words[4]), float(words[6])
-    for taken in (low + 0.01, high - 0.01):
-        (cup,) = bores(cover(design.with_(mold={"reservoir": taken}), place), CutRole.RESERVOIR)
-        assert cup.far_radius == taken / 2
+    for diameter in (low + 0.01, high - 0.01):
+        (cup,) = bores(cover(design.with_(mold={"reservoir": diameter}), place), CutRole.RESERVOIR)
+        assert cup.far_radius == diameter / 2
     for wrong in (low - 0.01, high + 0.01, 50.0):
         (again,) = refused_lids(design.with_(mold={"reservoir": wrong}), place)
         assert again.rule == refused.value.rule  # whatever was asked

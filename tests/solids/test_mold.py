@@ -33,9 +33,9 @@ def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
     closed = mold(yamada)
     thicker = mold(yamada.with_(slot={"thickness": 0.08}))
     parts = tuple(thicker.part(p.name) if p.name.startswith("shim") else p for p in closed.parts)
-    found = interference(type(closed)(parts, closed.opening), 1e-3)
-    assert {f.rule for f in found} == {"interference"}
-    assert any("end-a-comb" in f.where for f in found)
+    findings = interference(type(closed)(parts, closed.opening), 1e-3)
+    assert {f.rule for f in findings} == {"interference"}
+    assert any("end-a-comb" in f.where for f in findings)
 
 
 def test_an_undercut_is_judged_by_its_own_rule_not_as_interference() -> None:
@@ -315,8 +315,8 @@ def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
     closed = mold(cast)
     tab = Part("strip-5-S3", PartRole.STRIP, box(0.026, (-24.0, -16.0), (-7.5, -4.5), "y"))
     tabbed = ClosedMold((*closed.parts, tab), closed.opening)
-    found = interference(tabbed, 1e-3)
-    assert {f.where for f in found} == {
+    findings = interference(tabbed, 1e-3)
+    assert {f.where for f in findings} == {
         "end-a-comb against strip-5-S3, opening along y",
         "end-a-keeper against strip-5-S3, opening along y",
     }

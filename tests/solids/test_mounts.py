@@ -24,14 +24,14 @@ from skincad.solids.mounts import fiducial_bores
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.shrinkage import poured
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.mounted import IN_LINE, NAMES, mounted_design
 
 HOLES = (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL)
 SLACK = 1e-9  # mm, rounding
 
 
-def asked(design: Design) -> list[tuple[float, float]]:
+def requested(design: Design) -> list[tuple[float, float]]:
     """Where the keys say that screws are, by another formula than the program's."""
     mount = design.mount
     assert mount is not None
@@ -70,7 +70,7 @@ def test_holes_lie_where_the_keys_say_inside_and_apart(name: str) -> None:
     closed = mold(design)
     part, over = closed.part("carrier"), closed.part("cover")
     screws, all_holes = bores(part, CutRole.MOUNT), bores(part, *HOLES, CutRole.PULL)
-    places = asked(design)
+    places = requested(design)
     assert len(screws) == len(places) > 0
     assert all(min(math.dist(at(screw), place) for place in places) < SLACK for screw in screws)
     assert len(bores(part, CutRole.MOUNT_PIN)) == (design.mount.pin is not None)
@@ -218,12 +218,12 @@ def test_the_most_that_is_told_is_taken_and_no_more(name: str) -> None:
 
 def test_a_dimple_is_refused_rather_than_drawn_to_the_middle() -> None:
     """All but the carrier's inner third is taken: three there would lie too near to each other to tell."""
-    design = poured(skincad.load("gripper-pad").with_(mount={"fiducials": 3}))
+    design = scaled_for_shrinkage(skincad.load("gripper-pad").with_(mount={"fiducials": 3}))
     place = layout(design, section(design))[0]
     x, y = place.trough - 1.7, place.end - 1.7  # of a corner's dimple, about
     free = 0.3 * math.hypot(x, y)
     ring = [cmath.rect(math.hypot(x, y), math.radians(2 * i)) for i in range(180)]
-    taken = [((z.real, z.imag, 0.0), math.hypot(x, y) - free) for z in ring]
+    occupied = [((z.real, z.imag, 0.0), math.hypot(x, y) - free) for z in ring]
     with pytest.raises(InputError, match=r"^mount.fiducials: finds no room"):
-        fiducial_bores(design, place, taken)
+        fiducial_bores(design, place, occupied)
     assert len(fiducial_bores(design, place, [])) == 3

@@ -7,7 +7,7 @@ from skincad.fabrication.meshes import manifold
 from skincad.shape.curves import Point, loop
 from skincad.solids.body import Bore, Prism, Revolved, Turned
 from skincad.solids.grid import Grid
-from skincad.solids.plan import Part, box, own, turned
+from skincad.solids.plan import Part, box, turned, unturned
 from skincad.solids.roles import PartRole
 from skincad.solids.swept import swept
 
@@ -41,8 +41,8 @@ def test_a_pin_moved_across_its_axis_is_refused() -> None:
 def test_moved_aside_a_prism_sweeps_its_shadow_along_the_heading() -> None:
     part = Part("p", PartRole.COVER, box(1.0, (0.0, 2.0), (0.0, 1.0), "y"))
     path = swept(part, (math.sin(0.3), -math.cos(0.3)), 5.0, 1e-3)
-    across = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
-    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * across), rel=1e-12)
+    width = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
+    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * width), rel=1e-12)
 
 
 def test_a_blind_hole_leaves_no_way_open_in_what_is_swept() -> None:
@@ -59,7 +59,7 @@ def test_a_pin_along_y_moved_down_sweeps_a_stadium() -> None:
 def test_a_turned_part_has_its_own_frame_and_is_swept_along_its_own_y() -> None:
     plate = Part("p", PartRole.COVER, box(2, (5, 6), (0, 4), "y"), (Bore((0, 5, 2), "y", 1.0, 0.5),))
     leaning = turned(plate, 20.0, 0.3, 5.0)
-    assert own(leaning) == plate
+    assert unturned(leaning) == plate
     assert leaning.volume == plate.volume
     path = swept(leaning, "y", 3.0, 1e-3)
     assert path.volume == pytest.approx(4 * plate.volume, rel=1e-14)

@@ -60,12 +60,12 @@ def test_lines_nearly_parallel_or_square_to_the_axis_are_as_drawn() -> None:
     """The kernel makes cylinders and planes of lines that slant by less than its tolerance."""
     draw = random.Random(3)
     for _ in range(60):
-        aside, up = (draw.choice([0.0, 10 ** draw.uniform(-16, -2)]) for _ in range(2))
-        points = [Point(-0.5, 0.0), Point(0.5, up), Point(0.5 + aside, 2.0 + up), Point(aside - 0.5, 2.0)]
+        offset, up = (draw.choice([0.0, 10 ** draw.uniform(-16, -2)]) for _ in range(2))
+        points = [Point(-0.5, 0.0), Point(0.5, up), Point(0.5 + offset, 2.0 + up), Point(offset - 0.5, 2.0)]
         radius = 10 ** draw.uniform(1, 3)
         part = Part("wedge", PartRole.SKIN, Revolved(curves.loop(points), -radius, -1 / radius, 1 / radius))
         # rounding of 1e-12 mm on a face of 2 mm by 2 mm, and that of the radius
-        assert solid(part).Volume() == pytest.approx(part.volume, rel=5e-12), (aside, up)
+        assert solid(part).Volume() == pytest.approx(part.volume, rel=5e-12), (offset, up)
 
 
 @pytest.mark.slow
@@ -128,13 +128,13 @@ def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
     """By default its tolerance is relative: measured 2.9 times the asked one, 0.8 where it is absolute."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
 
-    part, asked = skin_part(bent(yamada, 30.0)), 5e-3
+    part, tolerance = skin_part(bent(yamada, 30.0)), 5e-3
     shape = solid(part)
-    BRepMesh_IncrementalMesh(shape.wrapped, asked, relative, 0.5, False)
-    corners, faces = shape.tessellate(asked, 0.5)  # reads the mesh that is there
+    BRepMesh_IncrementalMesh(shape.wrapped, tolerance, relative, 0.5, False)
+    corners, faces = shape.tessellate(tolerance, 0.5)  # reads the mesh that is there
     theirs = trimesh.Trimesh(np.array([c.toTuple() for c in corners]), np.array(faces), process=False)
-    assert least * asked < measure(part, theirs, asked).deviation < most * asked
-    assert measure(part, mesh(part, asked), asked).deviation <= 1.1 * asked
+    assert least * tolerance < measure(part, theirs, tolerance).deviation < most * tolerance
+    assert measure(part, mesh(part, tolerance), tolerance).deviation <= 1.1 * tolerance
 
 
 def test_skin_is_symmetric_about_both_planes(yamada: Design) -> None:

@@ -15,7 +15,15 @@ from skincad.solids.layout import cavity_process
 from skincad.solids.mold import mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
-from skincad.solids.screws import DIAMETER, LENGTHS, blind, engagement, into, longer, torque
+from skincad.solids.screws import (
+    DIAMETER,
+    LENGTHS,
+    blind_depth,
+    engagement,
+    screw_for,
+    standard_length,
+    torque,
+)
 from tests.bent_skin import three_ridges
 
 LISTED = {5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120}  # ISO 4762
@@ -27,21 +35,21 @@ def test_every_screw_is_in_the_standard_and_ends_free_in_its_hole(name: str) -> 
     design = three_ridges() if name == "bent" else skincad.load(name)
     closed = mold(design)
     text = casting_sheet(design, closed, [], "", True)
-    lengths = [int(each) for each in re.findall(r"M3 x (\d+)", text)]
+    lengths = [int(size) for size in re.findall(r"M3 x (\d+)", text)]
     assert len(lengths) == 2
     assert set(lengths) <= LISTED
     cover, blocks = closed.first(PartRole.COVER), closed.of(*CAVITIES)
     ((count, long),) = re.findall(r"(\d+) M3 x (\d+) for the cover", text)
     assert int(count) == len(bores(cover, CutRole.COVER_BOLT))
-    grip = cover.body.high - cover.body.low
-    grip += max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
+    clamped = cover.body.high - cover.body.low
+    clamped += max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
     hole = min(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     washers = re.search(r"for the cover.*?, (\d+) washers", text)
-    held = int(long) - grip - (0.5 * int(washers[1]) if washers else 0.0)
+    engaged = int(long) - clamped - (0.5 * int(washers[1]) if washers else 0.0)
     process = cavity_process(design)
     tap = 0.0 if closed.of(PartRole.BASE) or process.thread != "tapped" else 2.5  # a split base's are open
-    assert hole - held >= 1.0 + tap - 1e-9
-    assert held >= 1.25 * 3 - 1e-9
+    assert hole - engaged >= 1.0 + tap - 1e-9
+    assert engaged >= 1.25 * 3 - 1e-9
     if name != "bent":  # along y: through both plates, and a nut or the thread of the second
         ends = [p for p in closed.of(*END_PLATES) if p.end == "b"]
         tapped = any(bores(p, CutRole.END_THREAD) for p in ends)
@@ -52,21 +60,21 @@ def test_a_blind_hole_is_as_deep_as_its_screw_needs_and_no_deeper() -> None:
     known = processes()
     for name in PROCESSES:
         process = known[name]
-        for grip in (1.0, 4.0, 4.5, 10.0, 33.3):
-            deep = blind(grip, process)
-            long, washers = into(grip, deep, process)
-            assert (long, washers) == (longer(grip + engagement(process)), 0)
-            assert into(grip, deep - 0.4, process)[1] <= 1
+        for clamped in (1.0, 4.0, 4.5, 10.0, 33.3):
+            deep = blind_depth(clamped, process)
+            long, washers = screw_for(clamped, deep, process)
+            assert (long, washers) == (standard_length(clamped + engagement(process)), 0)
+            assert screw_for(clamped, deep - 0.4, process)[1] <= 1
             if process.thread == "tapped":
-                assert deep == pytest.approx(long - grip + 1.0 + 2.5, abs=1e-12)
-                assert into(grip, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
-                assert into(grip, deep - 2.5, process, bottomed=True) == (long, 0)
+                assert deep == pytest.approx(long - clamped + 1.0 + 2.5, abs=1e-12)
+                assert screw_for(clamped, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
+                assert screw_for(clamped, deep - 2.5, process, bottomed=True) == (long, 0)
 
 
 def test_lengths_are_the_next_of_the_list_and_beyond_it_a_rods() -> None:
     assert set(LENGTHS) == LISTED
-    assert [longer(v) for v in (1.0, 5.0, 5.01, 20.5, 120.0)] == [5.0, 5.0, 6.0, 25.0, 120.0]
-    assert longer(133.2) == 134.0
+    assert [standard_length(v) for v in (1.0, 5.0, 5.01, 20.5, 120.0)] == [5.0, 5.0, 6.0, 25.0, 120.0]
+    assert standard_length(133.2) == 134.0
     far = skincad.load("plain-ridges", ["skin.length=130"])
     assert "threaded rods with nuts at both ends: 4 M3 x 139 along y" in casting_sheet(
         far, mold(far), [], "", True
@@ -86,12 +94,12 @@ def test_torque_is_what_the_head_bears() -> None:
     known, ring = processes(), math.pi / 4 * (5.5**2 - 3.4**2)
     assert torque(known["sla"]) == torque(known["fdm"]) == pytest.approx(0.2 * 3e-3 * 20 * ring, abs=0.01)
     assert torque(known["edm"]) == pytest.approx(0.2 * 3e-3 * 60 * ring, abs=0.01)
-    assert "a torque of 0.17 N m" in casting_sheet(*_made("lab-bench"), [], "", True)
-    assert "a torque of 0.52 N m" in casting_sheet(*_made("yamada-2002"), [], "", True)
+    assert "a torque of 0.17 N m" in casting_sheet(*made_parts("lab-bench"), [], "", True)
+    assert "a torque of 0.52 N m" in casting_sheet(*made_parts("yamada-2002"), [], "", True)
     assert engagement(known["cnc"]) == 1.5 * DIAMETER
 
 
-def _made(name: str) -> tuple[skincad.Design, skincad.solids.mold.ClosedMold]:
+def made_parts(name: str) -> tuple[skincad.Design, skincad.solids.mold.ClosedMold]:
     design = skincad.load(name)
     return design, mold(design)
 

@@ -6,7 +6,7 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import section
 from skincad.shape.curves import area
 from skincad.solids.mold import mold
-from skincad.solids.shrinkage import poured, shrinkage
+from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
 
 
@@ -24,7 +24,7 @@ def test_the_cavity_shrinks_to_the_part(name: str) -> None:
 
 def test_every_point_of_the_outline_moves_away_from_the_backs_middle(yamada: Design) -> None:
     by = 1 / (1 - 0.01)
-    old, new = (section(d) for d in (yamada, poured(yamada.with_(mold={"shrinkage": 0.01}))))
+    old, new = (section(d) for d in (yamada, scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.01}))))
     for a, b in zip(old.outline, new.outline, strict=True):
         assert b.start == pytest.approx((by * a.start.x, by * a.start.z), abs=1e-12)  # rounding
         assert b.bulge == pytest.approx(a.bulge, rel=1e-9, abs=1e-12)
@@ -36,9 +36,9 @@ def test_every_point_of_the_outline_moves_away_from_the_backs_middle(yamada: Des
 def test_ones_own_shrinkage_goes_before_the_silicones(yamada: Design) -> None:
     assert shrinkage(yamada) == 0.001
     assert shrinkage(yamada.with_(mold={"shrinkage": 0.0})) == 0.0
-    assert section(poured(yamada.with_(mold={"shrinkage": 0.0}))) == section(yamada)
+    assert section(scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.0}))) == section(yamada)
 
 
 def test_what_is_poured_may_pass_a_keys_limit() -> None:
     flat = skincad.load("yamada-2002", ["skin.curvature_radius=1e8"])
-    assert poured(flat).skin.curvature_radius == pytest.approx(1e8 / 0.999)
+    assert scaled_for_shrinkage(flat).skin.curvature_radius == pytest.approx(1e8 / 0.999)

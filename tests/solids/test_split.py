@@ -14,7 +14,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.cross_section import SlotPlace, section
 from skincad.shape.curves import Point, Segment, area, polygon
-from skincad.solids.split import closed, notch_rise, path, split_edges, split_height
+from skincad.solids.split import closed_edge, notch_rise, path, split_edges, split_height
 
 HALF = 20.0  # mm, of the end plate
 DESIGNS = {
@@ -87,8 +87,8 @@ def test_notches_lead_from_the_circle_round_each_slot_with_the_clearance(name: s
             on_arc = abs(x) <= reach + 1e-9
             assert over_base(design, x, z) == pytest.approx(height, abs=1e-9) if on_arc else z == level
     ends = [
-        polygon(closed(comb, 10.0), 1e-9),
-        polygon(closed([s.reversed() for s in keeper[::-1]], -5.0), 1e-9),
+        polygon(closed_edge(comb, 10.0), 1e-9),
+        polygon(closed_edge([s.reversed() for s in keeper[::-1]], -5.0), 1e-9),
     ]
     block = shapely.box(-HALF, -5.0, HALF, 10.0)
     left = block.difference(shapely.union_all([shapely.Polygon(end) for end in ends]).buffer(1e-7))
@@ -98,12 +98,12 @@ def test_notches_lead_from_the_circle_round_each_slot_with_the_clearance(name: s
         notches, sorted(shape.slots, key=lambda s: s.at(0.0, -s.depth / 2).x), strict=True
     ):
         points = np.array(notch.exterior.coords) - slot.centre
-        across, along = points @ slot.across, points @ slot.direction
+        side, along = points @ slot.across, points @ slot.direction
         cast_in = design.mold.method == "cast-in"  # a strip stands on the notch's bottom
         assert along.max() == pytest.approx(slot.depth / 2 + (0.0 if cast_in else gap), abs=1e-6)
-        aside = rise(design, slot) * slot.direction.x  # what rises straight goes aside in a leaning slot
-        assert across.max() == pytest.approx(slot.thickness / 2 + gap + max(aside, 0.0), abs=1e-6)
-        assert across.min() == pytest.approx(-slot.thickness / 2 - gap + min(aside, 0.0), abs=1e-6)
+        shift = rise(design, slot) * slot.direction.x  # what rises straight goes aside in a leaning slot
+        assert side.max() == pytest.approx(slot.thickness / 2 + gap + max(shift, 0.0), abs=1e-6)
+        assert side.min() == pytest.approx(-slot.thickness / 2 - gap + min(shift, 0.0), abs=1e-6)
         low = sorted(notch.exterior.coords, key=lambda p: over_base(design, *p))[0]
         assert over_base(design, *low) == pytest.approx(height, abs=1e-5)
         assert along.min() < -slot.depth / 2  # the slit is open towards the keeper
@@ -126,7 +126,7 @@ def test_a_slot_that_turns_along_the_circle_has_no_mouth() -> None:
 def test_an_edge_is_closed_over_a_level_and_a_path_has_no_empty_steps() -> None:
     a, b, c = Point(-2.0, 1.0), Point(0.0, 2.0), Point(2.0, 1.0)
     edge = [Segment(a, b), Segment(b, c)]
-    above, below = closed(edge, 5.0), closed([s.reversed() for s in edge[::-1]], -1.0)
+    above, below = closed_edge(edge, 5.0), closed_edge([s.reversed() for s in edge[::-1]], -1.0)
     assert area(above) == pytest.approx(4 * 4 - 2, rel=1e-12)
     assert area(below) == pytest.approx(4 * 2 + 2, rel=1e-12)
     assert above[-1].end == a

@@ -9,8 +9,8 @@ import pytest
 from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import processes
 from skincad.solids.layout import INSERT_RADIUS
-from skincad.solids.screws import spare
-from skincad.solids.threads import METRIC, UNDER, blind_thread, least_thickness
+from skincad.solids.screws import run_out_room
+from skincad.solids.threads import LEAST_UNDER_HOLE, METRIC, blind_thread, least_thickness
 
 METAL, RESIN = processes()["edm"], processes()["sla"]
 # source: ISO 261 (diameter, coarse pitch), ISO 273 (medium clearance hole)
@@ -30,23 +30,25 @@ def test_the_drill_is_a_pitch_narrower_than_the_thread(name: str) -> None:
 @pytest.mark.parametrize("name", COARSE)
 def test_a_screw_has_its_thread_and_the_tap_its_run_out(name: str) -> None:
     diameter, pitch, _ = COARSE[name]
-    tapped, held = blind_thread(name, METAL), blind_thread(name, RESIN)
+    tapped, insert = blind_thread(name, METAL), blind_thread(name, RESIN)
     assert tapped.insert == ""
     assert tapped.least == diameter  # in metal
     assert tapped.depth - tapped.most == pytest.approx(5 * pitch, abs=1e-9)  # DIN 76-1, short
     assert tapped.most - tapped.least == pytest.approx(1.0)  # a screw of a standard length finds its place
-    assert held.insert == "glued"
-    assert held.most == METRIC[name].insert >= held.least == 1.5 * diameter
-    assert held.depth == pytest.approx(held.most + 1.0, abs=1e-9)
-    own = RESIN.model_copy(update={"thread": "tapped"})
-    assert blind_thread(name, own).least == 1.5 * diameter  # in plastic
+    assert insert.insert == "glued"
+    assert insert.most == METRIC[name].insert >= insert.least == 1.5 * diameter
+    assert insert.depth == pytest.approx(insert.most + 1.0, abs=1e-9)
+    process = RESIN.model_copy(update={"thread": "tapped"})
+    assert blind_thread(name, process).least == 1.5 * diameter  # in plastic
 
 
 def test_an_m3_is_the_mold_s_own() -> None:
     for process in (METAL, RESIN):
         blind = blind_thread("M3", process)
         assert 2 * blind.radius == (2.5 if not blind.insert else 2 * INSERT_RADIUS)
-        assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(spare(process))
+        assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(
+            run_out_room(process)
+        )
 
 
 def test_a_carrier_is_as_thick_as_the_deepest_hole_asks() -> None:
@@ -57,5 +59,5 @@ def test_a_carrier_is_as_thick_as_the_deepest_hole_asks() -> None:
         (Mount(fiducials=3, fiducial_depth=2.0), METAL, 2.0, "fiducials"),
     ):
         need, what = least_thickness(mount, process)
-        assert math.isclose(need, deepest + UNDER, abs_tol=1e-9)
+        assert math.isclose(need, deepest + LEAST_UNDER_HOLE, abs_tol=1e-9)
         assert word in what
