@@ -16,8 +16,8 @@ from time import perf_counter
 import cadquery as cq
 
 import skincad
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Point, Segment, loop
+from skincad.shape.skin import section
 from skincad.solids.body import Prism
 from skincad.solids.occ import solid, unchecked_solid
 from skincad.solids.plan import Part

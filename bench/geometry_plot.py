@@ -15,8 +15,9 @@ import numpy as np
 import skincad
 from skincad.inputs.design import Design
 from skincad.pictures.canvas import Axes, save, sheet
-from skincad.shape.cross_section import frame, section
+from skincad.shape.cross_section import frame
 from skincad.shape.curves import polygon
+from skincad.shape.skin import section
 
 SKIN, FILM, INK, HELP = "#eebda5", "#b3432b", "#14447a", "#8a8a8a"
 WORDS = {"color": INK, "family": "monospace"}

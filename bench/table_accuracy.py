@@ -18,8 +18,8 @@ from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.meshed import plane_piece
-from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers.linear import FLOOR, RUNGS
+from skincad.mechanics.problem import FLOOR, pad_of
+from skincad.mechanics.tiers.linear import RUNGS
 from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.tiers.table import AUTO, load
 from skincad.mechanics.touching import check

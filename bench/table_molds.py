@@ -20,7 +20,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
 from skincad.inputs.silicone import silicones
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.mold import mold
 
 COUNT = 2000

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
     from skincad.scenes.simulation import simulate as _simulate
-    from skincad.shape.cross_section import Section
+    from skincad.shape.skin import Section
     from skincad.solids.mold import mold_solids as _mold_solids
     from skincad.solids.skin import skin_solid as _skin_solid
     from skincad.studies.advice import advise as _advise

@@ -50,8 +50,8 @@ def section_figures(case: Case) -> Figures:
     """The exact section alone: area by Green's theorem and of a polygon within 1e-6 mm, slots."""
     import shapely
 
-    from skincad.shape.cross_section import section
     from skincad.shape.curves import area, polygon
+    from skincad.shape.skin import section
 
     found = section(case.design)
     outline = shapely.Polygon(polygon(found.outline, 1e-6))

@@ -8,7 +8,7 @@ from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.fasteners import Screws
 from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Revolved
 from skincad.solids.inserts import GRIP
 from skincad.solids.layout import end_angle
@@ -38,11 +38,13 @@ def under_heads(washers: int) -> str:
 
 def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
     """Return what to buy for the slots: shims cut as arcs, with the radius of each."""
-    slot, radius = design.slot, design.skin.curvature_radius_y
+    slot, radius = skin_of(design).slot, design.skin.curvature_radius_y
     if slot is None or radius is None:
         return []
     size = f"{slot.thickness:g} x {slot.depth:g} mm"
-    arms = [f"{s.ridge} {s.side} {arc_radius(design, s.ridge, s.side):.2f}" for s in section(design).slots]
+    arms = [
+        f"{s.feature} {s.side} {arc_radius(design, s.feature, s.side):.2f}" for s in section(design).slots
+    ]
     strain, joint, film = 100 * shim_bend(design), lap(design), design.film
     thin = ""
     if joint is not None and film is not None and joint.tail < slot.thickness:
@@ -68,14 +70,14 @@ def arc_radius(design: Design, ridge: int, side: str) -> float:
     """Return the radius of a slot's shim laid flat, mm: it is a part of a cone whose lines run along its
     depth, so the distance along them from the axis to the middle of the depth."""
     poured_design = scaled_for_shrinkage(design)
-    slot = next(s for s in section(poured_design).slots if (s.ridge, s.side) == (ridge, side))
+    slot = next(s for s in section(poured_design).slots if (s.feature, s.side) == (ridge, side))
     radius = poured_design.skin.curvature_radius_y or math.inf
     return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)
 
 
 def close_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
     """Return how the mold is closed and filled, after cleaning."""
-    if design.slot is None:
+    if skin_of(design).slot is None:
         ends = f"Lay the carrier on its ledge ({back}); the end plates lean over it and are screwed on next."
     else:
         ends = (

@@ -19,6 +19,7 @@ from skincad.fabrication.pattern import GLUED_LENGTH
 from skincad.fabrication.strips import GRAVITY, strip
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.inserts import drawing_end
 
 NUMBERS = (
@@ -37,12 +38,13 @@ ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 
 def strip_count(design: Design) -> int:
     """Return how many strips go into the skins of a mold."""
-    return 2 * design.ridge.count * design.mold.cavities if design.slot else 0
+    skin = skin_of(design)
+    return 2 * skin.count * design.mold.cavities if skin.slot else 0
 
 
 def release_agent_places(design: Design) -> str:
     """Return where release agent goes, and what it is kept from, so that films hold."""
-    if design.slot is None:
+    if skin_of(design).slot is None:
         return "cavity, end plates and cover; none on the carrier."
     if design.film is None:
         shims = "cover and shims" if design.mold.method == "shim" else "cover"
@@ -196,7 +198,8 @@ def _wired(design: Design) -> str:
 
 def bonding_kit(design: Design) -> list[str]:
     """Return what is to be bought so that films go in and hold, with amounts; nothing without film."""
-    film, slot, rod, pull = design.film, design.slot, strip(design), pull_test(design)
+    skin = skin_of(design)
+    film, slot, rod, pull = design.film, skin.slot, strip(design), pull_test(design)
     if film is None or slot is None or rod is None or pull is None:
         return []
     strips, cast_in, most = strip_count(design), lap(design) is None, strips_per_mix(design)
@@ -208,7 +211,7 @@ def bonding_kit(design: Design) -> list[str]:
         f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, sputtered metal on both faces, "
         f"patterned and cut by strips.dxf or strips.svg, its + side up, {sheets}and {spare} to spare",
         f"{2 * strips} crimp contacts for flat cable, {PITCH:g} mm apart: one for each pad; for each skin a "
-        f"pin header of 2 x {2 * design.ridge.count}, {PITCH:g} mm, on a board by strip-board.kicad_mod",
+        f"pin header of 2 x {2 * skin.count}, {PITCH:g} mm, on a board by strip-board.kicad_mod",
         f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
         "ml, and a fine brush",
         f"isopropanol, {math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped)} ml, and {wiped} lint-free wipes",

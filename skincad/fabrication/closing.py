@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from skincad.fabrication.fasteners import end_screws
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.closing import MOST_BOW, SEAL_PLAY, SHEETS, bow, thick_enough
 from skincad.solids.layout import STOCK, cavity_process, layout, lid_process, stack_error
 from skincad.solids.mold import ClosedMold, mold

@@ -19,7 +19,7 @@ from skincad.fabrication.printed_heights import (
 )
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.shape.crests import summits
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.shrinkage import shrinkage
 
@@ -53,10 +53,11 @@ class Crests(NamedTuple):
 
 def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     """Return the limits of a cast skin's crests."""
-    process, count = processes(design.printer)[design.mold.process], design.ridge.count
+    skin = skin_of(design)
+    process, count = processes(design.printer)[design.mold.process], skin.count
     printed = printed_crests(design, closed)
     step, offset = 0.0 if printed else unknown_step(process), offset_of(design)
-    heights = tuple(high + offset for high in printed or summits(design))
+    heights = tuple(high + offset for high in printed or skin.crests)
     sigma = math.hypot(process.crest_sigma, step / math.sqrt(12))  # a step falls anywhere
     deviations = NormalDist().inv_cdf(1 - REJECTED_SHARE / 2 / (count + OTHER_ROWS))
     read = math.hypot(sigma, GAUGE_SIGMA)
@@ -86,13 +87,14 @@ def offset_of(design: Design) -> float:
 
 def _span(design: Design) -> float:
     """Return how far it is from the first crest to the last, by the distance of the ledge's two sides."""
-    return (design.ridge.count - 1) * design.ridge.spacing / design.skin.width
+    skin = skin_of(design)
+    return (skin.count - 1) * skin.pitch / design.skin.width
 
 
 def layer_remarks(design: Design, closed: ClosedMold, crests: Crests) -> tuple[str, ...]:
     """Return what layers do to the crests."""
     process, meant_all = processes(design.printer)[design.mold.process], offset_of(design)
-    meant = tuple(high + meant_all for high in summits(design))
+    meant = tuple(high + meant_all for high in skin_of(design).crests)
     if crests.heights == meant and crests.layers_known:
         return ()
     if not crests.layers_known:
@@ -148,14 +150,15 @@ def undecided_margin(margin: float, allowed_drops: tuple[float, ...]) -> float:
 def verdict_remark(design: Design, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
     """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
     each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
-    if design.ridge.count == 1:
+    skin = skin_of(design)
+    if skin.count == 1:
         return "One ridge touches in any case: its height changes no verdict."
     if not allowed_drops:
         return (
             "The check leaves no margin or was not asked: the limits say what the process does, not whether "
             "all ridges touch."
         )
-    drops = [meant - out for meant, out in zip(summits(design), crests.heights, strict=True)]
+    drops = [meant - out for meant, out in zip(skin.crests, crests.heights, strict=True)]
     which = min(range(len(drops)), key=lambda i: allowed_drops[i] - drops[i])
     room = allowed_drops[which] - (drops[which] - min(drops))
     if math.isinf(room):

@@ -8,7 +8,8 @@ from skincad.base.errors import InputError
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.solids.undercut import SAFE_SHARE, VISIBLE, safe_strain, split_ridges, squeezes, undercuts
+from skincad.shape.skin import VISIBLE, skin_of
+from skincad.solids.undercut import SAFE_SHARE, safe_strain, split_ridges
 
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 
@@ -19,9 +20,10 @@ def freeing_widths(design: Design) -> tuple[float | None, float | None]:
     A flank from (root / 2, -s) to (tip / 2, h - c) in the ridge's frame, s the base circle's fall over half a
     root, has the draft of the ridge's lean. A little is added, so that the design's own test finds none.
     """
-    ridge, radius = design.ridge, design.skin.curvature_radius
+    skin = skin_of(design)
+    ridge, radius = skin.profile, design.skin.curvature_radius
     worst = least_drafted_ridge(design)
-    slope, height = 2 * math.tan(abs(design.lean(worst))), design.heights[worst - 1]
+    slope, height = 2 * math.tan(abs(skin.lean(worst))), skin.heights[worst - 1]
 
     def draft(root: float) -> float:
         return slope * (height - ridge.crown + root**2 / (8 * radius)) + 4 * VISIBLE
@@ -39,16 +41,17 @@ def freeing_widths(design: Design) -> tuple[float | None, float | None]:
 
 def least_drafted_ridge(design: Design) -> int:
     """Return the ridge whose flanks need most draft: of ridges alike the outermost."""
+    skin = skin_of(design)
     needs = [
-        math.tan(abs(design.lean(ridge))) * (height - design.ridge.crown)
-        for ridge, height in enumerate(design.heights, 1)
+        math.tan(abs(skin.lean(ridge))) * (height - skin.profile.crown)
+        for ridge, height in enumerate(skin.heights, 1)
     ]
     return needs.index(max(needs)) + 1
 
 
 def _leaves_freely(design: Design, key: str, value: float) -> bool:
     try:
-        return not any(undercuts(design.with_(ridge={key: value})).values())
+        return not any(u.width for u in skin_of(design.with_(ridge={key: value})).undercuts.values())
     except InputError:
         return False
 
@@ -57,7 +60,11 @@ def undercut_findings(design: Design) -> list[Finding]:
     """Return a finding for every ridge that is squeezed on its way out; an error beyond what is safe. One
     whose groove is split leaves freely."""
     limit, free = safe_strain(design), split_ridges(design)
-    caught = {r: undercut for r, undercut in squeezes(design).items() if undercut.width > 0 and r not in free}
+    caught = {
+        r: undercut
+        for r, undercut in skin_of(design).undercuts.items()
+        if undercut.width > 0 and r not in free
+    }
     if not caught:
         return []
     material = silicone(design)
@@ -88,5 +95,5 @@ def _cure(design: Design) -> str:
         "a larger curvature_radius, or fewer ridges",
     ]
     worst = least_drafted_ridge(design)
-    freed = "the outermost ridge" if worst in (1, design.ridge.count) else f"ridge {worst}"
+    freed = "the outermost ridge" if worst in (1, skin_of(design).count) else f"ridge {worst}"
     return ", or ".join(way for way in ways if way) + f" frees {freed}"

@@ -20,6 +20,7 @@ from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import MOST_PULL, PVDF_YIELD
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.layout import end_process
 from skincad.solids.undercut import SAFE_SHARE
 
@@ -51,7 +52,7 @@ def lap(design: Design) -> Lap | None:
 
     A notch may come out narrower by its process's growth and tolerance, but is lapped until its shim goes in.
     """
-    slot, film = design.slot, design.film
+    slot, film = skin_of(design).slot, design.film
     if slot is None or film is None or design.mold.method != "shim":
         return None
     tail, notch = slot.thickness, None
@@ -74,7 +75,7 @@ def drawing_time(design: Design) -> float:
     Couette flow in the coats on both faces, over the whole length, drags with 2 mu b l^2 / (coat t); that may
     be `MOST_PULL` of the film's yield force. The lap's own friction is the shim's to bear, not the film's.
     """
-    slot, film = design.slot, design.film
+    slot, film = skin_of(design).slot, design.film
     if slot is None or film is None:
         raise ValueError("without a film nothing is drawn in")
     coat = max((slot.thickness - film.thickness) / 2, COAT_THICKNESS)
@@ -102,7 +103,7 @@ class Pull(NamedTuple):
 def pull_test(design: Design) -> Pull | None:
     """Return the pull that shows that a strip holds: `MOST_PULL` of the film's yield force, or of what the
     least bond worth having would take in shear, if that is less. None without film."""
-    slot, film = design.slot, design.film
+    slot, film = skin_of(design).slot, design.film
     if slot is None or film is None:
         return None
     faces = 2 * slot.depth * design.skin.length
@@ -123,7 +124,7 @@ def drawing_findings(design: Design) -> list[Finding]:
 
 def _notches(design: Design, joint: Lap) -> Iterator[Finding]:
     """The lap against the combs' notches, where they are on its way; and the contact that stays out."""
-    slot, film, choice = design.slot, design.film, design.mold
+    slot, film, choice = skin_of(design).slot, design.film, design.mold
     if joint.notch is None or slot is None or film is None:
         return
     if joint.stack > joint.notch + 1e-6:  # mm; a nanometre is rounding
@@ -145,10 +146,11 @@ def _notches(design: Design, joint: Lap) -> Iterator[Finding]:
 
 def _slot(design: Design, joint: Lap) -> Iterator[Finding]:
     """The lap against the slot's soft walls, which must not tear round it."""
+    slot = skin_of(design).slot
     limit = SAFE_SHARE * silicone(design).elongation_at_break
-    if joint.stretch <= limit or design.slot is None:
+    if joint.stretch <= limit or slot is None:
         return
-    deeper = (joint.stack - design.slot.thickness) / limit - design.slot.thickness
+    deeper = (joint.stack - slot.thickness) / limit - slot.thickness
     remedy = f"slot.depth of {math.ceil(1e3 * deeper) / 1e3:g} mm or more, a thinner film"
     remedy += ', a silicone that stretches further, or mold.method = "cast-in"'
     where = "lap of film and shim, stretching the slot's walls"

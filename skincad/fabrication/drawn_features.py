@@ -10,8 +10,9 @@ from typing import Literal, NamedTuple
 
 from skincad.fabrication.drawing_views import ABOVE, FRONT, LIDS
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import SlotPlace, frame, section
 from skincad.shape.curves import Loop, Point
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Prism, Turned
 from skincad.solids.layout import layout
 from skincad.solids.plan import Part, unturned
@@ -176,7 +177,7 @@ def slits(design: Design, part: Part) -> tuple[Slit, ...]:
     return tuple(_slit(design, slot, body.outline, shift, mirrored) for slot in shape.slots)
 
 
-def _slit(design: Design, slot: SlotPlace, outline: Loop, shift: float, mirrored: float) -> Slit:
+def _slit(design: Design, slot: SensorPlace, outline: Loop, shift: float, mirrored: float) -> Slit:
     """The outline's corners that are nearest to where the slot ends are the slit's bottom, their neighbours
     its mouth."""
     gap = design.mold.slit_clearance
@@ -196,7 +197,7 @@ def _slit(design: Design, slot: SlotPlace, outline: Loop, shift: float, mirrored
     depth = math.dist(bottom, mouth)
     out = mirrored * (mouth[0] - bottom[0]) / depth, (mouth[1] - bottom[1]) / depth
     width = math.dist(corners[low], corners[high])
-    return Slit(slot.ridge, slot.side, (mirrored * bottom[0], bottom[1]), width, depth, out)
+    return Slit(slot.feature, slot.side, (mirrored * bottom[0], bottom[1]), width, depth, out)
 
 
 def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
@@ -204,11 +205,11 @@ def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
     body = (part.straight or part).body
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
-    cast, rows, shift = scaled_for_shrinkage(design), [], skins_at(design)[0]
-    cut = {s.ridge for s in body.outline if s.ridge is not None}
-    for ridge, high in enumerate(cast.heights, 1):
-        if ridge in cut:
-            summit = frame(cast, ridge).at(0.0, high)
-            lean, sizes = -math.degrees(cast.lean(ridge)), (cast.ridge.root_width, cast.ridge.tip_width)
-            rows.append(Groove(ridge, (summit.x + shift, -summit.z), lean, high, *sizes))
+    cast, rows, shift = skin_of(scaled_for_shrinkage(design)), [], skins_at(design)[0]
+    cut = {s.feature for s in body.outline if s.feature is not None}
+    for placed in cast.placed:
+        if placed.number in cut:
+            shape, summit, lean = placed.feature, placed.summit, -math.degrees(placed.lean)
+            place = (summit.x + shift, -summit.z)
+            rows.append(Groove(placed.number, place, lean, shape.height, shape.root_width, shape.tip_width))
     return tuple(rows)

@@ -22,6 +22,7 @@ from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, loop, rectangle
+from skincad.shape.skin import skin_of
 
 PITCH = 2.54  # mm, source: 0.1 inch, crimps and clinchers for flat cable (TE 108-9024, FCI BUS-12-022)
 PAD = (3.0, 1.5)  # mm, length and width; assumption: those crimps' conductors are 1.27 wide (TE 108-9024)
@@ -115,11 +116,12 @@ def strip_capacitance(design: Design) -> Capacitance:
     Its error: the faces' overlap where both are off by the registration across the strip, the film's
     permittivity and thickness. Call where there are film and slot.
     """
+    slot = skin_of(design).slot
     assert design.film is not None
-    assert design.slot is not None
+    assert slot is not None
     film = design.film
     value = capacitance(electrode(design), film.thickness, PERMITTIVITY[0]) / PICO
-    narrower = 2 * film.registration / (design.slot.depth - 2 * film.margin)
+    narrower = 2 * film.registration / (slot.depth - 2 * film.margin)
     share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
     return Capacitance(value, share * value, COPLANAR * (film.lead + tab(film)[0]))
 
@@ -135,9 +137,10 @@ def past_tabs(design: Design) -> str:
 
 def electrode_findings(design: Design) -> list[Finding]:
     """Return the rules `lead width`, `electrode margin` and `strip tab`; none without film."""
-    if design.film is None or design.slot is None:
+    slot = skin_of(design).slot
+    if design.film is None or slot is None:
         return []
-    film, depth = design.film, design.slot.depth
+    film, depth = design.film, slot.depth
     return [*_lead(film, depth), *_margin(film), *_tab(design, film)]
 
 

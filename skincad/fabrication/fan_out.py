@@ -16,7 +16,8 @@ import shapely
 from skincad.fabrication.electrodes import PITCH, half_tab
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import SlotPlace, section
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import section, skin_of
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
@@ -27,7 +28,7 @@ class FanOut(NamedTuple):
     """Strips by x, the least distance of two neighbours' tabs as their slots hold them and between slots, how
     far the outermost is bent aside, and the lead that takes, mm."""
 
-    strips: tuple[SlotPlace, ...]
+    strips: tuple[SensorPlace, ...]
     tab_gap: float
     spacing: float
     offset: float
@@ -36,7 +37,7 @@ class FanOut(NamedTuple):
 
 def fan_out(design: Design) -> FanOut | None:
     """Return how the strips of one skin spread to a board's grid of `PITCH`; None without film."""
-    film, slot = design.film, design.slot
+    film, slot = design.film, skin_of(design).slot
     if film is None or slot is None:
         return None
     cast = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design
@@ -75,8 +76,9 @@ def fan_out_steps(design: Design) -> list[str]:
         else f"film.lead is {film.lead:g} mm, so give the outer ones single plugs on wires"
     )
     return [
-        f"Bring the tabs to a board (strip-board.kicad_mod), strip by strip from {first.ridge} {first.side} "
-        f"to {last.ridge} {last.side}.{crossed} Turn each tab upright, its cut corner to the ridges, crimp a "
+        f"Bring the tabs to a board (strip-board.kicad_mod), strip by strip from {first.feature} "
+        f"{first.side} to {last.feature} {last.side}.{crossed} Turn each tab upright, its cut corner to the "
+        "ridges, crimp a "
         f"contact on each pad, and spread the tabs from {spread.spacing:.2f} mm at the slots to {PITCH:g} "
         "mm. "
         f"The outermost ones go {spread.offset:.1f} mm aside, in a lead of {spread.lead:.1f} mm at least; "

@@ -186,11 +186,11 @@ def _surfaces(closed: ClosedMold) -> list[_Surface]:
                 _Surface(part.name, f"{part.role.label} of ridge {part.body.outline[0].ridge}", True, edge)
             )
     segments = [*body.outline, *(s for hole in body.holes for s in hole)]
-    for segment in sorted(segments, key=lambda s: (s.ridge is None, s.kind != "back")):
+    for segment in sorted(segments, key=lambda s: (s.feature is None, s.kind != "back")):
         along = segment.points(np.linspace(0, 1, segment.pieces(CHORD) + 1))
         name = {"back": "carrier", "side": "side of the cavity", "base": "valley"}.get(segment.kind)
-        name = name or f"{segment.kind.replace('_', ' ')} of ridge {segment.ridge}"
-        surfaces.append(_Surface(name, segment.kind, segment.ridge is not None, shapely.LineString(along)))
+        name = name or f"{segment.kind.replace('_', ' ')} of ridge {segment.feature}"
+        surfaces.append(_Surface(name, segment.kind, segment.feature is not None, shapely.LineString(along)))
     return surfaces
 
 

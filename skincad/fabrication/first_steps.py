@@ -8,6 +8,7 @@ from skincad.fabrication.bore_fits import PINNED, THREADED, is_pressed, process_
 from skincad.fabrication.rules import coating
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, bores
 
@@ -60,10 +61,11 @@ def _pinning(parts: list[Part]) -> Iterator[str]:
 
 def _dry_fit(design: Design) -> str:
     """What must fit before silicone is mixed."""
+    slot = skin_of(design).slot
     fits = ["end plates and cover slide onto their pins", "the carrier drops onto its ledge"]
-    if design.slot is not None and design.mold.method == "shim":
+    if slot is not None and design.mold.method == "shim":
         fits.append("each shim drops into its notches by itself")
-    elif design.slot is not None and design.film is not None:
+    elif slot is not None and design.film is not None:
         fits.append("a spare strip drops into each notch by itself")
     return f"Try, dry: {_listed(fits)}."
 

@@ -26,8 +26,8 @@ from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
-from skincad.shape.cross_section import section
 from skincad.shape.curves import area, length
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Bore
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import ClosedMold
@@ -77,31 +77,31 @@ def inspection(
     crests = crest_limits(design, closed)
     said = [*layer_remarks(design, closed, crests), *thickness_remarks(design, crests)]
     said.append(verdict_remark(design, crests, allowed_drops, margin))
-    if design.skin.curvature_radius_y is None and design.ridge.count > 1:
+    if design.skin.curvature_radius_y is None and skin_of(design).count > 1:
         said.append(MEASURED_NOTE)
     return Inspection(crests, tuple(_measures(design, closed, crests)), tuple(said))
 
 
 def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measure]:
-    known, skin, ridge = processes(design.printer), design.skin, design.ridge
+    known, base, skin = processes(design.printer), design.skin, skin_of(design)
     body = known[design.mold.process]
     end = known[design.mold.end_plate_process or design.mold.process]
-    mean, place = math.fsum(crests.heights) / ridge.count, "the flat back"
-    if skin.curvature_radius_y is not None:
+    mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
+    if base.curvature_radius_y is not None:
         place = "the back, in the middle of its length"
     what, how = f"mean crest over {place}", "mean of the third column: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
-    if ridge.count > 1:
-        spans = ridge.count - 1
-        how = f"the line's rise from crest 1 to crest {ridge.count}"
+    if skin.count > 1:
+        spans = skin.count - 1
+        how = f"the line's rise from crest 1 to crest {skin.count}"
         rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
-        how = f"microscope, from crest 1 to crest {ridge.count}" + (f", by {spans}" if spans > 1 else "")
+        how = f"microscope, from crest 1 to crest {skin.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
-        rows.append(_size("mean pitch", ridge.spacing, 2 * body.tolerance / spans, tool, crests, how))
+        rows.append(_size("mean pitch", skin.pitch, 2 * body.tolerance / spans, tool, crests, how))
     what, end_to_end = _length(design)
     how = "callipers, lightly"
     near = walls_close(design, body)
-    wide, long = skin.width - 2 * near, end_to_end + 2 * near
+    wide, long = base.width - 2 * near, end_to_end + 2 * near
     rows.append(_size("width across the back", wide, 2 * body.tolerance, CALLIPERS, crests, how))
     rows.append(_size(what, long, 2 * end.tolerance, CALLIPERS, crests, how))
     return [*rows, _mass(design, closed, crests)]
@@ -164,10 +164,11 @@ def _hole_volume(design: Design, bore: Bore) -> float:
 
 def _films(design: Design) -> tuple[float, float]:
     """Mass of the trimmed films with leads and tabs, g, and the silicone's volume beside them, mm3."""
-    film, slot = design.film, design.slot
+    skin = skin_of(design)
+    film, slot = design.film, skin.slot
     if film is None or slot is None:
         return 0.0, 0.0
-    count, long = 2 * design.ridge.count, design.skin.length
+    count, long = 2 * skin.count, design.skin.length
     beside = section(design).slots[0].thickness - film.thickness
     glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
     trimmed = math.fsum(area(strip.trimmed) for strip in strip_patterns(design))

@@ -17,6 +17,7 @@ from skincad.fabrication.electrodes import past_tabs
 from skincad.fabrication.fan_out import fan_out_steps
 from skincad.fabrication.strip_steps import release_steps
 from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
 from skincad.solids.ends import gate
 from skincad.solids.layout import is_clamped
 from skincad.solids.mold import ClosedMold, Move
@@ -69,7 +70,7 @@ def _without_moves(lines: list[str]) -> list[OpeningStep]:
 def _removal_words(design: Design) -> list[str]:
     """How end plates and cover come off; the cover holds skin and carrier until the shims are out."""
     slides, tabs = "along y,", ""
-    if design.slot is not None:
+    if skin_of(design).slot is not None:
         cast_in = design.mold.method == "cast-in" and design.film
         tabs = f" {past_tabs(design)}" if cast_in else ""
         slides += " over the strips," if cast_in else " over the shims (hold these back by their other ends),"

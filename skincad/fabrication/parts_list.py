@@ -17,6 +17,7 @@ from skincad.fabrication.tolerances import material_words, process_words
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.body import Prism
 from skincad.solids.closing import SQUEEZED_SHARE
 from skincad.solids.inserts import PIN_RADIUS
@@ -82,6 +83,8 @@ def _estimate_cells(part: PartEstimate | None) -> list[str]:
 
 
 def _bought_items(design: Design, closed: ClosedMold) -> Iterator[Item]:
+    skin = skin_of(design)
+    slot = skin.slot
     lid, ends = cover_screws(design, closed), end_screws(design, closed)
     bent = design.skin.curvature_radius_y is not None
     for screws, place in ((ends, "end plates"), (lid, "cover")):
@@ -103,12 +106,12 @@ def _bought_items(design: Design, closed: ClosedMold) -> Iterator[Item]:
             size = f"sheet of {(seal.body.high - seal.body.low) / SQUEEZED_SHARE:.3g}, cut by seal.dxf"
             yield _item(1, "seal", size, "closed-cell EVA foam", "under the cover")
     shims = len(closed.of(PartRole.SHIM))
-    if shims and design.slot is not None:
-        size = f"{design.slot.thickness:g} x {design.slot.depth:g} x {shim_length(design, closed):g}"
+    if shims and slot is not None:
+        size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(design, closed):g}"
         yield _item(shims, "shim", size, "spring steel", "slots")
     if design.film is not None:
         size = f"{design.film.thickness:g} thick, cut by strips.dxf"
-        strips = design.mold.cavities * 2 * design.ridge.count
+        strips = design.mold.cavities * 2 * skin.count
         yield _item(strips, "film strip", size, "PVDF, electrodes on both faces", "slots")
     material = silicone(design)
     grams = poured_volume(design, closed) * material.density * 1e-6 + DEAD_VOLUME

@@ -29,8 +29,9 @@ from skincad.fabrication.electrodes import (
 )
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
-from skincad.shape.cross_section import SlotPlace, section
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import section, skin_of
 from skincad.solids.inserts import strip_overhangs
 from skincad.solids.plan import mirrored
 from skincad.solids.shrinkage import scaled_for_shrinkage
@@ -97,7 +98,7 @@ def pattern_notes(design: Design) -> list[str]:
     ]
 
 
-def _arc(design: Design, slot: SlotPlace) -> float:
+def _arc(design: Design, slot: SensorPlace) -> float:
     """A slot's arc along y by skin.length: 1 where it is straight."""
     radius = design.skin.curvature_radius_y
     return 1.0 if radius is None else 1 + (slot.centre.z - design.skin.thickness) / radius
@@ -105,16 +106,18 @@ def _arc(design: Design, slot: SlotPlace) -> float:
 
 def _edge_strain(design: Design) -> float:
     """Strain of a straight strip's edges in a slot that is bent along y."""
+    slot = skin_of(design).slot
     radius = design.skin.curvature_radius_y
-    return 0.0 if radius is None or design.slot is None else design.slot.depth / 2 / radius
+    return 0.0 if radius is None or slot is None else slot.depth / 2 / radius
 
 
 def row_height(design: Design) -> float:
     """Return the height of one strip on the drawing, mm: its tab's."""
-    return 2 * half_tab(design.film, design.slot.depth) if design.film and design.slot else 0.0
+    slot = skin_of(design).slot
+    return 2 * half_tab(design.film, slot.depth) if design.film and slot else 0.0
 
 
-def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> StripPattern:
+def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> StripPattern:
     """One strip about z = `middle`, drawn with its wiring side at +x and mirrored where that is end a."""
     half, h = design.skin.length / 2 * _arc(design, slot), slot.depth / 2
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
@@ -134,7 +137,7 @@ def _pattern(design: Design, film: Film, slot: SlotPlace, middle: float) -> Stri
     side, text, up = -1.0 if wired_a else 1.0, wired + SHOULDER + EDGE / 2, label_offset(slot.depth)
     text = -text - LABEL[0] if wired_a else text
     return StripPattern(
-        label=f"{slot.ridge} {slot.side}",
+        label=f"{slot.feature} {slot.side}",
         cut=placed(_path([*_tab(wired, end, right, h, w), *tail[len(tail) // 2 :], *tail[: len(tail) // 2]])),
         trimmed=placed(_path([*_tab(wired, end, end, h, w), (-other, h, 0.0), (-other, -h, 0.0)])),
         holes=tuple(placed(_hole(x)) for x in (left + 2 * HOLE, right - 2 * HOLE) if cast_in),

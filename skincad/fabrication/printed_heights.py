@@ -13,10 +13,9 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.fabrication.meshes import print_chord
-from skincad.inputs.design import Design
+from skincad.inputs.design import Design, height_keys, with_heights
 from skincad.inputs.process import Process, processes
-from skincad.shape.crests import summits
-from skincad.shape.cross_section import frame, section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Prism, corners
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
@@ -50,7 +49,7 @@ def printed_crests(design: Design, closed: ClosedMold) -> tuple[float, ...] | No
     """
     process = processes(design.printer)[design.mold.process]
     if not process.layer or (process.orientation == "end" and process.tool != "screen"):
-        return summits(design)
+        return skin_of(design).crests
     block = _block(design, closed)
     return block and _heights(block)
 
@@ -78,21 +77,19 @@ def snapped_to_layers(design: Design, closed: ClosedMold) -> tuple[tuple[float, 
 
     Rounded to what a TOML shows, which moves a crest by less than a micrometre.
     """
+    skin = skin_of(design)
     block, crests = _block(design, closed), printed_crests(design, closed)
     if block is None or crests is None:
         return None
-    off = max(abs(out - high) for out, high in zip(crests, summits(design), strict=True))
+    off = max(abs(out - high) for out, high in zip(crests, skin.crests, strict=True))
     heights = []
-    for ridge, high in enumerate(summits(design), 1):
-        foot, one = (frame(design, ridge).at(0.0, h).z for h in (0.0, 1.0))
+    for ridge, high in enumerate(skin.crests, 1):
+        foot, one = (skin.placed[ridge - 1].frame.at(0.0, h).z for h in (0.0, 1.0))
         crest = block.layer * round(high * block.grown / block.layer) / block.grown
         heights.append(round((crest - foot) / (one - foot), 4))
     if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(design, closed)):
         return None
-    ridge_table = design.ridge.model_copy(
-        update={"heights": tuple(heights), "height": None, "levelling": None}
-    )
-    cast = scaled_for_shrinkage(design.model_copy(update={"ridge": ridge_table}))
+    cast = scaled_for_shrinkage(with_heights(design, heights))
     top = section(cast).top
     least = -block.foot - section(scaled_for_shrinkage(design)).top
     return tuple(heights), round(
@@ -105,7 +102,7 @@ def snapping_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
     if (snapped := snapped_to_layers(design, closed)) is None:
         return ()
     heights, floor = snapped
-    keys = " and ".join(key for key in ("height", "levelling") if getattr(design.ridge, key) is not None)
+    keys = " and ".join(height_keys(design))
     return (
         f"With `mold.floor = {floor:g}` and `ridge.heights = {list(heights)}`"
         f"{f' in the place of {keys}' if keys else ''} each crest is at a layer's end: then section, check "
@@ -128,11 +125,12 @@ def _block(design: Design, closed: ClosedMold) -> _Block | None:
     pixel = process.pixel if process.tool == "screen" else 0.0
     grooves = tuple(
         (
-            middle + frame(design, ridge).at(0.0, design.heights[ridge - 1]).x * grown,
+            middle
+            + skin_of(design).placed[ridge - 1].frame.at(0.0, skin_of(design).heights[ridge - 1]).x * grown,
             -high * grown,
-            LEVEL_BAND + pixel * abs(math.tan(design.lean(ridge))),
+            LEVEL_BAND + pixel * abs(math.tan(skin_of(design).lean(ridge))),
         )
-        for ridge, high in enumerate(summits(design), 1)
+        for ridge, high in enumerate(skin_of(design).crests, 1)
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
     return _Block(outline, foot, top, process.layer, grown, grooves)

@@ -10,8 +10,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -21,8 +19,8 @@ from skincad.fabrication.strips import STEEL_MODULUS
 from skincad.inputs.design import Design
 from skincad.inputs.material import foreign_modulus, silicone
 from skincad.inputs.process import Process
-from skincad.shape.cross_section import GUARD_TOLERANCE, section
 from skincad.shape.curves import polygon
+from skincad.shape.skin import GUARD_TOLERANCE, Narrowest, section, skin_of
 from skincad.solids.plan import Part, bores, unturned
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 from skincad.solids.split import notch_rise
@@ -58,14 +56,6 @@ class Case:
 Rule = Callable[[Case], Iterator[Finding]]
 
 
-class Feature(NamedTuple):
-    """A groove or a tooth of a part: where, its width and its depth or height, mm."""
-
-    where: str
-    width: float
-    height: float
-
-
 def maker(design: Design, part: Part) -> str:
     """Return the process that makes a part."""
     choice = design.mold
@@ -92,45 +82,37 @@ def slit_play(design: Design, process: Process) -> float:
     return design.mold.slit_clearance - walls_close(design, process)
 
 
-def grooves(case: Case) -> list[Feature]:
+def grooves(case: Case) -> list[Narrowest]:
     """Return the narrowest groove of each kind: the highest ridge's in the cavity, a shim's in a comb."""
-    design, ridge = case.design, case.design.ridge
+    design, skin = case.design, skin_of(case.design)
     if case.part.role in CAVITIES:
-        deepest = max(design.heights)
-        which = f"ridge {design.heights.index(deepest) + 1}" if design.uneven else "a ridge"
-        return [Feature(f"groove of {which}'s tip", ridge.tip_width, deepest)]
-    if case.part.role is PartRole.COMB and design.slot:
+        return [skin.groove()]
+    if case.part.role is PartRole.COMB and skin.slot:
         gap = 2 * design.mold.slit_clearance
         insert = "strip" if design.mold.method == "cast-in" else "shim"
-        return [Feature(f"notch of a {insert}", design.core_thickness + gap, design.slot.depth + gap)]
+        return [Narrowest(f"notch of a {insert}", design.core_thickness + gap, skin.slot.depth + gap)]
     return []
 
 
-def teeth(case: Case) -> list[Feature]:
-    """Return the narrowest free tooth: between two ridges' grooves in the cavity, between notches in a comb.
-
-    In the cavity the width is that of its free end, before fillets, and the height that over the shallower
-    groove: below its bottom the tooth is backed. In a comb the width is the least distance.
-    """
-    ridge, design = case.design.ridge, case.design
-    if case.part.role in CAVITIES and ridge.count > 1:
-        free = [min(pair) for pair in pairwise(design.heights)]
-        first = free.index(max(free)) + 1
-        which = f"the roots of ridges {first} and {first + 1}" if design.uneven else "two ridges' roots"
-        return [Feature(f"tooth between {which}", ridge.spacing - ridge.root_width, max(free))]
+def teeth(case: Case) -> list[Narrowest]:
+    """Return the narrowest free tooth: between two ridges' grooves in the cavity, between notches in a comb,
+    there by the least distance."""
+    if case.part.role in CAVITIES:
+        tooth = skin_of(case.design).tooth()
+        return [tooth] if tooth else []
     return [_comb_tooth(case.design)] if case.part.role is PartRole.COMB else []
 
 
 @lru_cache(maxsize=8)
-def _comb_tooth(design: Design) -> Feature:
+def _comb_tooth(design: Design) -> Narrowest:
     """The narrowest tooth between two neighbouring notches of a comb, the same by every process."""
     gap = design.mold.slit_clearance
     slots = sorted(section(design).slots, key=lambda slot: slot.centre.x)
     shapes = np.array([shapely.Polygon(polygon(s.loop(grown=gap), GUARD_TOLERANCE)) for s in slots])
     widths = shapely.distance(shapes[:-1], shapes[1:])
     least = int(np.argmin(widths))
-    where = " and ".join(f"{s.side} of ridge {s.ridge}" for s in slots[least : least + 2])
-    return Feature(f"tooth between {where}", float(widths[least]), slots[least].depth + 2 * gap)
+    where = " and ".join(f"{s.side} of ridge {s.feature}" for s in slots[least : least + 2])
+    return Narrowest(f"tooth between {where}", float(widths[least]), slots[least].depth + 2 * gap)
 
 
 def scaled(measured: float, limit: float) -> str:
@@ -163,7 +145,8 @@ def _slender(case: Case) -> Iterator[Finding]:
     for tooth in teeth(case):
         width = tooth.width
         if case.part.role in CAVITIES:
-            width += (case.design.ridge.root_width - case.design.ridge.tip_width) / 2
+            ridge = skin_of(case.design).profile
+            width += (ridge.root_width - ridge.tip_width) / 2
         if most and tooth.height > most * width:
             remedy = f"a height of at most {most * width:.3g} mm, or ridges or slots further apart"
             times = "times as high as wide"
@@ -234,17 +217,19 @@ def shim_sag(design: Design) -> float:
     A beam on two supports under its own weight, 5 q l^4 / (384 E I) (handbooks), across its thickness: an
     upright shim hangs by far less. 0 without slots or shims.
     """
-    if design.slot is None or design.mold.method != "shim":
+    slot = skin_of(design).slot
+    if slot is None or design.mold.method != "shim":
         return 0.0
-    return 5 / 32 * STEEL_WEIGHT * design.skin.length**4 / (STEEL_MODULUS * design.slot.thickness**2)
+    return 5 / 32 * STEEL_WEIGHT * design.skin.length**4 / (STEEL_MODULUS * slot.thickness**2)
 
 
 def shim_findings(design: Design) -> list[Finding]:
     """Return a warning where a shim is so slender that its own weight moves the slot."""
+    slot = skin_of(design).slot
     sag, bend_findings = shim_sag(design), _shim_bend(design)
-    if design.slot is None or sag <= SAG_SHARE * design.slot.thickness:
+    if slot is None or sag <= SAG_SHARE * slot.thickness:
         return bend_findings
-    limit = SAG_SHARE * design.slot.thickness
+    limit = SAG_SHARE * slot.thickness
     most = design.skin.length * (limit / sag) ** 0.25
     remedy = f"a skin.length of at most {most:.3g} mm, or a thicker slot; pull shims straight"
     where = "shims, sagging between their combs"
@@ -254,10 +239,11 @@ def shim_findings(design: Design) -> list[Finding]:
 def shim_bend(design: Design) -> float:
     """Return the strain that a straight shim would take, bent on edge into its slot's arc: half its depth by
     the arc's radius. 0 where slots are straight."""
+    slot = skin_of(design).slot
     radius = design.skin.curvature_radius_y
-    if design.slot is None or radius is None or design.mold.method != "shim":
+    if slot is None or radius is None or design.mold.method != "shim":
         return 0.0
-    return design.slot.depth / 2 / radius
+    return slot.depth / 2 / radius
 
 
 def _shim_bend(design: Design) -> list[Finding]:

@@ -15,6 +15,7 @@ from skincad.fabrication.printed_heights import snapping_remarks, uncertain_ridg
 from skincad.fabrication.rules import Case, Rule, maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
+from skincad.shape.skin import skin_of
 from skincad.solids.body import Bore, Prism, Revolved, plain
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, unturned
@@ -42,7 +43,7 @@ def laid_on_end(design: Design, part: Part) -> bool:
 def _details(case: Case) -> Iterator[Finding]:
     """The cavity's shapes that a pixel or a layer swallows. Flat on the bed the crown's rise is cut into
     layers; on end, the section lies in the layers' plane, whose detail is the pixel."""
-    process, ridge = case.process, case.design.ridge
+    process, ridge = case.process, skin_of(case.design).profile
     if not process.layer or case.part.role not in CAVITIES:
         return
     end = on_end(case.part, process)

@@ -13,6 +13,7 @@ from skincad.fabrication.rules_of_layers import on_end
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
+from skincad.shape.skin import skin_of
 from skincad.solids.body import Prism
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part, unturned
@@ -71,11 +72,13 @@ def _build_volume(case: Case) -> Iterator[Finding]:
 def _pixel_steps(design: Design) -> tuple[float, bool]:
     """How many pixels across a leaning notch its steps take at most, 0 where none leans; and whether one
     stands upright. A notch leans if its walls leave a pixel's column at all."""
-    if design.slot is None:
+    skin = skin_of(design)
+    slot = skin.slot
+    if slot is None:
         return 0.0, False
-    tilt = math.radians(design.slot.tilt)
-    leans = [design.lean(i) + side * tilt for i in range(1, design.ridge.count + 1) for side in (-1, 1)]
-    stepped = [a for a in leans if abs(math.sin(a)) * design.slot.depth > UPRIGHT_TOLERANCE]
+    tilt = math.radians(slot.tilt)
+    leans = [skin.lean(i) + side * tilt for i in range(1, skin.count + 1) for side in (-1, 1)]
+    stepped = [a for a in leans if abs(math.sin(a)) * slot.depth > UPRIGHT_TOLERANCE]
     most = max((abs(math.cos(a)) + abs(math.sin(a)) for a in stepped), default=0.0)
     return most, len(stepped) < len(leans)
 

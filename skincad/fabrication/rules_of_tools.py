@@ -9,8 +9,8 @@ from functools import lru_cache
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.reach import ERROR, corner, left_standing
 from skincad.fabrication.rules import Case, Rule, grooves, slit_play
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Segment
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Prism
 from skincad.solids.layout import end_angle
 from skincad.solids.roles import CAVITIES, PartRole
@@ -30,8 +30,8 @@ def _reach(case: Case) -> Iterator[Finding]:
     milled_down = case.part.role in CAVITIES and case.process.tool == "mill"
     left = _left(body.outline, reach, from_above=milled_down)
     depths = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
-    yield from _in_grooves(case, [(depth, s) for depth, _, s in depths if s.ridge is not None])
-    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.ridge is None])
+    yield from _in_grooves(case, [(depth, s) for depth, _, s in depths if s.feature is not None])
+    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None])
 
 
 def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Finding]:
@@ -39,10 +39,10 @@ def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Fin
     if not over:
         return
     depth, worst = over[0]
-    count = len({s.ridge for _, s in over})
+    count = len({s.feature for _, s in over})
     others = f" and {count - 1} more" if count > 1 else ""
-    place = f"{worst.kind.replace('_', ' ')} of ridge {worst.ridge}{others}"
-    reach, ridge = case.process.reach, case.design.ridge
+    place = f"{worst.kind.replace('_', ' ')} of ridge {worst.feature}{others}"
+    reach, ridge = case.process.reach, skin_of(case.design).profile
     remedy = f"a tip_fillet of {reach:g} mm, the tool's radius"
     if ridge.tip_width < 2 * reach:
         remedy = f"a tip_width above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
@@ -74,7 +74,7 @@ def _place(case: Case, segment: Segment) -> str:
     x, z = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
     if case.part.role is PartRole.COMB:
         slot = min(section(case.design).slots, key=lambda s: math.hypot(s.centre.x - x, s.centre.z + z))
-        return f"notch {slot.side} of ridge {slot.ridge}"
+        return f"notch {slot.side} of ridge {slot.feature}"
     return f"corner near x {x:.3g}, z {z:.3g} mm"
 
 
@@ -84,7 +84,7 @@ def _depth(case: Case) -> Iterator[Finding]:
     cavity = case.part.role in CAVITIES
     for groove in grooves(case):
         depth = groove.height if cavity else case.design.mold.end_plate
-        fits = min(groove.width, 2 * case.design.ridge.tip_fillet) if cavity else groove.width
+        fits = min(groove.width, 2 * skin_of(case.design).profile.tip_fillet) if cavity else groove.width
         tool = max(fits, least)
         if most and groove.width >= least and depth > most * tool:
             remedy = f"a depth of at most {most * tool:g} mm"

@@ -24,6 +24,7 @@ from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.body import Prism
 from skincad.solids.closing import SQUEEZED_SHARE
 from skincad.solids.ends import gate
@@ -237,7 +238,8 @@ def _closing_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
     if design.skin.curvature_radius_y is not None:
         return close_steps(design, closed, back)
     return [
-        "Bolt the end plates to the cavity" + (f": {comb_step(design)}" if design.slot is not None else "."),
+        "Bolt the end plates to the cavity"
+        + (f": {comb_step(design)}" if skin_of(design).slot is not None else "."),
         *(_by_syringe if gate(design) else _open)(design, back),
     ]
 

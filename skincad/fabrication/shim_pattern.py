@@ -10,8 +10,8 @@ from skincad.fabrication.drawing_in import lap
 from skincad.fabrication.pattern import ROW_GAP
 from skincad.fabrication.strip_steps import shim_length
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Point, Segment, rectangle
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Revolved
 from skincad.solids.inserts import GRIP
 from skincad.solids.mold import ClosedMold
@@ -32,7 +32,7 @@ class ShimPattern(NamedTuple):
 
 def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
     """Return the shims of one skin, ridge 1 first, one above the other; none where strips are cast in."""
-    slot, joint = design.slot, lap(design)
+    slot, joint = skin_of(design).slot, lap(design)
     if slot is None or design.mold.method == "cast-in":
         return []
     thin = joint is not None and joint.tail < slot.thickness
@@ -40,9 +40,9 @@ def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
     pairs = zip(section(design).slots, bodies, strict=False)  # of a gang the first skin's
     rows = []
     for number, (place, body) in enumerate(pairs):
-        label, pitch = f"{place.ridge} {place.side}", slot.depth + ROW_GAP
+        label, pitch = f"{place.feature} {place.side}", slot.depth + ROW_GAP
         if isinstance(body, Revolved):
-            radius = arc_radius(design, place.ridge, place.side)
+            radius = arc_radius(design, place.feature, place.side)
             half = (body.high - body.low) * abs(place.direction.z) / 2
             centre = number * pitch / math.cos(half) - radius
             inner, outer = radius - slot.depth / 2, radius + slot.depth / 2
@@ -61,7 +61,7 @@ def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
 
 def shim_notes(design: Design) -> list[str]:
     """Return what is said on the pattern: which sheet, and what the cutter has to know."""
-    slot, skins = design.slot, design.mold.cavities
+    slot, skins = skin_of(design).slot, design.mold.cavities
     thick = f"spring steel {slot.thickness:g} thick; " if slot else ""
     times = f"; for one skin: cut it {skins} times" if skins > 1 else ""
     return [f"{thick}CUT at nominal size, kerf not compensated{times}", "a shim does not shrink: 1:1"]

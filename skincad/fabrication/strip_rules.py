@@ -23,6 +23,7 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.layout import end_process
 
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
@@ -45,7 +46,7 @@ def strip_findings(design: Design) -> list[Finding]:
     """Return the rules `strip sag`, `strip stress`, `strip drift`, `strip release` and `strip place`, and
     those of drawing in; none without slots."""
     rod, flow = strip(design), pour(design)
-    if rod is None or flow is None or design.slot is None:
+    if rod is None or flow is None or skin_of(design).slot is None:
         return []
     cast = [*_sag(design, rod), *_stress(rod, flow)] if design.mold.method == "cast-in" else []
     moved = [*_drift(design, rod, flow), *_release(design, rod), *_place(design)]
@@ -54,8 +55,12 @@ def strip_findings(design: Design) -> list[Finding]:
 
 def _sag(design: Design, rod: Strip) -> Iterator[Finding]:
     """At rest in the silicone, which is how it cures; in air, before, its load is larger, but that passes."""
+    slot = skin_of(design).slot
     load = weight(rod, silicone(design).density)
-    sag, limit = abs(deflection(rod, load)), SAG_SHARE * (design.slot.offset if design.slot else 0.0)
+    sag, limit = (
+        abs(deflection(rod, load)),
+        SAG_SHARE * (slot.offset if slot else 0.0),
+    )
     if sag > limit:
         remedy = f"film.tension of {straightening_tension(rod, load, limit):.2g} N or more, or a shorter skin"
         where = "strips, under their weight in silicone"
@@ -102,7 +107,8 @@ def _place(design: Design) -> list[Finding]:
     Stress across the film grows about as its distance from the axis (assumption). So a pair is out of balance
     by up to both errors by the offset.
     """
-    off, offset = placement_error(design), design.slot.offset if design.slot else math.inf
+    slot = skin_of(design).slot
+    off, offset = placement_error(design), slot.offset if slot else math.inf
     if off <= PLACE_SHARE * offset:
         return []
     remedy = (

@@ -10,6 +10,7 @@ from skincad.fabrication.strip_rules import placement_error
 from skincad.fabrication.strips import deflection, pour, release_strain, strip, weight
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.shape.skin import skin_of
 from skincad.solids.inserts import GRIP
 from skincad.solids.mold import ClosedMold
 from skincad.solids.shrinkage import scaled_for_shrinkage
@@ -24,9 +25,10 @@ def shim_length(design: Design, closed: ClosedMold) -> int:
 
 def to_buy(design: Design, closed: ClosedMold) -> list[str]:
     """Return what to buy to keep the slots of a skin free that is straight along y."""
-    if design.slot is None or design.mold.method == "cast-in":
+    slot = skin_of(design).slot
+    if slot is None or design.mold.method == "cast-in":
         return []
-    size = f"{design.slot.thickness:g} x {design.slot.depth:g} mm"
+    size = f"{slot.thickness:g} x {slot.depth:g} mm"
     return [
         f"{strip_count(design)} shims of spring steel, {size}, {shim_length(design, closed)} mm long: "
         "slit or "

@@ -19,8 +19,9 @@ import shapely
 
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.shape.cross_section import GUARD_TOLERANCE, SlotPlace, section
 from skincad.shape.curves import polygon
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import GUARD_TOLERANCE, section, skin_of
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 GRAVITY = 9.81  # m/s2
@@ -68,7 +69,7 @@ class Strip:
 
 def strip(design: Design) -> Strip | None:
     """Return what lies between the combs: the film where it is cast in, else the shim; None without slots."""
-    slot, film, length = design.slot, design.film, scaled_for_shrinkage(design).skin.length
+    slot, film, length = skin_of(design).slot, design.film, scaled_for_shrinkage(design).skin.length
     if slot is None:
         return None
     if design.mold.method == "shim" or film is None:
@@ -173,7 +174,7 @@ def _surroundings(design: Design) -> tuple[float, float]:
     return walls, min(outline, float(distances.min()))
 
 
-def _ahead(slot: SlotPlace, body: shapely.Polygon) -> float:
+def _ahead(slot: SensorPlace, body: shapely.Polygon) -> float:
     far = math.hypot(*(body.bounds[i + 2] - body.bounds[i] for i in (0, 1)))
     centre = shapely.Point(slot.centre)
     rays = [shapely.LineString([slot.centre, slot.at(0.0, end)]) for end in (-far, far)]

@@ -15,6 +15,7 @@ from skincad.fabrication.rules import Case, grooves, maker, slit_play, walls_clo
 from skincad.inputs.design import Design
 from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import Process, processes
+from skincad.shape.skin import skin_of
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import fits
 from skincad.solids.plan import Part
@@ -85,7 +86,7 @@ def notes(design: Design, part: Part) -> list[str]:
 
 def _cutter(case: Case) -> list[str]:
     """The thickest wire or mill that the narrowest groove takes, and the cavity's inner corners."""
-    process, ridge = case.process, case.design.ridge
+    process, ridge = case.process, skin_of(case.design).profile
     takes = [(groove.width, f"a {groove.width:.4g} wide {groove.where}") for groove in grooves(case)]
     if not takes or process.tool not in CUTTERS:
         return []

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from collections.abc import Sequence
+from typing import Any, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
 from skincad.base.errors import together
-from skincad.base.tables import Document
+from skincad.base.tables import Document, Table, unit_of
 from skincad.inputs import guards
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.mount_table import Mount
 from skincad.inputs.process import Process
 from skincad.inputs.ridge_table import Ridge, heights, lean
 from skincad.inputs.silicone import Silicone
-from skincad.inputs.skin_tables import OF_A_SILICONE, Contact, Film, Material, Skin, Slot
+from skincad.inputs.skin_tables import OF_A_SILICONE, Base, Contact, Film, Material, Slot
+
+_Table = TypeVar("_Table", bound=Table)
 
 
 class Design(Document):
@@ -23,7 +26,7 @@ class Design(Document):
     Lengths are mm, forces N, stresses MPa. Raises InputError for the rules that are broken.
     """
 
-    skin: Skin
+    skin: Base
     ridge: Ridge
     slot: Slot | None = None
     film: Film | None = None
@@ -122,3 +125,36 @@ def drop_replaced(data: dict[str, Any], changed: set[str]) -> None:
     replaced = {old for new in changed for old in _REPLACED_KEYS.get(new, ())} - changed
     if replaced and isinstance(data.get("ridge"), dict):
         data["ridge"] = {key: value for key, value in data["ridge"].items() if key not in replaced}
+
+
+def scaled_skin(design: Design, by: float) -> Design:
+    """Return the design with every length of its skin and features, and its slots' place, times a factor.
+
+    Slots and films keep their sizes. It may pass a key's limit by that factor, so it isn't checked.
+    """
+    slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
+    tables = {"skin": _scaled(design.skin, by), "ridge": _scaled(design.ridge, by), "slot": slot}
+    return design.model_copy(update=tables)
+
+
+def with_heights(design: Design, heights: Sequence[float]) -> Design:
+    """Return the design with a height for each ridge, mm, which isn't checked."""
+    alone = {"heights": tuple(heights), "height": None, "levelling": None}
+    return design.model_copy(update={"ridge": design.ridge.model_copy(update=alone)})
+
+
+def height_keys(design: Design) -> list[str]:
+    """Return the keys of `[ridge]` that give all ridges their height, none where each has its own."""
+    return [key for key in ("height", "levelling") if getattr(design.ridge, key) is not None]
+
+
+def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:
+    """Return a table with its lengths (or those of `keys`) times a factor; what is not given stays so."""
+    model = type(table)
+    old = {key: getattr(table, key) for key in keys or model.model_fields if unit_of(model, (key,)) == "mm"}
+    larger = {
+        key: tuple(size * by for size in value) if isinstance(value, tuple) else value * by
+        for key, value in old.items()
+        if value is not None
+    }
+    return table.model_copy(update=larger)

@@ -11,7 +11,7 @@ from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process, check_named, check_own
 from skincad.inputs.ridge_table import Ridge, lean
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
-from skincad.inputs.skin_tables import Contact, Film, Material, Skin, Slot
+from skincad.inputs.skin_tables import Base, Contact, Film, Material, Slot
 
 MOST_RIDGES = 999  # the largest ridge.count that a remedy names
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -39,7 +39,7 @@ def silicones(material: Material, own: Mapping[str, Silicone]) -> Iterator[Input
         yield from refusals(lambda: check_law("material", meant))
 
 
-def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:
+def ridges_on_skin(skin: Base, ridge: Ridge) -> Iterator[InputError]:
     """Yield what keeps the skin from being a fan of less than `FAN_LIMIT_DEG` that bears all its ridges."""
     if skin.width >= 2 * skin.curvature_radius:
         yield InputError(
@@ -82,7 +82,7 @@ def ridges_on_skin(skin: Skin, ridge: Ridge) -> Iterator[InputError]:
         )
 
 
-def revolved(skin: Skin) -> Iterator[InputError]:
+def revolved(skin: Base) -> Iterator[InputError]:
     """Yield a section too near the axis that it turns about, and a turn of the fan's limit or more."""
     radius = skin.curvature_radius_y
     if radius is None:
@@ -131,7 +131,7 @@ def profile(ridge: Ridge) -> Iterator[InputError]:
         )
 
 
-def strips(skin: Skin, slot: Slot | None, film: Film | None, mold: Mold) -> Iterator[InputError]:
+def strips(skin: Base, slot: Slot | None, film: Film | None, mold: Mold) -> Iterator[InputError]:
     """Yield a film that finds no room in its slot, and strips that cannot be cast in, which lie straight."""
     if film is not None and slot is None:
         yield InputError("film", "needs a slot to lie in", remedy="add [slot] or drop [film]")

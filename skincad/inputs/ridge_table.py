@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
-from skincad.inputs.skin_tables import Skin
+from skincad.inputs.skin_tables import Base
 
 HIGHEST = 50.0  # mm, of a ridge
 
@@ -105,13 +105,13 @@ class Ridge(Table):
         return self
 
 
-def lean(skin: Skin, ridge: Ridge, number: int) -> float:
+def lean(skin: Base, ridge: Ridge, number: int) -> float:
     """Return the angle in rad between a ridge's axis and z; ridges count from 1 at the smallest x."""
     return (number - (ridge.count + 1) / 2) * ridge.spacing / skin.curvature_radius
 
 
 @lru_cache(maxsize=32)
-def heights(skin: Skin, ridge: Ridge) -> tuple[float, ...]:
+def heights(skin: Base, ridge: Ridge) -> tuple[float, ...]:
     """Return each ridge's height in mm, base circle to summit, ridge 1 first.
 
     Levelled ones are higher than `height` by a part of what brings their summit to the highest one's z:

@@ -16,7 +16,7 @@ from skincad.base.tables import Table, quantity
 from skincad.inputs.silicone import Law, Modulus
 
 
-class Skin(Table):
+class Base(Table):
     """The body of the pad."""
 
     curvature_radius: float = quantity(

@@ -10,7 +10,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.scenes.scene_tables import History
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.studies.subject import Setting
 
 CURVES = ("normal_force_N", "tangential_force_N", "displacement_mm", "rotation_deg")

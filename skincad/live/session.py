@@ -9,7 +9,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.catalog import load_design
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.studies.subject import Setting, changed, value_of
 
 Edited = Design | Scene

@@ -12,8 +12,8 @@ from skincad.base.errors import InputError
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
 from skincad.pictures.exploded import apart
-from skincad.shape.cross_section import Section, section
 from skincad.shape.curves import Loop, polygon
+from skincad.shape.skin import Section, section
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part
 from skincad.solids.skin import skin_part

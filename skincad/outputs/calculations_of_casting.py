@@ -9,8 +9,8 @@ from skincad.circuit.film import PICO, charge, electrode
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.shape.cross_section import section
 from skincad.shape.curves import area
+from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
 from skincad.solids.shrinkage import shrinkage

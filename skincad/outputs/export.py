@@ -30,8 +30,8 @@ from skincad.pictures.flat_dimensions import (
 )
 from skincad.pictures.marks import Dimension, Mark, Words, line
 from skincad.pictures.sheet_svg import parted, svg_row, svg_style
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Point
+from skincad.shape.skin import section
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 
 A_PITCH, MOST = 50, 4096  # pixels: in a pitch, and of an image's longer side
 LEVELS = 65535  # of a pixel; 0 is where there is no skin

@@ -16,8 +16,8 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import PVDF_DENSITY
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Segment
+from skincad.shape.skin import section
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part

@@ -13,8 +13,9 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame, section
+from skincad.shape.cross_section import frame
 from skincad.shape.curves import Point
+from skincad.shape.skin import section
 
 
 @dataclass(frozen=True, eq=False)

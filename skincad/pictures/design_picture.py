@@ -10,8 +10,8 @@ from skincad.inputs.design import Design
 from skincad.pictures.canvas import Axes, Picture, sheet
 from skincad.pictures.exploded import apart
 from skincad.pictures.render import shaded, view
-from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
+from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
 

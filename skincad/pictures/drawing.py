@@ -12,8 +12,9 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame, section
+from skincad.shape.cross_section import frame
 from skincad.shape.curves import Loop, polygon
+from skincad.shape.skin import section
 from skincad.solids.body import Prism, Revolved, Turned, corners
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, bores

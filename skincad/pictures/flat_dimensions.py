@@ -12,8 +12,9 @@ from skincad.fabrication.pattern import StripPattern
 from skincad.fabrication.seal_pattern import SealPattern
 from skincad.inputs.design import Design
 from skincad.pictures.marks import Dimension, Words, aligned, diameter, linear
-from skincad.shape.cross_section import frame, section
+from skincad.shape.cross_section import frame
 from skincad.shape.curves import Loop
+from skincad.shape.skin import section
 from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
 

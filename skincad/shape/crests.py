@@ -9,22 +9,10 @@ import numpy as np
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame
+from skincad.shape.skin import skin_of
 
 # of the skin's thickness; the all-touch force goes with its power -0.65, so this changes it by 1.3 %
 MOST_SHIFT = 0.02
-
-
-def summits(design: Design) -> tuple[float, ...]:
-    """Return each crest's height over the flat back, mm, ridge 1 first."""
-    return tuple(frame(design, ridge).at(0.0, high).z for ridge, high in enumerate(design.heights, 1))
-
-
-def full_height(design: Design) -> float:
-    """Return how high skin and ridges are, mm: the thickness and the height of the ridge with the highest
-    crest."""
-    crests = summits(design)
-    return design.skin.thickness + design.heights[crests.index(max(crests))]
 
 
 def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
@@ -33,13 +21,14 @@ def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
     Columns `ridge` and `crest_mm`: the summit's height over the flat back, every ridge once.
     """
     columns = read_columns(path, ("ridge", "crest_mm"))
-    count, ridges = design.ridge.count, columns.get("ridge", np.array([]))
+    skin = skin_of(design)
+    count, ridges = skin.count, columns.get("ridge", np.array([]))
     if sorted(ridges.tolist()) != list(range(1, count + 1)) or "crest_mm" not in columns:
         raise InputError(str(path), f"must give crest_mm of each ridge from 1 to {count} once")
     measured = dict(zip(ridges.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
-    designed = summits(design)
+    designed = skin.crests
     drops = tuple(designed[i] - measured[i + 1] for i in range(count))
-    heights, key = design.heights, "heights" if design.uneven else "height"
+    heights, key = skin.heights, "heights" if skin.uneven else "height"
     worst = max(range(count), key=lambda i: abs(drops[i]) - heights[i])
     if abs(drops[worst]) > heights[worst]:
         raise InputError(
@@ -61,3 +50,13 @@ def shift_warnings(drops: tuple[float, ...], design: Design) -> tuple[str, ...]:
         f"the median crest lies {abs(shift):.3g} mm {side} than designed: the gauge's zero, or a back of "
         f"another thickness than the {design.skin.thickness:g} mm that the model assumes",
     )
+
+
+def summits(design: Design) -> tuple[float, ...]:
+    """Return each crest's height."""
+    return skin_of(design).crests
+
+
+def full_height(design: Design) -> float:
+    """Return how high skin and ridges are."""
+    return skin_of(design).height

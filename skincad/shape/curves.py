@@ -30,14 +30,21 @@ class Point(NamedTuple):
 class Segment:
     """A line or arc from `start` to `end`, the material on its left.
 
-    `bulge` is tan(sweep / 4), positive when it turns counterclockwise; `ridge` counts from 1.
+    `bulge` is tan(sweep / 4), positive when it turns counterclockwise. `feature` is the number of the one
+    that it belongs to; `touches` says whether it may meet a plate.
     """
 
     start: Point
     end: Point
     bulge: float = 0.0
     kind: Kind = "other"
-    ridge: int | None = None
+    feature: int | None = None
+    touches: bool = False
+
+    @property
+    def ridge(self) -> int | None:
+        """Return the feature's number."""
+        return self.feature
 
     @property
     def sweep(self) -> float:
@@ -116,10 +123,11 @@ class Segment:
 Loop = tuple[Segment, ...]
 
 
-def loop(points: list[Point], kind: Kind = "other", ridge: int | None = None) -> Loop:
+def loop(points: list[Point], kind: Kind = "other", feature: int | None = None) -> Loop:
     """Return the closed polygon through these points as a loop of lines."""
     return tuple(
-        Segment(a, b, kind=kind, ridge=ridge) for a, b in zip(points, [*points[1:], points[0]], strict=True)
+        Segment(a, b, kind=kind, feature=feature)
+        for a, b in zip(points, [*points[1:], points[0]], strict=True)
     )
 
 
@@ -200,3 +208,23 @@ def offset(outline: Loop, distance: float, tolerance: float) -> list[Array]:
     )
     parts = getattr(grown, "geoms", [grown])
     return [np.asarray(p.exterior.coords)[:-1] for p in parts if not p.is_empty]
+
+
+def concentric_hit(start: Array, along: Array, curvature: float, level: float) -> float | None:
+    """Solve n + curvature (t^2 + n^2) / 2 = level for u on the line start + u along, near u = 0.
+
+    With curvature 1/R and level h + h^2 / (2 R) that is the circle of radius R + h about (0, -R), written so
+    that a flat one loses no digits. None where the line misses it or does not rise through it.
+    """
+    a, b = curvature / 2, rise(start, along, curvature)
+    c = float(start[1] + curvature * (start @ start) / 2 - level)
+    inside = b * b - 4 * a * c
+    if inside < 0 or b <= 0:
+        return None
+    return -2 * c / (b + math.sqrt(inside))
+
+
+def rise(start: Array, along: Array, curvature: float) -> float:
+    """Return the sine of the angle by which a line rises from the circle of a curvature through its start, as
+    in `concentric_hit`."""
+    return float(along[1] + curvature * (start @ along))

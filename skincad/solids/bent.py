@@ -29,8 +29,8 @@ from dataclasses import replace
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, flipped
+from skincad.shape.skin import Section, skin_of
 from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
 from skincad.solids.bowl import half_length, height, rise, seat
 from skincad.solids.cavity import cavity
@@ -100,7 +100,7 @@ def check_bent(design: Design) -> Iterator[InputError]:
         rule = f"must be at most {LARGEST_RADIUS:g} mm for a mold: a flatter skin can be cast straight"
         yield InputError("skin.curvature_radius_y", rule, radius, "leave it out")
     most = SHARE_OF_ARM * (radius - design.skin.thickness)
-    if design.slot is not None and choice.end_plate > most:
+    if skin_of(design).slot is not None and choice.end_plate > most:
         rule = f"must be at most {most:.4g} mm, or a shim rises too far in it"
         yield InputError("mold.end_plate", rule, choice.end_plate, "or enlarge skin.curvature_radius_y")
     if choice.cavities > 1:

@@ -15,8 +15,8 @@ from itertools import pairwise, product
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section, skin_of
 from skincad.solids.body import Body, Bore, Heading, Prism
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
@@ -62,7 +62,7 @@ def parted(outline: Loop, ridges: list[int]) -> Loop:
     and pieces have the same corners there."""
     halved: list[Segment] = []
     for s in outline:
-        if s.kind == "crown" and s.ridge in ridges:
+        if s.kind == "crown" and s.feature in ridges:
             middle, bulge = s.point(0.5), math.tan(s.sweep / 8)
             halved += [replace(s, end=middle, bulge=bulge), replace(s, start=middle, bulge=bulge)]
         else:
@@ -103,8 +103,9 @@ def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[in
 
 def headings(design: Design, ridges: list[int]) -> list[Heading]:
     """Return the direction (x, z) in which each piece leaves, from left to right."""
-    leans = [design.lean(ridge) for ridge in ridges]
-    half_pitch = design.ridge.spacing / (2 * design.skin.curvature_radius)
+    skin = skin_of(design)
+    leans = [skin.lean(ridge) for ridge in ridges]
+    half_pitch = skin.pitch / (2 * design.skin.curvature_radius)
     middle = [(a + b) / 2 for a, b in pairwise(leans)]
     angles = [leans[0] - half_pitch, *middle, leans[-1] + half_pitch]
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]
@@ -150,7 +151,7 @@ def _base_level(place: Layout) -> float:
 
 def _foot(design: Design, ridge: int, summit: Point, level: float) -> Point:
     """Where a ridge's axis from its summit meets the base."""
-    return Point(summit.x + (summit.z - level) * math.tan(design.lean(ridge)), level)
+    return Point(summit.x + (summit.z - level) * math.tan(skin_of(design).lean(ridge)), level)
 
 
 def _chunks(outline: Loop, ridges: list[int]) -> tuple[list[Loop], list[Point]]:
@@ -158,7 +159,7 @@ def _chunks(outline: Loop, ridges: list[int]) -> tuple[list[Loop], list[Point]]:
     negative = _negative(outline)
     cuts = []
     for ridge in reversed(ridges):
-        crown = [i for i, s in enumerate(negative) if s.ridge == ridge]
+        crown = [i for i, s in enumerate(negative) if s.feature == ridge]
         cuts.append(crown[len(crown) // 2])
     ends = [0, *cuts, len(negative)]
     chunks = [negative[a:b] for a, b in pairwise(ends)]

@@ -12,8 +12,8 @@ import math
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
 from skincad.shape import curves
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Loop, Point, flipped, loop
+from skincad.shape.skin import section
 from skincad.solids.body import Prism
 from skincad.solids.plan import Part, shifted
 from skincad.solids.roles import CutRole, PartRole

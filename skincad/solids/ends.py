@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import Section, section
 from skincad.shape.curves import Point, Segment, flipped, loop
+from skincad.shape.skin import Section, section
 from skincad.solids.body import Body, Bore, Prism
 from skincad.solids.layout import (
     BESIDE,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
 from skincad.shape.curves import flipped
+from skincad.shape.skin import section
 from skincad.solids.body import Bore, Prism, Vector
 from skincad.solids.plan import Part
 from skincad.solids.roles import End, PartRole
@@ -19,7 +19,7 @@ def shims(design: Design) -> list[Part]:
     half = design.skin.length / 2 + design.mold.end_plate
     return [
         Part(
-            f"shim-{slot.ridge}-{slot.side}",
+            f"shim-{slot.feature}-{slot.side}",
             PartRole.SHIM,
             Prism(flipped(slot.loop()), "y", -half - GRIP, half + GRIP),
         )
@@ -45,7 +45,7 @@ def strips(design: Design) -> list[Part]:
     half, (a, b) = design.skin.length / 2, strip_overhangs(design)
     return [
         Part(
-            f"strip-{slot.ridge}-{slot.side}",
+            f"strip-{slot.feature}-{slot.side}",
             PartRole.STRIP,
             Prism(flipped(slot.loop(film.thickness)), "y", -half - a, half + b),
         )

@@ -20,8 +20,8 @@ from typing import NamedTuple
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, loop
+from skincad.shape.skin import Section
 from skincad.solids.body import Prism
 from skincad.solids.closing import (
     SEAL_PRESSURE,

@@ -40,7 +40,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
 from skincad.solids.body import Prism
 from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted
@@ -132,9 +132,10 @@ def mold(design: Design) -> ClosedMold:
 
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
     """What a cavity that is split at these ridges can't be."""
-    if ridges and design.ridge.count % 2 == 0:
+    skin = skin_of(design)
+    if ridges and skin.count % 2 == 0:
         rule = "splits only an odd number of ridges, so that the middle one comes straight out"
-        yield InputError("mold.split", rule, design.ridge.count, "take one ridge more or less")
+        yield InputError("mold.split", rule, skin.count, "take one ridge more or less")
     if ridges and design.mold.cavities > 1:
         yield InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
 

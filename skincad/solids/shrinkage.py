@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from skincad.base.tables import Table, unit_of
-from skincad.inputs.design import Design
+from skincad.base.tables import Table
+from skincad.inputs.design import Design, scaled_skin
 from skincad.inputs.material import silicone
 
 _GRID = 2.0**40  # per mm
@@ -31,16 +31,12 @@ def scaled_for_shrinkage(design: Design) -> Design:
 
     Lengths along y and z that bores end at are put on a binary grid, and stay on it when they are added.
     """
-    by = 1 / (1 - shrinkage(design))
-    skin = _scaled(design.skin, by)
-    slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
+    larger = scaled_skin(design, 1 / (1 - shrinkage(design)))
     lengths = {key: getattr(design.mold, key) for key in _HEIGHTS}
     heights = {key: on_grid(value) for key, value in lengths.items() if value is not None}
-    return design.model_copy(
+    return larger.model_copy(
         update={
-            "skin": skin.model_copy(update={"length": on_grid(skin.length)}),
-            "ridge": _scaled(design.ridge, by),
-            "slot": slot,
+            "skin": larger.skin.model_copy(update={"length": on_grid(larger.skin.length)}),
             "mold": design.mold.model_copy(update=heights),
         }
     )
@@ -50,15 +46,3 @@ def on_grid(length: float) -> float:
     """Return a length on a grid of 1e-12 mm whose sums below 4 m are exact: a bore that ends 1e-15 mm before
     a face leaves a film in a print mesh."""
     return round(length * _GRID) / _GRID
-
-
-def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:
-    """Return a table with its lengths (or those of `keys`) times a factor; what is not given stays so."""
-    model = type(table)
-    old = {key: getattr(table, key) for key in keys or model.model_fields if unit_of(model, (key,)) == "mm"}
-    larger = {
-        key: tuple(size * by for size in value) if isinstance(value, tuple) else value * by
-        for key, value in old.items()
-        if value is not None
-    }
-    return table.model_copy(update=larger)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import Section, section
 from skincad.shape.curves import Loop, flipped
+from skincad.shape.skin import Section, section
 from skincad.solids.body import Prism, Revolved
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole

@@ -15,9 +15,9 @@ import shapely
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import Section, SlotPlace
-from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.half_ridge import concentric_hit
+from skincad.shape.curves import Loop, Point, Segment, concentric_hit
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import Section, skin_of
 
 _MEET = "neighbouring notches of the comb meet"
 _APART = "reduce it, or move the slots apart or tilt them less"
@@ -26,16 +26,22 @@ _APART = "reduce it, or move the slots apart or tilt them less"
 def split_height(design: Design, shape: Section) -> tuple[float, float, float]:
     """Split of the end plates in the design's frame: height over the base circle, z beside the arc, half
     angle of the arc. A plain end plate is not split, its bolts sit as if it were at the base circle."""
+    skin = skin_of(design)
+    slot = skin.slot
     radius, thickness = design.skin.curvature_radius, design.skin.thickness
     corners = [p for s in shape.slots for p in _corners(s, design.mold.slit_clearance)]
     if not corners:
-        return 0.0, thickness - 2 * radius * math.sin(design.lean(design.ridge.count) / 2) ** 2, 0.0
+        return (
+            0.0,
+            thickness - 2 * radius * math.sin(skin.lean(skin.count) / 2) ** 2,
+            0.0,
+        )
     over = [_over_base(p, radius, thickness) for p in corners]
     height = min(over) - notch_rise(design, shape.slots)
     angle = max(math.atan2(p.x, radius + p.z - thickness) for p in corners)
     wide = design.core_thickness + 2 * design.mold.slit_clearance + notch_rise(design, shape.slots)
     # beyond the outermost corner lies the rest of its mouth, which a tilt stretches
-    angle += wide * max(1.0, math.tan(math.radians(abs(design.slot.tilt if design.slot else 0.0)))) / radius
+    angle += wide * max(1.0, math.tan(math.radians(abs(slot.tilt if slot else 0.0)))) / radius
     level = thickness + height - 2 * (radius + height) * math.sin(angle / 2) ** 2
     return height, level, angle
 
@@ -71,9 +77,10 @@ def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segme
     return comb + rest, keeper + rest
 
 
-def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
+def _notch(design: Design, slot: SensorPlace, height: float) -> list[Point]:
     """Corners of a comb's notch, from its mouth on the split circle round the slot's outer end. A shim has
     its clearance there too; a strip that is cast in lies on the notch's bottom, its datum."""
+    skin = skin_of(design)
     radius, gap = design.skin.curvature_radius, design.mold.slit_clearance
     a, b = slot.thickness / 2 + gap, slot.depth / 2 + gap
     bottom = slot.depth / 2 if design.mold.method == "cast-in" else b
@@ -86,12 +93,12 @@ def _notch(design: Design, slot: SlotPlace, height: float) -> list[Point]:
         u = concentric_hit(start, along, 1 / radius, height + height * height / (2 * radius))
         if u is None:
             rule = "turns its notch so far that it has no mouth in the comb's edge"
-            raise InputError("slot.tilt", rule, design.slot and design.slot.tilt, "reduce it")
+            raise InputError("slot.tilt", rule, skin.slot and skin.slot.tilt, "reduce it")
         mouth.append(Point(foot.x + u * float(along[0]), foot.z + u * float(along[1])))
     return [mouth[0], slot.at(left, bottom), slot.at(right, bottom), mouth[1]]
 
 
-def notch_rise(design: Design, slots: Iterable[SlotPlace]) -> float:
+def notch_rise(design: Design, slots: Iterable[SensorPlace]) -> float:
     """Return by how much shims of a doubly curved skin rise towards the axis on their way through an end
     plate, mm; 0 where they are straight.
 
@@ -115,7 +122,7 @@ def _over_base(point: Point, radius: float, thickness: float) -> float:
     return (point.x**2 + n * n + 2 * radius * n) / (radius + math.hypot(point.x, radius + n))
 
 
-def _corners(slot: SlotPlace, grown: float) -> list[Point]:
+def _corners(slot: SensorPlace, grown: float) -> list[Point]:
     return [s.start for s in slot.loop(grown=grown)]
 
 

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from skincad import load
 from skincad.base.columns import LARGEST_FILE, read_columns
 from skincad.base.errors import InputError
+from skincad.base.tables import told
 from skincad.circuit.bode import COLUMNS
 from skincad.inputs.material_test import material_test
 from skincad.shape.crests import crest_drops
-from tests.attacks.test_tables import told
 
 DESIGN = load("plain-ridges")
 READERS: dict[str, Callable[[Path], object]] = {

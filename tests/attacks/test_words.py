@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 
 from skincad import cli
 from skincad.base.errors import InputError, did_you_mean, shown
+from skincad.base.tables import told
 from skincad.inputs.catalog import read_table
 from tests.attacks.test_measurements import READERS
-from tests.attacks.test_tables import LOADERS, OWN, kinds, paths, told
+from tests.attacks.test_tables import LOADERS, OWN, kinds, paths
 
 STEERING = ("Cc", "Cf", "Zl", "Zp")
 EVERY = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if unicodedata.category(c) in STEERING)

@@ -66,7 +66,7 @@ def in_grooves(job: Job, radius: float) -> dict[str, tuple[float, float]]:
 
     A cavity that is parted has its grooves in several parts.
     """
-    parts = [p for p in mold(job.design).parts if any(s.ridge is not None for s in _outline(p))]
+    parts = [p for p in mold(job.design).parts if any(s.feature is not None for s in _outline(p))]
     return {part.name: _in_grooves(job, part, radius) for part in parts if part.name.startswith("cavity")}
 
 
@@ -76,11 +76,11 @@ def _in_grooves(job: Job, part: Part, radius: float) -> tuple[float, float]:
     corners = np.array([s.start for s in outline])
     middle, lowest = (corners[:, 0].max() + corners[:, 0].min()) / 2, corners[:, 1].min()
     shape.apply_translation([middle, 0.0, lowest - shape.bounds[0, 2]])  # from the bed into the mold's frame
-    grooves = [s for s in outline if s.ridge is not None]
+    grooves = [s for s in outline if s.feature is not None]
     wide = [s.start.x for s in grooves] + [s.end.x for s in grooves]
     over = np.arange(min(wide) - 4 * radius, max(wide) + 4 * radius, STEP)
     depths = left_standing(outline, radius, from_above=True)
-    ours = max(depth for depth, s in zip(depths, outline, strict=True) if s.ridge is not None)
+    ours = max(depth for depth, s in zip(depths, outline, strict=True) if s.feature is not None)
     return max(left(grooves, centres(shape, radius, over, 0.0), radius)), ours
 
 

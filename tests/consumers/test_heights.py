@@ -13,7 +13,9 @@ import pytest
 import skincad
 from skincad.inputs.design import Design
 from skincad.outputs import export
-from skincad.shape.cross_section import frame
+from skincad.shape.skin import skin_of
+
+# gone
 from skincad.solids.mold import mold
 from skincad.solids.skin import skin_solid
 from tests.conftest import Made, files_into
@@ -41,7 +43,10 @@ def heights_by_kernel(path: Path, design: Design) -> list[float]:
     solid = cq.importers.importStep(str(path)).val()
     heights = []
     for ridge in range(1, design.ridge.count + 1):
-        foot, far = frame(design, ridge).at(0.0, 0.0), frame(design, ridge).at(0.0, 5.0)
+        foot, far = (
+            skin_of(design).placed[ridge - 1].frame.at(0.0, 0.0),
+            skin_of(design).placed[ridge - 1].frame.at(0.0, 5.0),
+        )
         axis = cq.Edge.makeLine(cq.Vector(foot.x, 0.0, foot.z), cq.Vector(far.x, 0.0, far.z))
         heights.append(sum(edge.Length() for edge in axis.intersect(solid).Edges()))
     return heights

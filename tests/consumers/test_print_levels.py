@@ -15,7 +15,7 @@ from skincad.fabrication.printed_heights import snapped_to_layers, uncertain_rid
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.export import write_stl
-from skincad.shape.crests import summits
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage
 from tests.consumers import prusaslicer
@@ -52,7 +52,9 @@ def test_crests_on_layers_come_out_as_designed(name: str, tmp_path: Path) -> Non
     assert heights_and_floor is not None
     heights, floor = heights_and_floor
     snapped = skincad.load(name, [f"ridge.heights={list(heights)}", f"mold.floor={floor}"])
-    assert crests_as_sliced(snapped, tmp_path) == pytest.approx(summits(snapped), abs=1e-3)  # of no layer
+    assert crests_as_sliced(snapped, tmp_path) == pytest.approx(
+        skin_of(snapped).crests, abs=1e-3
+    )  # of no layer
 
 
 @pytest.mark.parametrize("floor", [9.0, 9.0045, 9.013, 9.0195, 9.03, 9.0475])
@@ -81,5 +83,5 @@ def test_crests_are_within_20_um_of_the_sheet_or_told_as_unsure(floor: float, tm
 def test_crests_come_out_as_the_sheet_says(name: str, changes: list[str], tmp_path: Path) -> None:
     design = skincad.load(name, changes)
     said = np.array(inspection(design, mold(design)).crests.heights)
-    assert np.abs(said - summits(design)).max() > 2e-3  # there is something to say
+    assert np.abs(said - skin_of(design).crests).max() > 2e-3  # there is something to say
     assert crests_as_sliced(design, tmp_path) == pytest.approx(said, abs=CLOSE)

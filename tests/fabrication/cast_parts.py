@@ -20,7 +20,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole, PartRole

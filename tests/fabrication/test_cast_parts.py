@@ -28,6 +28,7 @@ from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers.plane_level import level
 from skincad.outputs.checks import allowance
 from skincad.shape.crests import summits
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from tests.fabrication.cast_parts import Parts, drawn, sliced
 
@@ -67,12 +68,12 @@ def judged(name: str) -> JudgedDesign:
     force_needed = float(all_touch(model, np.zeros((1, design.ridge.count)), force / solved.scale)[0])
 
     def passes(crests: Array) -> Mask:
-        drops = (np.array(summits(design)) - crests) / unit_of(pad)
+        drops = (np.array(skin_of(design).crests) - crests) / unit_of(pad)
         drops_allowed = np.full(len(crests), force * force_needed / upper)  # in the pad's unit
         return np.asarray((ridge_forces(model, drops, drops_allowed) > 0).all(axis=1))
 
     def margin(crests: Array) -> Array:
-        drops = (np.array(summits(design)) - crests) / unit_of(pad)
+        drops = (np.array(skin_of(design).crests) - crests) / unit_of(pad)
         return np.asarray(force - all_touch(model, drops, force / solved.scale) * upper / force_needed)
 
     drops, room = allowance(check)

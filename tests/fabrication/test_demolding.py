@@ -6,7 +6,8 @@ import skincad
 from skincad.fabrication.demolding import freeing_widths
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.design import Design
-from skincad.solids.undercut import SAFE_SHARE, safe_strain, squeezes, undercuts
+from skincad.shape.skin import skin_of
+from skincad.solids.undercut import SAFE_SHARE, safe_strain
 
 
 def upright(radius: float, **other: object) -> Design:
@@ -25,13 +26,13 @@ def flank(radius: float) -> float:
 
 
 def test_the_default_leaves_its_mold_freely(yamada: Design) -> None:
-    assert set(undercuts(yamada).values()) == {0.0}
+    assert {u.width for u in skin_of(yamada).undercuts.values()} == {0.0}
 
 
 @pytest.mark.parametrize("radius", [12.0, 20.0, 60.0])
 def test_undercut_of_a_leaning_upright_flank_is_its_closed_form(radius: float) -> None:
     """A flank that leans by a overhangs by its length x sin a; the ridge's level is 0.75 / cos a wide."""
-    undercuts, lean = squeezes(upright(radius)), 4 / radius
+    undercuts, lean = skin_of(upright(radius)).undercuts, 4 / radius
     width = flank(radius) * math.sin(lean)
     # chords of 1e-5 mm, and levels between the polygons' corners
     assert undercuts[9].width == pytest.approx(width, abs=1e-4)
@@ -69,7 +70,7 @@ def test_what_leans_more_than_it_is_wide_is_locked() -> None:
             "root_fillet": 0.0,
         },
     )
-    assert squeezes(locked)[7].strain == 1.0
+    assert skin_of(locked).undercuts[7].strain == 1.0
     assert any(f.severity == "error" for f in design_findings(locked) if f.rule == "undercut")
 
 
@@ -79,8 +80,8 @@ def test_the_draft_told_is_just_enough() -> None:
     assert root is not None
     assert tip is not None
     for key, value, back in (("root_width", root, -0.005), ("tip_width", tip, 0.005)):
-        assert not any(undercuts(design.with_(ridge={key: value})).values())
-        assert any(undercuts(design.with_(ridge={key: value + back})).values())
+        assert not any(u.width for u in skin_of(design.with_(ridge={key: value})).undercuts.values())
+        assert any(u.width for u in skin_of(design.with_(ridge={key: value + back})).undercuts.values())
     remedy = next(f.remedy for f in design_findings(design) if f.rule == "undercut")
     assert f"root_width of {root:g} mm" in remedy
     assert f"tip_width of {tip:g} mm" in remedy

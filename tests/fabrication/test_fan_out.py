@@ -13,7 +13,7 @@ from skincad.fabrication.fan_out import BEND, MOST_TURN, fan_out, fan_out_findin
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 
 
 def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None:

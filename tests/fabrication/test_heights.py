@@ -14,8 +14,9 @@ from skincad.fabrication.rules import Case, grooves, teeth
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.pictures.drawing import drawing
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
-from skincad.solids.undercut import safe_strain, split_ridges, squeezes
+from skincad.solids.undercut import safe_strain, split_ridges
 from tests.fabrication.test_demolding import upright
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
@@ -73,8 +74,10 @@ def test_the_draft_is_for_the_ridge_that_needs_most() -> None:
     root, tip = freeing_widths(high)
     assert root is None  # beyond the pitch
     freed = high.with_(ridge={"tip_width": tip})
-    assert all(undercut.width == 0.0 for undercut in squeezes(freed).values())
-    assert any(u.width > 0 for u in squeezes(high.with_(ridge={"tip_width": (tip or 0.0) + 0.004})).values())
+    assert all(undercut.width == 0.0 for undercut in skin_of(freed).undercuts.values())
+    assert any(
+        u.width > 0 for u in skin_of(high.with_(ridge={"tip_width": (tip or 0.0) + 0.004})).undercuts.values()
+    )
     assert "frees ridge 3" in undercut_findings(high)[0].remedy
     assert "frees the outermost ridge" in undercut_findings(upright(20.0))[0].remedy
 
@@ -84,7 +87,7 @@ def test_a_cavity_is_split_alike_on_both_sides() -> None:
     split = upright(20.0, mold={"split": "auto"}, material={"name": "sylgard-184"}).with_(
         ridge={"heights": [0.3, 1.4, *[0.3] * 7]}
     )
-    caught = [r for r, undercut in squeezes(split).items() if undercut.strain > safe_strain(split)]
+    caught = [r for r, undercut in skin_of(split).undercuts.items() if undercut.strain > safe_strain(split)]
     assert caught == [2]
     assert split_ridges(split) == [2, 8]
 

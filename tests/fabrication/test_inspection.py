@@ -17,9 +17,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.pictures.drawing import PAGE, drawing
 from skincad.pictures.page import page
-from skincad.shape.crests import summits
-from skincad.shape.cross_section import section
 from skincad.shape.curves import polygon
+from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
@@ -153,7 +152,7 @@ def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
     """On its end the section is drawn by a screen's pixels."""
     design = skincad.load("plain-ridges").with_(printer={"sla": {"orientation": "end", "pixel": pixel}})
     inspected = inspection(design, mold(design))
-    assert inspected.crests.heights == pytest.approx(summits(design), abs=1e-12)
+    assert inspected.crests.heights == pytest.approx(skin_of(design).crests, abs=1e-12)
     assert inspected.crests.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
     assert any(f"one of {pixel:g} mm" in said for said in inspected.said)
 
@@ -161,7 +160,7 @@ def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
 def test_a_nozzle_follows_the_section_on_its_end() -> None:
     design = skincad.load("nozzle-04").with_(printer={"fdm": {"orientation": "end"}})
     inspected = inspection(design, mold(design))
-    assert (inspected.crests.heights, inspected.crests.sigma) == (summits(design), 0.05)
+    assert (inspected.crests.heights, inspected.crests.sigma) == (skin_of(design).crests, 0.05)
     assert not any("layers" in said for said in inspected.said)
 
 

@@ -11,7 +11,7 @@ from skincad.fabrication.inspection import inspection
 from skincad.fabrication.printed_heights import printed_crests, snapped_to_layers, uncertain_ridges
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.shape.crests import summits
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage
 
@@ -23,7 +23,7 @@ def heights(design: Design) -> tuple[float, ...]:
 
 
 def test_without_layers_crests_come_out_as_designed(yamada: Design) -> None:
-    assert heights(yamada) == summits(yamada)
+    assert heights(yamada) == skin_of(yamada).crests
 
 
 @pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
@@ -33,7 +33,7 @@ def test_heights_are_whole_layers_of_the_mold(name: str) -> None:
     layers = np.array(heights(design)) / (1 - shrinkage(design)) / layer
     assert layers == pytest.approx(np.round(layers), abs=1e-9)
     # ledge and groove are each rounded by half a layer at most
-    assert np.abs(np.array(heights(design)) - summits(design)).max() <= layer
+    assert np.abs(np.array(heights(design)) - skin_of(design).crests).max() <= layer
 
 
 def test_a_groove_that_is_narrower_at_a_middle_than_slicers_close_ends_a_layer_higher() -> None:
@@ -96,8 +96,8 @@ def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
     snapped = skincad.load(name, [f"ridge.heights={list(tall)}", f"mold.floor={floor}"])
     closed = mold(snapped)
     # mm: heights are told to 0.1 um, along axes that lean
-    assert heights(snapped) == pytest.approx(summits(snapped), abs=2e-4)
-    assert np.abs(np.array(summits(snapped)) - summits(design)).max() <= 0.501 * layer
+    assert heights(snapped) == pytest.approx(skin_of(snapped).crests, abs=2e-4)
+    assert np.abs(np.array(skin_of(snapped).crests) - skin_of(design).crests).max() <= 0.501 * layer
     assert uncertain_ridges(snapped, closed) == ()
     assert snapped_to_layers(snapped, closed) is None
     assert f"`mold.floor = {floor:g}`" in " ".join(inspection(design, mold(design)).said)

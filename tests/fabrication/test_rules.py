@@ -12,11 +12,12 @@ from skincad.fabrication import meshes
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings, part_findings
 from skincad.fabrication.reach import ERROR
-from skincad.fabrication.rules import Case, Feature, shim_sag, teeth
+from skincad.fabrication.rules import Case, shim_sag, teeth
 from skincad.fabrication.rules_of_layers import laid_on_end, overhang
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
+from skincad.shape.skin import Narrowest
 from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part
@@ -78,7 +79,7 @@ def test_teeth_of_a_comb_are_the_webs_between_notches(yamada: Design) -> None:
     """Two slots 0.32 mm apart, 0.05 thick, with 0.005 of play a side; tilted ones come closer at the top."""
     (tooth,) = teeth(case(yamada, "end-a-comb", "edm"))
     # the play is the notch's alone: slots of a pair are parallel, so their distance is everywhere the same
-    assert tooth == Feature(tooth.where, pytest.approx(0.32 - 0.05 - 0.01), pytest.approx(0.26))
+    assert tooth == Narrowest(tooth.where, pytest.approx(0.32 - 0.05 - 0.01), pytest.approx(0.26))
     (tilted,) = teeth(case(skincad.load("yamada-2002-tilted"), "end-a-comb", "edm"))
     diagonal = (0.25 + 0.01 + 0.05 + 0.01) / math.sqrt(2)  # a notch at 45 degrees, across x
     assert tilted.width == pytest.approx(0.34 - diagonal, abs=1e-4)

@@ -15,7 +15,7 @@ from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.fabrication.rules_of_machines import extent, passage
 from skincad.fabrication.strip_rules import strip_findings
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
@@ -77,9 +77,9 @@ def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
     width, pixel = 0.156, 0.05
     least = {}
     for slot in section(design).slots:
-        lean = design.lean(slot.ridge)
+        lean = design.lean(slot.feature)
         shifts = [(i / 8, j / 8) for i in range(8) for j in range(8)]
-        least[slot.ridge] = min(thickest(width, slot.depth, lean, pixel, shift) for shift in shifts)
+        least[slot.feature] = min(thickest(width, slot.depth, lean, pixel, shift) for shift in shifts)
     bound = passage(design, width, pixel)
     assert bound <= min(least.values()) + 1e-9
     assert bound > min(least.values()) - pixel

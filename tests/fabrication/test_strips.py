@@ -24,8 +24,8 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import SlotPlace
 from skincad.shape.curves import Point
+from skincad.shape.feature import SensorPlace
 
 ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")
 LOAD = 1e-6  # N/mm
@@ -229,7 +229,7 @@ def test_the_wall_that_an_edge_faces_is_the_nearer_of_both_along_the_strip() -> 
 
     def wall(x: float, z: float, degrees: float) -> float:
         way = Point(math.sin(math.radians(degrees)), math.cos(math.radians(degrees)))
-        return _ahead(SlotPlace(1, "S1", Point(x, z), way, 0.4, 0.05), box)
+        return _ahead(SensorPlace(1, "S1", Point(x, z), way, 0.4, 0.05), box)
 
     assert [wall(0.0, 1.0, 0.0), wall(0.0, 3.5, 0.0), wall(2.0, 3.5, 0.0)] == pytest.approx([1.0, 0.5, 0.5])
     assert [wall(0.0, 1.0, 60.0), wall(0.0, 3.5, 60.0)] == pytest.approx([2.0, 1.0])

@@ -11,7 +11,7 @@ from skincad.base.tables import table_of
 from skincad.inputs.catalog import load, overridden
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 
 
 def fields(model: type, path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], object]]:

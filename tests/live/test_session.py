@@ -10,7 +10,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.live.controls import controls, with_companions
 from skincad.live.session import GESTURE, Session, begun, moved, redone, standing, table_for, undone
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 
 
 @pytest.fixture

@@ -24,8 +24,8 @@ from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.tiers.plane_level import level
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block, cylinder
 

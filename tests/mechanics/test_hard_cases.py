@@ -15,8 +15,8 @@ from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Segment
+from skincad.shape.skin import Section
 from tests.mechanics import closed_forms
 from tests.mechanics.designs import reference as sharp
 

@@ -21,8 +21,8 @@ from skincad.outputs import export
 from skincad.outputs.dxf import write_sheet_dxf
 from skincad.pictures.layers import LAYERS
 from skincad.pictures.part_sheet import part_sheet
-from skincad.shape.cross_section import section
 from skincad.shape.curves import area
+from skincad.shape.skin import section
 from skincad.solids.body import Prism, Turned, plain
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane

@@ -18,12 +18,13 @@ import shapely
 import trimesh
 
 import skincad
-from skincad.fabrication.pattern import GLUED_LENGTH, HOLE, SHOULDER
+from skincad.fabrication.electrodes import SHOULDER
+from skincad.fabrication.pattern import GLUED_LENGTH, HOLE
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs import export
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Point, Segment, area, polygon
+from skincad.shape.skin import section
 from skincad.solids.inserts import STUB
 from skincad.solids.mold import mold
 from tests.conftest import Made

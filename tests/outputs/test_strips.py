@@ -18,7 +18,7 @@ from skincad.fabrication.electrodes import electrode_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.export import write_strips_dxf
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.conftest import Made
 

@@ -16,7 +16,7 @@ import skincad
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part
 from tests.bent_skin import three_ridges

@@ -8,9 +8,8 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame, section
-from skincad.shape.curves import area, polygon
-from skincad.shape.half_ridge import concentric_hit
+from skincad.shape.curves import area, concentric_hit, polygon
+from skincad.shape.skin import section, skin_of
 
 
 def test_area_agrees_with_a_fine_polygon(variants: dict[str, Design]) -> None:
@@ -41,13 +40,13 @@ def test_dimensions_are_those_of_the_design(yamada: Design) -> None:
     assert middle[:, 1].max() == pytest.approx(4.5, abs=1e-6)  # thickness + height, to the chord tolerance
     assert np.ptp(points[:, 0]) == pytest.approx(11.0, abs=1e-12)
     assert points[:, 1].min() == 0.0
-    assert {s.ridge for s in shape.outline} == {None, *range(1, 10)}
+    assert {s.feature for s in shape.outline} == {None, *range(1, 10)}
     assert shape.top == 4.5
     assert len(shape.slots) == 18
 
 
 def test_outer_crests_sit_where_the_circle_puts_them(yamada: Design) -> None:
-    outer, middle = frame(yamada, 9), frame(yamada, 5)
+    outer, middle = skin_of(yamada).placed[8].frame, skin_of(yamada).placed[4].frame
     lean = 4 / 60
     drop = (60 + 0.5) * (1 - math.cos(lean))
     summit, top = outer.at(0.0, 0.5), middle.at(0.0, 0.5)
@@ -66,7 +65,7 @@ def test_default_slots_leave_the_stated_wall_and_web(yamada: Design) -> None:
     s1, s2 = section(yamada).slots[8:10]
     web = s2.at(-s2.thickness / 2, 0.0).x - s1.at(s1.thickness / 2, 0.0).x
     assert web == pytest.approx(0.27, abs=1e-9)  # 2 x 0.16 of offset less 0.05
-    assert (s1.side, s2.side, s1.ridge) == ("S1", "S2", 5)
+    assert (s1.side, s2.side, s1.feature) == ("S1", "S2", 5)
     assert s1.centre.x < 0 < s2.centre.x
 
 
@@ -170,7 +169,7 @@ def test_fillets_have_their_radius_and_touch_what_they_join(
     """A tip fillet touches flank and crown, a root fillet flank and base circle: heads agree there."""
     tip, root = fillets
     shape = section(yamada.with_(ridge={"tip_fillet": tip, "root_fillet": root}))
-    ridge = [s for s in shape.outline if s.ridge == 9]
+    ridge = [s for s in shape.outline if s.feature == 9]
     kinds = [s.kind for s in ridge]
     half = [*(["root_fillet"] if root else []), "flank", *(["tip_fillet"] if tip else [])]
     assert kinds == [*half, "crown", *half[::-1]]

@@ -10,15 +10,15 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.crests import crest_drops, full_height, summits
-from skincad.shape.cross_section import section
+from skincad.shape.crests import crest_drops, full_height
 from skincad.shape.curves import Segment
+from skincad.shape.skin import section, skin_of
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
 
 
 def crown(design: Design, ridge: int) -> Segment:
-    (segment,) = (s for s in section(design).outline if s.kind == "crown" and s.ridge == ridge)
+    (segment,) = (s for s in section(design).outline if s.kind == "crown" and s.feature == ridge)
     return segment
 
 
@@ -30,7 +30,7 @@ def test_each_summit_stands_its_height_over_the_base_circle(yamada: Design, ridg
         x, z = crown(design, number).point(0.5)
         assert x == pytest.approx((60 + height) * math.sin(lean), abs=1e-12)  # rounding of 60 mm
         assert z == pytest.approx(4 - 60 + (60 + height) * math.cos(lean), abs=1e-12)
-        assert summits(design)[number - 1] == pytest.approx(z, abs=1e-12)
+        assert skin_of(design).crests[number - 1] == pytest.approx(z, abs=1e-12)
 
 
 def test_ridges_of_the_same_height_have_the_same_section(yamada: Design) -> None:
@@ -41,7 +41,7 @@ def test_a_ridge_is_as_on_a_skin_of_its_height(yamada: Design) -> None:
     unlike = section(yamada.with_(ridge={"heights": UNLIKE})).outline
     for number, height in enumerate(UNLIKE, 1):
         alike = section(yamada.with_(ridge={"height": height})).outline
-        assert [s for s in unlike if s.ridge == number] == [s for s in alike if s.ridge == number]
+        assert [s for s in unlike if s.feature == number] == [s for s in alike if s.feature == number]
     assert all(a.end == b.start for a, b in zip(unlike, (*unlike[1:], unlike[0]), strict=True))
 
 
@@ -88,17 +88,19 @@ def test_what_does_not_fit_names_its_ridge(yamada: Design, change: dict[str, Any
 def test_a_measured_crest_is_held_against_its_own_ridge(yamada: Design, tmp_path: Any) -> None:
     design = yamada.with_(ridge={"heights": [*UNLIKE[:8], 1.0]})
     lower = [0.01, -0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.6]  # the last would be too much of 0.5 mm
-    rows = [f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(summits(design), lower, strict=True), 1)]
+    rows = [
+        f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(skin_of(design).crests, lower, strict=True), 1)
+    ]
     (tmp_path / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join(rows))
     assert crest_drops(tmp_path / "crests.csv", design) == pytest.approx(lower, abs=1e-12)
     (tmp_path / "crests.csv").write_text(
-        "ridge,crest_mm\n" + "\n".join([*rows[:7], "8,3.7", f"9,{summits(design)[8] - 0.95!r}"])
+        "ridge,crest_mm\n" + "\n".join([*rows[:7], "8,3.7", f"9,{skin_of(design).crests[8] - 0.95!r}"])
     )
     with pytest.raises(InputError, match=r"ridge 8: must be within 0\.5 mm \(ridge\.heights\)"):
         crest_drops(tmp_path / "crests.csv", design)
 
 
 def test_the_skin_is_as_high_as_at_its_highest_crest(yamada: Design) -> None:
-    assert full_height(yamada) == 4.5
+    assert skin_of(yamada).height == 4.5
     assert full_height(yamada.with_(ridge={"levelling": 0.9})) == 4.5  # outer ridges are higher, and lower
     assert full_height(yamada.with_(ridge={"heights": [*UNLIKE[:8], 0.8]})) == 4.8

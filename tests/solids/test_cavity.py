@@ -10,9 +10,10 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import ClosedMold, Move, mold
 from skincad.solids.occ import solid
-from skincad.solids.undercut import safe_strain, split_ridges, squeezes
+from skincad.solids.undercut import safe_strain, split_ridges
 
 STEEP = "steep-fingertip"
 
@@ -36,7 +37,7 @@ def test_the_steep_fingertip_is_locked_in_a_whole_cavity_and_free_in_a_split_one
     assert errors(steep.with_(mold={"split": "none"})) == ["undercut", "undercut"]
     assert errors(steep) == []
     assert split_ridges(steep) == [1, 3]
-    assert squeezes(steep)[1].strain > safe_strain(steep) > squeezes(steep)[2].strain
+    assert skin_of(steep).undercuts[1].strain > safe_strain(steep) > skin_of(steep).undercuts[2].strain
 
 
 @pytest.mark.parametrize("design", [skincad.load(STEEP), many()], ids=["template", "seven ridges"])

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import spsolve
 import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.closing import (
     LEAST_COVER,
     MOST_BOW,

@@ -21,7 +21,7 @@ from skincad.base.errors import InputError
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
 from skincad.solids.bowl import gap_beside
 from skincad.solids.layout import BESIDE
@@ -31,7 +31,6 @@ from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import CutRole, PartRole
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.split import notch_rise
-from skincad.solids.undercut import undercuts
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import files_into
 
@@ -218,7 +217,7 @@ def _moved(closed: ClosedMold, name: str, shape: Manifold, way: object, travel: 
 def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
     design: Design, meshes: dict[str, Manifold]
 ) -> None:
-    assert max(undercuts(design).values()) == 0.0
+    assert max(u.width for u in skin_of(design).undercuts.values()) == 0.0
     skin, cavity = meshes["skin"], meshes["cavity"]
     for up in (1e-3, 0.1, 0.5, 2.0, 8.0):
         assert (skin.translate((0, 0, up)) ^ cavity).volume() < 1e-7  # rounding of the sides, which slide

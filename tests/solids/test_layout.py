@@ -12,7 +12,7 @@ from skincad.fabrication.meshes import manifold
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.body import Bore, Prism
 from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold

@@ -12,7 +12,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.body import Bore
 from skincad.solids.layout import BOLT_RADIUS, EDGE, Layout, layout
 from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_dowels, refused_lids

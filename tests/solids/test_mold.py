@@ -10,15 +10,14 @@ from skincad.fabrication.meshes import manifold
 from skincad.fabrication.void import perforated
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
 from skincad.shape.curves import area, polygon, rectangle
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Bore
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part, bores, box
 from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.undercut import undercuts
 from tests.templates import KINDS
 
 
@@ -40,7 +39,7 @@ def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
 
 def test_an_undercut_is_judged_by_its_own_rule_not_as_interference() -> None:
     steep = skincad.load("yamada-2002", ["skin.curvature_radius=15.0", "ridge.tip_width=0.7", "slot=none"])
-    assert max(undercuts(steep).values()) > 0.05
+    assert max(u.width for u in skin_of(steep).undercuts.values()) > 0.05
     assert interference(mold(steep), 1e-3) == []
 
 

@@ -15,7 +15,7 @@ from skincad.base.errors import InputError
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from skincad.solids.body import Bore, Prism
 from skincad.solids.bowl import rise
 from skincad.solids.layout import layout

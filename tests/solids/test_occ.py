@@ -10,8 +10,8 @@ import pytest
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
 from skincad.shape.curves import rectangle
+from skincad.shape.skin import section
 from skincad.solids.body import Bore, Prism, Revolved
 from skincad.solids.mold import mold
 from skincad.solids.occ import KERNEL_TOLERANCE, KernelError, _flattened, _rounding, solid, unchecked_solid

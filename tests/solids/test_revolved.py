@@ -17,8 +17,8 @@ from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
 from skincad.outputs import export
 from skincad.shape import curves
-from skincad.shape.cross_section import section
 from skincad.shape.curves import Point
+from skincad.shape.skin import section
 from skincad.solids.body import Revolved
 from skincad.solids.occ import KernelError, solid
 from skincad.solids.plan import Part

@@ -3,8 +3,8 @@ import pytest
 import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import section
 from skincad.shape.curves import area
+from skincad.shape.skin import section
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part

@@ -12,8 +12,9 @@ import shapely
 import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import SlotPlace, section
 from skincad.shape.curves import Point, Segment, area, polygon
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import section
 from skincad.solids.split import closed_edge, notch_rise, path, split_edges, split_height
 
 HALF = 20.0  # mm, of the end plate
@@ -40,7 +41,7 @@ def over_base(design: Design, x: float, z: float) -> float:
     return math.hypot(x, radius + z - design.skin.thickness) - radius
 
 
-def rise(design: Design, *slots: SlotPlace) -> float:
+def rise(design: Design, *slots: SensorPlace) -> float:
     """By how much an arc through the lowest corner of slots, square to the plate, rises through the plate."""
     bent, gap = design.skin.curvature_radius_y, design.mold.slit_clearance
     if bent is None:

@@ -14,8 +14,8 @@ from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_
 from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.tiers.plane_level import level
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
+from skincad.shape.skin import Section
 from tests.mechanics import closed_forms
 from tests.mechanics.designs import THREE, filleted, yamada
 from tests.mechanics.designs import reference as sharp

@@ -29,8 +29,8 @@ from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.film.sliding import Sliding, sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError, Pad
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
+from skincad.shape.skin import Section
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import cylinder
 from tests.mechanics.contact import half_space

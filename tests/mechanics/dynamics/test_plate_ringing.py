@@ -12,7 +12,7 @@ from skincad.inputs.material import silicone
 from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, TONNE, MasslessMarch, rung, skin_mass
 from skincad.mechanics.dynamics.reference import shear_frequency
 from skincad.mechanics.dynamics.ringing import RETARDATION
-from skincad.shape.cross_section import section
+from skincad.shape.skin import section
 from tests.mechanics.designs import filleted
 
 DOWN, ALONG, MASS = 10.0, 4.0, 0.5  # N/mm, N/mm, g

@@ -13,8 +13,8 @@ import pytest
 from skincad.mechanics.film.contact_edges import _cut, with_fine_edges
 from skincad.mechanics.film.stick import PadPiece
 from skincad.mechanics.problem import Pad
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Point, Segment
+from skincad.shape.skin import Section
 from tests.mechanics.bodies.test_elements import block
 
 

@@ -27,8 +27,8 @@ from skincad.mechanics.film.ridge_field import RidgeField
 from skincad.mechanics.film.rungs import RUNGS, solve
 from skincad.mechanics.film.stress import filled_pad, film_stresses
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.shape.cross_section import Section, SlotPlace
 from skincad.shape.curves import Point
+from skincad.shape.skin import Section
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import yamada
 
@@ -163,7 +163,7 @@ def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
     pad, thickness = block(3.0, 2.0, 0.0), 0.06
     sine, cosine = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
     slots = tuple(
-        SlotPlace(1, side, Point(sign * 0.5, 1.0), Point(-sign * sine, cosine), 0.5, 0.08)
+        SensorPlace(1, side, Point(sign * 0.5, 1.0), Point(-sign * sine, cosine), 0.5, 0.08)
         for side, sign in (("S1", -1), ("S2", 1))
     )
     strips = tuple(slot.loop(thickness) for slot in slots)
@@ -246,7 +246,7 @@ def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
         )
 
 
-def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SlotPlace, thickness: float) -> float:
+def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SensorPlace, thickness: float) -> float:
     """Around a rectangle OFF outside of the film, less what the silicone between them holds.
 
     All is cut in line with the film's corners, where stress has no bound, and sampled densely towards them.

@@ -1,0 +1,141 @@
+"""A feature: what stands on a skin's base, drawn in its own frame, and its place on the skin.
+
+The frame of a feature: t tangential to the base, n outward from it, mm, origin on the base circle. There
+curves hold points (t, n), as they hold (x, z) in the section.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from skincad.inputs.skin_tables import Slot
+from skincad.shape.curves import Loop, Point, Segment, loop
+
+Side = Literal["S1", "S2"]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a feature stands in the section: t along the base circle towards +x, n outward."""
+
+    origin: Point
+    tangent: Point
+    normal: Point
+
+    def at(self, t: float, n: float) -> Point:
+        """Return the section's point at (t, n) mm."""
+        return Point(
+            self.origin.x + t * self.tangent.x + n * self.normal.x,
+            self.origin.z + t * self.tangent.z + n * self.normal.z,
+        )
+
+
+@dataclass(frozen=True)
+class SensorPlace:
+    """One slot for a film strip, as wide as what is drawn out of it or cast into it: `direction` is the unit
+    vector along its depth, outward. Of a `feature` by its number; in a feature's own frame that is 0."""
+
+    feature: int
+    side: Side
+    centre: Point
+    direction: Point
+    depth: float
+    thickness: float
+
+    @property
+    def ridge(self) -> int:
+        """Return the feature's number."""
+        return self.feature
+
+    @property
+    def across(self) -> Point:
+        """Return the normal."""
+        return self.normal
+
+    @property
+    def normal(self) -> Point:
+        """Unit vector across the slot, which is the film's normal, towards +x for an upright slot."""
+        return Point(self.direction.z, -self.direction.x)
+
+    def at(self, across: float, along: float) -> Point:
+        """Return the section's point at these distances from the slot's centre, mm."""
+        return Point(
+            self.centre.x + across * self.normal.x + along * self.direction.x,
+            self.centre.z + across * self.normal.z + along * self.direction.z,
+        )
+
+    def loop(self, thickness: float | None = None, grown: float = 0.0) -> Loop:
+        """Return the slot's outline, counterclockwise; or a strip of `thickness` mm in its middle, or
+        either `grown` by a clearance a side."""
+        a, b = (thickness or self.thickness) / 2 + grown, self.depth / 2 + grown
+        return loop([self.at(-a, -b), self.at(a, -b), self.at(a, b), self.at(-a, b)], "slot", self.feature)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feature:
+    """What stands on the base, in its own frame, mm.
+
+    `outline` runs from the foot at +t to that at -t, the material on its left; segments that `touches` may
+    meet a plate. `height` is that of its summit, which lies on the axis; `root_width` and `tip_width` are
+    chords before fillets, `crown` is the tip's rise in its middle over its edges. `slot` is the table that
+    its `sensors` follow. An `extruded` feature runs along y, a `revolved` one turns about its axis.
+    """
+
+    family: str
+    outline: Loop
+    height: float
+    root_width: float
+    tip_width: float
+    crown: float
+    root_fillet: float
+    tip_fillet: float
+    slot: Slot | None = None
+    sensors: tuple[SensorPlace, ...] = ()
+    symmetry: Literal["extruded", "revolved"] = "extruded"
+
+    @property
+    def mean_width(self) -> float:
+        """Mean of the widths at root and tip, mm."""
+        return (self.root_width + self.tip_width) / 2
+
+    @property
+    def feet(self) -> tuple[Point, Point]:
+        """Where the outline leaves the base, at +t and at -t, (t, n) mm."""
+        return self.outline[0].start, self.outline[-1].end
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A feature on the skin: `number` counts from 1 at the smallest x; `lean` rad is from z to its axis,
+    towards +x; `neighbours` are the numbers of those beside it."""
+
+    feature: Feature
+    frame: Frame
+    number: int
+    lean: float
+    neighbours: tuple[int, ...]
+
+    @property
+    def summit(self) -> Point:
+        """The highest point of its axis, mm."""
+        return self.frame.at(0.0, self.feature.height)
+
+    @property
+    def outline(self) -> Iterator[Segment]:
+        """Its outline in the section, numbered; segments without length are left out."""
+        at = self.frame.at
+        for segment in self.feature.outline:
+            placed = replace(segment, start=at(*segment.start), end=at(*segment.end), feature=self.number)
+            if placed.chord > 0.0:
+                yield placed
+
+    @property
+    def sensors(self) -> Iterator[SensorPlace]:
+        """Its sensor places in the section, numbered."""
+        at, origin = self.frame.at, self.frame.origin
+        for place in self.feature.sensors:
+            tip = at(*place.direction)
+            direction = Point(tip.x - origin.x, tip.z - origin.z)
+            yield replace(place, feature=self.number, centre=at(*place.centre), direction=direction)

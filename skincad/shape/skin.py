@@ -1,0 +1,261 @@
+"""The skin: a base with placed features, and its exact cross-section.
+
+In the section's plane (x, z), mm: flat back at z = 0, features up, the material on the left of every segment.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import Base, Slot
+from skincad.shape.curves import Loop, Point, Segment, area, moments, polygon
+from skincad.shape.families import place
+from skincad.shape.feature import Feature, Placed, SensorPlace
+
+MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
+GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
+VISIBLE = 10 * GUARD_TOLERANCE  # mm; less is the chords' own error
+
+
+@dataclass(frozen=True)
+class Section:
+    """The skin's section: outline counterclockwise, and the slots in it."""
+
+    outline: Loop
+    slots: tuple[SensorPlace, ...] = ()
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the material, mm2: outline less slots."""
+        return area(self.outline) - math.fsum(area(s.loop()) for s in self.slots)
+
+    @cached_property
+    def centroid(self) -> Point:
+        """Centroid of the material, mm."""
+        rows = np.array([moments(self.outline), *([-m for m in moments(s.loop())] for s in self.slots)])
+        total = rows.sum(axis=0)
+        return Point(float(total[1] / total[0]), float(total[2] / total[0]))
+
+    @cached_property
+    def top(self) -> float:
+        """Largest z of the outline, mm, exact."""
+        return max(segment.top for segment in self.outline)
+
+
+class Narrowest(NamedTuple):
+    """A groove or a tooth of what casts the skin: where, its width and its depth or height, mm."""
+
+    where: str
+    width: float
+    height: float
+
+
+class Undercut(NamedTuple):
+    """A feature's overhang: mm by which a flank widens towards the tip, and the nominal squeeze to pass it,
+    1 where nothing passes."""
+
+    width: float
+    strain: float
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """A base with features placed on it, number 1 at the smallest x.
+
+    `pitch` mm is from one feature to the next along the base circle; of a lone one a length of its size.
+    """
+
+    name: str
+    base: Base
+    placed: tuple[Placed, ...]
+    pitch: float
+
+    @property
+    def count(self) -> int:
+        """How many features there are."""
+        return len(self.placed)
+
+    @property
+    def numbers(self) -> range:
+        """The features' numbers, from 1."""
+        return range(1, self.count + 1)
+
+    @property
+    def profile(self) -> Feature:
+        """The first feature. All share its widths, fillets and slots, and may differ in height."""
+        return self.placed[0].feature
+
+    @property
+    def slot(self) -> Slot | None:
+        """The table of the slots in every feature, None without."""
+        return self.profile.slot
+
+    @cached_property
+    def heights(self) -> tuple[float, ...]:
+        """Each feature's height, base circle to summit, mm."""
+        return tuple(placed.feature.height for placed in self.placed)
+
+    @property
+    def uneven(self) -> bool:
+        """Whether features differ in height."""
+        return len({*self.heights}) > 1
+
+    @property
+    def leans(self) -> tuple[float, ...]:
+        """The angle from z to each feature's axis, rad, towards +x."""
+        return tuple(placed.lean for placed in self.placed)
+
+    def lean(self, number: int) -> float:
+        """Return the angle from z to a feature's axis, rad, towards +x."""
+        return self.placed[number - 1].lean
+
+    @cached_property
+    def crests(self) -> tuple[float, ...]:
+        """Each summit's height over the flat back, mm."""
+        return tuple(placed.summit.z for placed in self.placed)
+
+    @cached_property
+    def height(self) -> float:
+        """How high skin and features are, mm: the thickness and the height of the one with the highest
+        crest."""
+        return self.base.thickness + self.heights[self.crests.index(max(self.crests))]
+
+    def groove(self) -> Narrowest:
+        """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
+        deepest = max(self.heights)
+        which = f"ridge {self.heights.index(deepest) + 1}" if self.uneven else "a ridge"
+        return Narrowest(f"groove of {which}'s tip", self.profile.tip_width, deepest)
+
+    def tooth(self) -> Narrowest | None:
+        """Return the narrowest tooth of what casts the skin, between two neighbours' roots; None of a lone
+        feature.
+
+        The width is that of its free end, before fillets, and the height that over the shallower groove:
+        below its bottom the tooth is backed.
+        """
+        if self.count == 1:
+            return None
+        free = [min(pair) for pair in pairwise(self.heights)]
+        first = free.index(max(free)) + 1
+        which = f"the roots of ridges {first} and {first + 1}" if self.uneven else "two ridges' roots"
+        return Narrowest(f"tooth between {which}", self.pitch - self.profile.root_width, max(free))
+
+    @cached_property
+    def undercuts(self) -> dict[int, Undercut]:
+        """Each feature's undercut when the skin leaves its mold straight along its own -z, by number.
+
+        The fan leans alike to both sides and leaves as one, so no feature can give way sideways: every level
+        of it has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is
+        squeezed by the nominal strain 1 - w / W. Exact to the guards' chord tolerance; 0 is below it.
+        """
+        return {placed.number: _undercut(tuple(placed.outline)) for placed in self.placed}
+
+
+@lru_cache(maxsize=32)
+def skin_of(design: Design) -> Skin:
+    """Return the design's skin. Raises InputError where features have no shape, or no room."""
+    return Skin(design.name, design.skin, place(design), design.ridge.spacing)
+
+
+@lru_cache(maxsize=32)
+def section(design: Design) -> Section:
+    """Return the design's section, guarded.
+
+    Raises InputError when fillets do not fit, when the outline is not simple, or when a slot leaves it
+    or leaves too thin a wall. Valid for curvature radii up to 1e8 mm.
+    """
+    skin = skin_of(design)
+    slots = tuple(place for placed in skin.placed for place in placed.sensors)
+    result = Section(tuple(_outline(skin)), slots)
+    _guard(result, skin)
+    return result
+
+
+def _outline(skin: Skin) -> Iterator[Segment]:
+    """Outline from the back's left corner, counterclockwise; segments without length are left out."""
+    base = skin.base
+    radius, x = base.curvature_radius, base.width / 2
+    side = math.asin(x / radius)
+    shoulder = base.thickness - 2 * radius * math.sin(side / 2) ** 2
+    yield Segment(Point(-x, 0.0), Point(x, 0.0), kind="back")
+    yield Segment(Point(x, 0.0), Point(x, shoulder), kind="side")
+    here, angle = Point(x, shoulder), side
+    for placed in reversed(skin.placed):
+        right, left = placed.feature.feet
+        reach = math.atan2(right.x, radius + right.z)
+        yield from _base_arc(here, placed.frame.at(*right), angle - placed.lean - reach)
+        yield from placed.outline
+        here, angle = placed.frame.at(*left), placed.lean - reach
+    yield from _base_arc(here, Point(-x, shoulder), angle + side)
+    yield Segment(Point(-x, shoulder), Point(-x, 0.0), kind="side")
+
+
+def _base_arc(start: Point, end: Point, sweep: float) -> Iterator[Segment]:
+    segment = Segment(start, end, math.tan(sweep / 4), "base")
+    if segment.chord > 0.0:
+        yield segment
+
+
+def _guard(result: Section, skin: Skin) -> None:
+    """Judge the whole section on its polygons: simple, slots inside, walls and webs thick enough."""
+    body = shapely.Polygon(polygon(result.outline, GUARD_TOLERANCE))
+    if not body.is_valid:
+        raise InputError(
+            skin.profile.family,
+            f"the outline crosses itself ({shapely.is_valid_reason(body)})",
+            remedy="move ridges apart",
+        )
+    if not result.slots or skin.slot is None:
+        return
+    slots = [shapely.Polygon(polygon(s.loop(), GUARD_TOLERANCE)) for s in result.slots]
+    outside = [s for s, shape in zip(result.slots, slots, strict=True) if not body.contains(shape)]
+    if outside:
+        raise InputError(
+            "slot",
+            f"must lie inside the outline; {outside[0].side} of ridge {outside[0].feature} crosses it",
+            f"offset {skin.slot.offset:g}, elevation {skin.slot.elevation:g} mm",
+            "reduce offset, depth or elevation",
+        )
+    walls = [float(body.exterior.distance(shape)) for shape in slots]
+    wall = min(walls)
+    thinnest = result.slots[walls.index(wall)]
+    where = f" at {thinnest.side} of ridge {thinnest.feature}" if skin.uneven else ""
+    tree = shapely.STRtree(slots)
+    pairs = tree.query(slots, predicate="dwithin", distance=MOLDABLE_WALL)
+    close = pairs[:, pairs[0] < pairs[1]].T
+    web = min((float(slots[i].distance(slots[j])) for i, j in close), default=math.inf)
+    for place_name, size in ((f"wall to the outline{where}", wall), ("web between slots", web)):
+        if size < MOLDABLE_WALL:
+            raise InputError(
+                "slot.offset",
+                f"leaves a {place_name} of {max(size, 0.0):.4g} mm; silicone needs {MOLDABLE_WALL:g} mm",
+                skin.slot.offset,
+                "move, turn or shorten the slots",
+            )
+
+
+def _undercut(outline: Loop) -> Undercut:
+    points = np.vstack([polygon(outline, GUARD_TOLERANCE), outline[-1].end])
+    summit = int(np.argmax(points[:, 1]))
+    sides = points[: summit + 1], (points[summit:] * [-1.0, 1.0])[::-1]  # each from its foot to the summit
+    mouths = [np.minimum.accumulate(side[:, 0]) for side in sides]
+    width = max(float((side[:, 0] - mouth).max()) for side, mouth in zip(sides, mouths, strict=True))
+    if width <= VISIBLE:
+        return Undercut(0.0, 0.0)
+    levels = np.unique(np.concatenate([side[:, 1] for side in sides]))
+    levels = levels[(levels >= max(s[0, 1] for s in sides)) & (levels < points[summit, 1])]
+    # a side may dip at its foot where the ridge leans much: below the dip there is no groove
+    heights = [np.maximum.accumulate(side[:, 1]) for side in sides]
+    full = sum(np.interp(levels, z, side[:, 0]) for z, side in zip(heights, sides, strict=True))
+    free = sum(np.interp(levels, z, mouth) for z, mouth in zip(heights, mouths, strict=True))
+    return Undercut(width, min(1.0, float((1 - free / full).max())))
