@@ -28,6 +28,7 @@ from skincad.mechanics.film.rungs import RUNGS, solve
 from skincad.mechanics.film.stress import filled_pad, film_stresses
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.shape.curves import Point
+from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import Section
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import yamada
