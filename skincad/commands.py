@@ -45,9 +45,9 @@ app = typer.Typer(
 
 def _starts(incomplete: str) -> list[str]:
     """What completes the name of what `new` starts from."""
-    from skincad.outputs.newfile import starts
+    from skincad.outputs.newfile import start_names
 
-    return [name for name in starts() if name.startswith(incomplete)]
+    return [name for name in start_names() if name.startswith(incomplete)]
 
 
 def _kinds(incomplete: str) -> list[str]:
@@ -89,9 +89,9 @@ def templates(
     Templates are designs, scenes, circuits and studies. With KIND, silicones and processes come with their
     values, ranges and sources.
     """
-    from skincad.outputs.lists import listed
+    from skincad.outputs.lists import listing
 
-    data, lines = listed(kind)
+    data, lines = listing(kind)
     show(data, as_json, "\n".join(lines))
 
 

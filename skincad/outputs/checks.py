@@ -53,10 +53,10 @@ def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
     """Return by how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
     if check is None:
         return ()
-    made, margin = check.manufacture, check.margin
-    if made is None or margin is None or not check.passed:
+    part_yield, margin = check.manufacture, check.margin
+    if part_yield is None or margin is None or not check.passed:
         return ()
-    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
+    return tuple(margin / slope if slope > 0 else math.inf for slope in part_yield.crest_sensitivity)
 
 
 def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
@@ -103,8 +103,8 @@ def _margin_lines(check: ContactCheck) -> list[str]:
 def _model_lines(check: ContactCheck) -> list[str]:
     lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
     lines += [
-        f"  tried first    {asked.tier}: {_shown(asked.all_touch_force)}, {asked.seconds:.2f} s"
-        for asked in check.climbed
+        f"  tried first    {run.tier}: {_shown(run.all_touch_force)}, {run.seconds:.2f} s"
+        for run in check.climbed
     ]
     if check.next_tier and not check.next_step:
         tier, seconds = check.next_tier
@@ -135,14 +135,14 @@ def percent(share: float, places: int, to: Callable[[float], int]) -> str:
 
 
 def _manufacture_lines(check: ContactCheck) -> list[str]:
-    made, share = check.manufacture, passing_share(check)
-    if made is None or not share:
+    part_yield, share = check.manufacture, passing_share(check)
+    if part_yield is None or not share:
         return []
-    lost = f"most are lost by {made.largest}" if made.largest else "none of those sampled fails"
-    told = share if share.startswith("unknown") else f"{share} of parts pass; {lost}"
-    crests = "  ".join(f"{slope / 100:+.2g}" for slope in made.crest_sensitivity)
+    lost = f"most are lost by {part_yield.largest}" if part_yield.largest else "none of those sampled fails"
+    summary = share if share.startswith("unknown") else f"{share} of parts pass; {lost}"
+    crests = "  ".join(f"{slope / 100:+.2g}" for slope in part_yield.crest_sensitivity)
     return [
-        f"  yield          {told}",
+        f"  yield          {summary}",
         f"  crests         0.01 mm lower, each changes the force needed by {crests} N",
     ]
 

@@ -80,7 +80,7 @@ def law_lines(fit: MaterialFit) -> list[str]:
 def _rounded(value: Any) -> Any:
     """Constants to 6 digits: no test says more."""
     if isinstance(value, tuple):
-        return [_rounded(each) for each in value]
+        return [_rounded(item) for item in value]
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 

@@ -26,9 +26,13 @@ def formula(step: Calculation) -> str:
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
 
-def put_in(step: Calculation) -> str:
+def formula_with_numbers(step: Calculation) -> str:
     """Return the formula with the numbers put in; those of each ridge stay symbols."""
-    numbers = {each.symbol: number(each.value) for each in step.given if not isinstance(each.value, tuple)}
+    numbers = {
+        quantity.symbol: number(quantity.value)
+        for quantity in step.given
+        if not isinstance(quantity.value, tuple)
+    }
     drawn = _Drawn(numbers).of(_tree(step), 0)
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
@@ -87,9 +91,9 @@ class _Drawn:
             case ast.Constant(value=value):
                 return f"<mn>{value!r}</mn>", WHOLE
             case ast.Name(id=name):
-                found = self.numbers.get(name)
-                negative = found is not None and found.startswith("<mrow><mn>−")  # noqa: RUF001
-                return found or symbol(name), 1 if negative else WHOLE
+                text = self.numbers.get(name)
+                negative = text is not None and text.startswith("<mrow><mn>−")  # noqa: RUF001
+                return text or symbol(name), 1 if negative else WHOLE
             case ast.UnaryOp(operand=inner):
                 return f"<mo>−</mo>{self.of(inner, 2)}", 1  # noqa: RUF001
             case ast.Call(func=ast.Name(id=name), args=[inner]):

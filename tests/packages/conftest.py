@@ -28,5 +28,5 @@ class Written:
 @pytest.fixture(scope="session", params=DESIGNS)
 def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Written:
     """Each design for MuJoCo and URDF."""
-    found = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
-    return Written(found, tmp_path_factory.mktemp("package") / "p")
+    package = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
+    return Written(package, tmp_path_factory.mktemp("package") / "p")

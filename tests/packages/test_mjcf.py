@@ -42,7 +42,7 @@ def test_a_pressed_skin_is_that_of_its_check_for_ten_seconds(simulated: Written)
     run.after(5.0)
     assert run.at("plate-z") == pytest.approx(before, rel=1e-4)  # it stands
     assert all(warning.number == 0 for warning in run.data.warning)
-    force, wanted = run.forces()[:, 0], np.array([float(each) for each in verdict.ridge_force])
+    force, wanted = run.forces()[:, 0], np.array([float(share) for share in verdict.ridge_force])
     assert force.sum() == pytest.approx(verdict.force, rel=0.01)
     assert (force > 0).all()
     assert force == pytest.approx(wanted, rel=0.1)
