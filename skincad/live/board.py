@@ -1,4 +1,4 @@
-"""A scene's history as points on a board, its signals beneath on the same axis of time: where things are."""
+"""A scene's history as points on a board, its signals beneath on the same axis of time: positions only."""
 
 from __future__ import annotations
 

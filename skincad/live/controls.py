@@ -1,4 +1,4 @@
-"""What can be moved: a control for every number, choice and optional table, from the models' own fields."""
+"""Controls for every number, choice and optional table, from the models' own fields."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def _names(subject: Editable, field: FieldInfo, key: str) -> tuple[str, ...]:
 
 
 def _initial(subject: Editable, key: str, low: float, high: float) -> float:
-    """What a key that is not given begins with: the silicone's own, or the midst of its range."""
+    """What a key that is not given begins with: the silicone's own, or the middle of its range."""
     design = subject.design if isinstance(subject, Scene) else subject
     table, _, name = key.removeprefix(SKIN).rpartition(".")
     if table == "material" and name in ("poisson_ratio", "density"):

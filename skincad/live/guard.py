@@ -1,4 +1,4 @@
-"""Who is answered: the page itself, at the address where it is served, and no other page of a browser."""
+"""Only the page itself, at the address where it is served, gets answers; no other page of a browser does."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ THICK = 2.0  # px
 NOTHING = 1e-3  # of the largest stress: what is no stress of the other sign
 
 
-class Drawn:
+class HistoryBoard:
     """The board of a scene on a page; nothing of a design."""
 
     def __init__(self, server: Any, desk: Desk, guarded: Callable[..., Callable[..., None]]) -> None:

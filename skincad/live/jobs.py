@@ -1,4 +1,4 @@
-"""What the page has computed in processes of their own: the verdict, a scene's signals, the files."""
+"""Jobs that run in processes of their own: the verdict, a scene's signals, the files."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def make_files(request: tuple[Design, Path], tell: Tell) -> None:
 
 
 def preload() -> None:
-    """Import what the page itself needs before it is moved for the first time."""
+    """Import what the first move of a slider needs."""
     import skincad.fabrication.filling
     import skincad.fabrication.findings
     import skincad.fabrication.strip_rules

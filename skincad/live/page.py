@@ -21,7 +21,7 @@ from skincad.inputs.design import Design
 from skincad.live.board import board_of
 from skincad.live.desk import Desk
 from skincad.live.guard import own_pages_only
-from skincad.live.history import Drawn
+from skincad.live.history import HistoryBoard
 from skincad.live.panel import Panel
 from skincad.live.session import Editable
 from skincad.live.shapes import DrawnDesign, Piece
@@ -71,7 +71,7 @@ class Page:
         gui.main_panel.set_width(RIGHT)
         self._add_buttons(gui)
         self._add_view(gui)
-        self._drawn = Drawn(self.server, self.desk, self.guarded)
+        self._drawn = HistoryBoard(self.server, self.desk, self.guarded)
         self._panel = Panel(gui, self.desk, self.guarded)
         self._changed("session")
 

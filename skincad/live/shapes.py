@@ -1,4 +1,4 @@
-"""What the page draws of a design: the skin and the mold's parts as meshes, and the section as a picture."""
+"""A design as the page draws it: the skin and the mold's parts as meshes, and the section as a picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page says, as HTML: the state of the design, verdicts with their error bars, findings."""
+"""The page's words as HTML: the state of the design, verdicts with their error bars, findings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who computes beside the page: a thread for what is quick, a process of its own for what is not.
+"""Computing beside the page: a thread for quick work, a process of its own for slow work.
 
 Of several questions only the newest counts. A process checks for a newer question wherever its work reports
 progress, and drops the older one. One that does not check in time is ended and replaced.

@@ -1,4 +1,4 @@
-"""What a check says: the verdict in one sentence, and what stands behind it."""
+"""Output of a check: the verdict in one sentence, and the numbers behind it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COMMAND = "check"
 NARROW_SHARE = 0.1  # of all parts: a yield's interval as narrow is shown to a tenth of a percent
 WIDEST_SHARE = 0.8  # a yield's interval that is wider says nothing
-UNCHECKED = "Not checked whether all ridges touch."  # what a job says that leaves the check out
+UNCHECKED = "Not checked whether all ridges touch."  # for a job without a check
 
 
 def verdict(check: ContactCheck) -> str:
@@ -50,7 +50,7 @@ def _shown(positive: Estimate) -> str:
 
 
 def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
-    """Return by how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    """Return how far each crest may lie lower, mm, if only that one does: it uses up the verdict's margin."""
     if check is None:
         return ()
     part_yield, margin = check.manufacture, check.margin
@@ -70,7 +70,7 @@ def lines(check: ContactCheck) -> list[str]:
 
 
 def verdict_lines(check: ContactCheck) -> list[str]:
-    """Return what is known before any advice is."""
+    """Return the lines that need no advice."""
     shares = "  ".join(f"{share.value:.3f}" for share in check.ridge_force)
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [

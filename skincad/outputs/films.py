@@ -1,4 +1,4 @@
-"""What is said and drawn of the films' stress."""
+"""Words and pictures of the films' stress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a material test says: the modulus, and the lines of a design that it goes into."""
+"""Output of a material test: the modulus, and the lines of a design that hold it."""
 
 from __future__ import annotations
 

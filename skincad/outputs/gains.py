@@ -1,4 +1,4 @@
-"""What a circuit's gain says and leaves: words, gain.csv, gain.png, netlist.cir, and what was calibrated."""
+"""Output of a circuit's gain: words, gain.csv, gain.png, netlist.cir, and calibrated.toml."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
 
 
 def _about(kind: str) -> dict[str, str]:
-    """Every name of a kind with what it is, in one line."""
+    """Every name of a kind with its description in one line."""
     for file_kind in (*KINDS, STUDIES):
         if kind == file_kind:
             return {name: _first(template_text(name, file_kind)) for name in template_names(file_kind)}
@@ -101,7 +101,7 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
 
 
 def _sources(entry: Silicone) -> list[str]:
-    """What each source says of a silicone's stiffness, a line each."""
+    """A silicone's stiffness by each source, a line each."""
     lines = []
     for source in entry.sources:
         law = ""

@@ -1,4 +1,4 @@
-"""What a made design says and leaves: words, and a writer for each file, by names known before any work."""
+"""Output of `make`: words, and a writer for each file, whose names are known before any work."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What optimising says and leaves: the front's designs, all that was tried as table, pictures and page."""
+"""Output of `optimise`: the front's designs, and all evaluations as table, pictures and page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A package for simulators as files, and what is said of it."""
+"""A package for simulators: its words and its files."""
 
 from __future__ import annotations
 

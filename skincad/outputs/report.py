@@ -95,10 +95,10 @@ def suggested_scene(design: Design) -> str | None:
             data = read_table(name, "scenes")
             effects, ridges = data.get("effects", {}), data.get("readout", {}).get("ridges", [])
             force = max(data["history"]["normal_force_N"])
-            has_films = design.film is not None or not (ridges or "film" in effects)
+            films_suffice = design.film is not None or not (ridges or "film" in effects)
             if (
                 wanted in effects
-                and has_films
+                and films_suffice
                 and max(ridges, default=0) <= design.ridge.count
                 and force <= design.ridge.count * limits(design).largest
             ):

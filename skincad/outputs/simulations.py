@@ -1,4 +1,4 @@
-"""What a simulated scene says and leaves: words, signals as CSV, and pictures."""
+"""Output of a simulated scene: words, signals as CSV, and pictures."""
 
 from __future__ import annotations
 

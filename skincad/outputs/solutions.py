@@ -1,4 +1,4 @@
-"""What solving says: the values that give what is wanted, or how near any came."""
+"""Output of `solve`: the values that reach the target, or the nearest ones."""
 
 from __future__ import annotations
 

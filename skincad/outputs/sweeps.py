@@ -1,4 +1,4 @@
-"""What a sweep says and leaves: its best rows, a table as CSV and Parquet, pictures, and a page."""
+"""Output of a sweep: its best rows, a table as CSV and Parquet, pictures, and a page."""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Tetrahedra as MSH 4.1 and VTU. Written here, for what is at hand writes neither: netgen knows MSH 2 only,
-NGSolve's VTU has no named regions, trimesh no volumes.
+"""Tetrahedra as MSH 4.1 and VTU.
+
+No library at hand writes them: netgen knows MSH 2 only, NGSolve's VTU has no named regions, trimesh no
+volumes.
 
 Sources: Gmsh reference manual, MSH file format version 4.1; VTK file formats, unstructured grid.
 """

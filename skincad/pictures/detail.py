@@ -17,11 +17,9 @@ from skincad.pictures.sheet_bores import Placed
 from skincad.solids.projection import Arc, Place, Polyline, Stroke
 
 MARGIN = (10.0, 10.0)  # mm of paper beside and over it, for dimensions and caption
-WINDOW_FACTOR, MIN_WINDOW = (
-    (1.3, 1.4),
-    (42.0, 34.0),
-)  # assumption: a window by what it shows, and at least, mm of paper
-SLACK = 1.05  # by how much what is shown may be larger than the window: it has margins of its own
+WINDOW_FACTOR = (1.3, 1.4)  # assumption: a window's size by that of what it shows
+MIN_WINDOW = (42.0, 34.0)  # mm of paper, assumption: width and height of a window, at least
+SLACK = 1.05  # the shown extent may exceed the window by this factor: it has margins of its own
 SCALES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)  # source: ISO 5455
 LETTER, SIZE = "W", 2.0
 CHORD = 0.01  # mm of paper, of arcs that are cut at the window

@@ -1,4 +1,4 @@
-"""Where a mold's parts are drawn when it is taken apart."""
+"""Positions of a mold's parts in the exploded view."""
 
 from __future__ import annotations
 

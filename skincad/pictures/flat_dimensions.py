@@ -18,18 +18,15 @@ from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
 
 SIZE = 2.0  # mm of paper, height of capitals
-SECTION_WIDTH, ROOM_BESIDE, ROOM_OVER = (
-    110.0,
-    10.0,
-    14.0,
-)  # mm of paper: a section, and the room beside and over it
+SECTION_WIDTH = 110.0  # mm of paper
+ROOM_BESIDE, ROOM_OVER = 10.0, 14.0  # mm of paper, beside and over a section
 
 
 def section_margin(design: Design) -> tuple[float, float]:
     """Return the room beside and over a section that its dimensions have, mm."""
-    return max(1.0, design.skin.width * ROOM_BESIDE / SECTION_WIDTH), max(
-        1.0, design.skin.width * ROOM_OVER / SECTION_WIDTH
-    )
+    beside = design.skin.width * ROOM_BESIDE / SECTION_WIDTH
+    over = design.skin.width * ROOM_OVER / SECTION_WIDTH
+    return max(1.0, beside), max(1.0, over)
 
 
 def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
@@ -59,7 +56,7 @@ def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
 
 
 def section_notes(design: Design) -> list[str]:
-    """Return what is said under the section: it is the skin, and what a mold is cut by."""
+    """Return the notes under the section: it is the cured skin; a mold is cut by other files."""
     larger = 1 / (1 - shrinkage(design))
     by = f"{larger:.6g} times as large, for the silicone's shrinkage" if larger > 1 else "as large"
     bent = design.skin.curvature_radius_y is not None

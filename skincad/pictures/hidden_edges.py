@@ -1,4 +1,4 @@
-"""Which hidden edges are drawn: on paper, those that would run together are one."""
+"""Hidden edges on paper: of edges that would run together, only one is drawn."""
 
 from __future__ import annotations
 

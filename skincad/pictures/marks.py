@@ -1,7 +1,7 @@
-"""What a drawing sheet is made of, plain data in mm of paper, y up: strokes, fills, words, dimensions.
+"""Marks of a drawing sheet, plain data in mm of paper, y up: strokes, fills, words, dimensions.
 
-A dimension knows its points and what it says, and what of it is drawn: so each format draws it alike, and
-one that has dimensions of its own (DXF) keeps them as such.
+A dimension has its points, its words and the strokes that draw it. So each format draws it alike, and DXF,
+which has dimensions of its own, keeps it as one.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ WHOLE = 5  # of what needs no brackets
 
 def formula(step: Calculation) -> str:
     """Return the formula in symbols: result = ..."""
-    drawn = _Drawn({}).of(_tree(step), 0)
+    drawn = _FormulaWriter({}).of(_tree(step), 0)
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
 
@@ -33,7 +33,7 @@ def formula_with_numbers(step: Calculation) -> str:
         for quantity in step.given
         if not isinstance(quantity.value, tuple)
     }
-    drawn = _Drawn(numbers).of(_tree(step), 0)
+    drawn = _FormulaWriter(numbers).of(_tree(step), 0)
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
 
@@ -54,7 +54,7 @@ def symbol(text: str) -> str:
 
 def part(node: ast.expr) -> str:
     """Return a part of a formula in symbols."""
-    return _math(_Drawn({}).of(node, 0))
+    return _math(_FormulaWriter({}).of(node, 0))
 
 
 def number(value: float) -> str:
@@ -74,7 +74,7 @@ def _tree(step: Calculation) -> ast.expr:
     return ast.parse(step.formula, mode="eval").body
 
 
-class _Drawn:
+class _FormulaWriter:
     """Draws parts of a formula, with numbers in the place of some symbols."""
 
     def __init__(self, numbers: dict[str, str]) -> None:

@@ -16,10 +16,8 @@ from skincad.shape.curves import Loop
 from skincad.solids.plan import shifted
 
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02)  # source: ISO 5455
-BINDING_MARGIN, EDGE_MARGIN = (
-    20.0,
-    10.0,
-)  # mm, source: ISO 5457, the frame's distance from the paper at the left and elsewhere
+BINDING_MARGIN = 20.0  # mm, source: ISO 5457, the frame's distance from the paper's left edge
+EDGE_MARGIN = 10.0  # mm, source: ISO 5457, its distance from the other edges
 VIEW_GAP = 6.0  # mm, between views and column
 TAGS, CAPTION = 12.0, 8.0  # mm, between the view from above and a detail to its right; under the left view
 HOLE_SPACING = 7.0  # mm, assumption: between neighbouring holes on paper, for their tags
@@ -131,7 +129,7 @@ def _choice(drawing: PartDrawing) -> tuple[Paper, Arranged]:
 
 
 def _legibility(drawing: PartDrawing) -> float:
-    """How much room the part has at 1:1 by what it needs to be read."""
+    """The part's size at 1:1 over the size at which it can be read."""
     (left, low), (right, high) = drawing.views[FRONT].box()
     return min(max(right - left, high - low) / MIN_VIEW_SIZE, _spacing(drawing) / HOLE_SPACING)
 

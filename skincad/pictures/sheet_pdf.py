@@ -1,6 +1,6 @@
 """A drawing sheet as PDF of its size: lines by layer, words as text that can be searched and copied.
 
-Written directly, in 2 ms: it is lines, filled triangles and words in Helvetica, one of the fonts that every
+A sheet takes 2 ms this way: it is lines, filled triangles and words in Helvetica, one of the fonts that every
 reader of PDF has (ISO 32000-1, 9.6.2.2). matplotlib took 0.1 s a sheet, and `make` writes one for each part.
 No time is written, so the same sheet has the same bytes.
 """

@@ -25,7 +25,7 @@ from skincad.solids.projection import Projection
 FIRST, NEXT = 9.5, 6.0  # mm, of a dimension's line from the view, and of the next one from it
 BETWEEN, UNDER = 17.0, 22.0  # mm, between front and left view; between front view and that from above
 FOOT, RIGHT = 12.0, 8.0  # mm, under the lowest view, and right of the last
-DIMENSION_LINE_COST = 6.0  # assumption: what words on a dimension's line cost, by what they do on an edge
+DIMENSION_LINE_COST = 6.0  # assumption: cost of words on a dimension's line, by their cost on an edge
 TAG, SIZE = 1.8, 2.0  # mm, height of capitals
 RIM = 0.2  # mm, of a circle that no tag comes nearer to
 

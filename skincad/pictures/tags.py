@@ -14,11 +14,7 @@ from skincad.solids.projection import Place, Polyline, Stroke
 
 ANGLES = tuple(math.radians(a) for a in (45, 135, -45, -135, 20, 160, -20, -160, 70, 110, -70, -110))
 REACHES = (3.2, 4.5, 6.5, 9.0, 12.0, 16.0)  # mm, from a circle's rim to its tag's foot: past the arrow
-LINE, FAR, WORD = (
-    1.0,
-    0.25,
-    40.0,
-)  # assumption: what a crossed line, a millimetre further, a covered word cost
+LINE, FAR, WORD = 1.0, 0.25, 40.0  # assumption: cost of a crossed line, a millimetre further, a covered word
 CLEAR = 0.6  # mm, of a tag from lines and other words
 LEADER = 6  # points of a leader that are tested for collisions
 
@@ -48,7 +44,7 @@ class Room:
         self._boxes: Array = np.array(self._lines or [(0.0, 0.0, -1.0, -1.0, 0.0)])
 
     def cost(self, box: Box) -> float:
-        """Return what it costs to put words into a rectangle."""
+        """Return the cost of words in a rectangle."""
         left, low, right, high = self.limits
         if box[0] < left or box[1] < low or box[2] > right or box[3] > high:
             return 10 * WORD

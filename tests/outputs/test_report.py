@@ -270,7 +270,7 @@ def test_an_amplifier_without_a_gain_is_no_end(felt: Simulation, monkeypatch: py
 
     monkeypatch.setattr(report_scenes, "gain", refused)
     text = report_scenes.scene_part(felt, "design.toml").html
-    assert "Its gain cannot be told: sweep: gives no finite gain." in text
+    assert "Its gain cannot be computed: sweep: gives no finite gain." in text
 
 
 def test_a_preview_has_no_report(yamada: Design, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import skincad
 from skincad.packages.links import Weight, combine, links, without
 from skincad.shape.curves import area
 from tests.consumers import gmsh
-from tests.packages.conftest import Written
+from tests.packages.conftest import PackageFolder
 
 
 def box(mass: float, x: float, y: float, z: float, at: tuple[float, float, float]) -> Weight:
@@ -85,13 +85,13 @@ def by_gmsh(path: Path) -> tuple[float, np.ndarray, np.ndarray]:
 @pytest.mark.slow
 @pytest.mark.xdist_group("packages")
 @pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
-def test_mass_and_inertia_are_those_that_gmsh_reads_from_step(simulated: Written) -> None:
+def test_mass_and_inertia_are_those_that_gmsh_reads_from_step(simulated: PackageFolder) -> None:
     """1e-6 is the issue's; the carrier's density in EDM is that of brass."""
-    weighs, density = simulated.found.weighs, {"skin": 1.0, "carrier": 1.0}
+    weighs, density = simulated.package.weighs, {"skin": 1.0, "carrier": 1.0}
     for name, weight in (("skin", weighs.skin), ("carrier", weighs.carrier)):
         volume, centre, inertia = by_gmsh(simulated.folder / f"{name}.step")
         density[name] = weight.mass / volume
         assert centre == pytest.approx(weight.centre, abs=1e-6)
         assert density[name] * inertia == pytest.approx(weight.inertia, abs=1e-6 * weight.inertia.max())
-    stuff = {"dragon-skin-30": 1080e-6, "sylgard-184": 1030e-6}[simulated.found.design.material.name]
+    stuff = {"dragon-skin-30": 1080e-6, "sylgard-184": 1030e-6}[simulated.package.design.material.name]
     assert density["skin"] == pytest.approx(stuff, rel=1e-6)
