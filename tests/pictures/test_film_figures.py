@@ -93,4 +93,4 @@ def test_the_colours_end_where_the_largest_part_of_the_area_lies() -> None:
     place = np.concatenate([corners * math.sqrt(area) for area in (96.0, 2.0, 2.0)])
     triangles = np.arange(9).reshape(3, 3)
     values = np.repeat([-1.0, 2.0, 5.0], 3)
-    assert film_figures.usual(place, triangles, values) == 2.0
+    assert film_figures.colour_limit(place, triangles, values) == 2.0

@@ -120,7 +120,7 @@ def test_a_solid_under_load_is_closed(yamada_page: Path) -> None:
 
 def test_a_trimesh_without_the_library_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "SPDX-License-Identifier: MIT" in three_js()
-    monkeypatch.setattr(three, "OWN", "no such words")
+    monkeypatch.setattr(three, "VIEWER_START", "no such words")
     with pytest.raises(RefusedError, match="trimesh"):
         three_js()
 
