@@ -19,7 +19,7 @@ from time import perf_counter, sleep
 import skincad
 from skincad.inputs.design import Design
 from skincad.live.desk import Timing
-from skincad.live.jobs import warmed
+from skincad.live.jobs import preload
 from skincad.live.page import Page
 from skincad.live.serve import free_port
 from skincad.live.shapes import view
@@ -53,16 +53,16 @@ def moved(design: Design, template: str, moves: int, program: str) -> list[Timin
     dice = random.Random(1)
     page = Page(design, template, HOST, free_port(HOST, 0))
     try:
-        page.desk.drawn(60.0)
+        page.desk.wait_until_drawn(60.0)
         with looking(f"http://{HOST}:{page.server.get_port()}", program=program) as (seen,):
-            page.desk.settled(300.0)
+            page.desk.wait_until_settled(300.0)
             before = len(page.desk.timings)
             for _ in range(moves):
                 seen.anything(dice)
                 sleep(BETWEEN)
                 if page.desk.session.refusal is not None:
                     seen.press("Undo")
-            page.desk.settled(300.0)
+            page.desk.wait_until_settled(300.0)
         return list(page.desk.timings)[before:]
     finally:
         page.close()
@@ -73,7 +73,7 @@ def main() -> None:
     template = sys.argv[1] if len(sys.argv) > 1 else "yamada-2002"
     moves = int(sys.argv[2]) if len(sys.argv) > 2 else 40
     design = skincad.load(template)
-    warmed()
+    preload()
     unit = alone(design)
     print(f"{template}: one section and its meshes alone {unit:.3f} s")
     with TemporaryDirectory() as folder:
@@ -84,8 +84,10 @@ def main() -> None:
             taken = moved(design, template, moves, program)
             print(f"browser {browser}: {moves} moves, {len(taken)} valid ones that no newer one overtook")
             print(f"  {'':32} {'median':>8} {'95 %':>8} {'ratio':>8}")
-            print(line("move to section and solid, s", [each.drawn - each.asked for each in taken], unit))
-            print(line("move to first verdict, s", [each.judged - each.asked for each in taken], unit))
+            print(
+                line("move to section and solid, s", [each.drawn_at - each.moved_at for each in taken], unit)
+            )
+            print(line("move to first verdict, s", [each.verdict_at - each.moved_at for each in taken], unit))
 
 
 if __name__ == "__main__":

@@ -12,9 +12,9 @@ from skincad.cli.options import completes, say
 
 
 def _starts() -> Iterable[str]:
-    from skincad.outputs.newfile import starts
+    from skincad.outputs.newfile import start_names
 
-    return starts()
+    return start_names()
 
 
 def new(

@@ -32,7 +32,7 @@ def templates(
     Templates are designs, scenes, circuits and studies. With KIND, silicones and processes come with their
     values, ranges and sources.
     """
-    from skincad.outputs.lists import listed
+    from skincad.outputs.lists import listing
 
-    data, lines = listed(kind)
+    data, lines = listing(kind)
     show(data, as_json, "\n".join(lines))

@@ -1,4 +1,4 @@
-"""A scene's history as points on a board, its signals beneath on the same axis of time: where things are."""
+"""A scene's history as points on a board, its signals beneath on the same axis of time: positions only."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class Board:
         x = self.left + times * (self.right - self.left)
         return np.stack([x, np.full_like(x, self.y), low + shares * (high - low)], axis=1)
 
-    def hit(self, eye: Array, seen: Array) -> tuple[float, float]:
-        """Return the share of time and of the history's axis at which a look from `eye` past `seen`, mm,
+    def hit(self, eye: Array, target: Array) -> tuple[float, float]:
+        """Return the share of time and of the history's axis at which a look from `eye` past `target`, mm,
         meets the board; both may lie outside 0 to 1."""
-        along = seen - eye
+        along = target - eye
         far = (self.y - eye[1]) / (along[1] or 1e-12)
         x, _, z = eye + far * along
         low, high = self.above
@@ -60,10 +60,10 @@ def pairs(levels: Sequence[float]) -> tuple[tuple[float, float], tuple[float, fl
 
 def axes(history: History) -> dict[str, tuple[float, float]]:
     """Return the ends of each given curve's axis, by its key; both forces share one."""
-    values = {key: found for key in CURVES if (found := getattr(history, key)) is not None}
+    values = {key: curve for key in CURVES if (curve := getattr(history, key)) is not None}
     groups: dict[str, list[float]] = {}
-    for key, found in values.items():
-        groups.setdefault(key.rpartition("_")[2], []).extend(found)
+    for key, curve in values.items():
+        groups.setdefault(key.rpartition("_")[2], []).extend(curve)
     ends = {}
     for key in values:
         every = groups[key.rpartition("_")[2]]
@@ -74,7 +74,7 @@ def axes(history: History) -> dict[str, tuple[float, float]]:
     return ends
 
 
-def dragged(
+def drag_changes(
     history: History, curve: str, place: int, share: tuple[float, float], ends: tuple[float, float]
 ) -> Mapping[str, Setting]:
     """Return what changes in a scene when a curve's point, from 1 on, is dragged to a share of the board.
@@ -98,11 +98,11 @@ def with_point(history: History) -> Mapping[str, Setting]:
     """Return the history's lists with one point more, in the middle of its longest straight line."""
     times = history.time_s
     after = int(np.argmax(np.diff(times))) + 1
-    found: dict[str, Setting] = {"history.time_s": _with(times, after)}
+    changes: dict[str, Setting] = {"history.time_s": _with(times, after)}
     for key in CURVES:
         if (values := getattr(history, key)) is not None:
-            found[f"history.{key}"] = _with(values, after)
-    return found
+            changes[f"history.{key}"] = _with(values, after)
+    return changes
 
 
 def without_point(history: History, place: int) -> Mapping[str, Setting]:

@@ -1,4 +1,4 @@
-"""What can be moved: a control for every number, choice and optional table, from the models' own fields."""
+"""Controls for every number, choice and optional table, from the models' own fields."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from skincad.base.tables import Ranged, table_of, unit_of
 from skincad.circuit.model import Circuit
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.live.session import Edited
+from skincad.live.session import Editable
 from skincad.scenes.scene import Scene
 from skincad.studies.knobs import ALL, knob
 from skincad.studies.subject import CIRCUIT, SKIN, Setting, Value, kinds, value_of
 
 # no numbers or choices that a slider could mean: names, and tables that are files of their own
 LEFT_OUT = {"name", "printer", "silicones", "kind", "effects", "steps", "frames", "ridges"}
-SWITCHED = {"slot", "film"}  # optional tables that are told by one switch
+SWITCHED_TABLES = {"slot", "film"}  # optional tables that one switch turns on and off
 ALWAYS = {"ridge.height", "material.young_modulus"}  # optional only beside another that says the same
 REACH = 4.0  # times its value, up and down, that a slider reaches where the key's own range is wider
-ALONE = 1.0  # in the key's unit: how far a slider of 0 reaches
-FINE = 400  # steps of a slider, at least
-WHOLE_RANGE = 200.0  # a range that is no wider, of an angle or a plain number, is a slider's as it is
+ZERO_REACH = 1.0  # in the key's unit: how far a slider of 0 reaches
+MIN_STEPS = 400  # steps of a slider, at least
+MAX_WHOLE_RANGE = 200.0  # a range that is no wider, of an angle or a plain number, is a slider's as it is
 # what a plate of another shape needs, and with which value it begins
 PLATES: dict[str, tuple[str, float]] = {
     "tilted": ("tilt", 1.0),
@@ -42,7 +42,7 @@ PLATE, HISTORY = "contact.plate.", "history"
 class Control:
     """A key that can be moved, in the `table` of its key, with its unit in the label.
 
-    `value` is None where the key is not given; `begins` is what it is given first then, and None where it
+    `value` is None where the key is not given; `initial` is its first value then, and None where it
     must be given. A slider goes from `low` to `high` in steps of `step`; a choice has `choices`, and "" for
     not given; a table is on or off.
     """
@@ -53,7 +53,7 @@ class Control:
     hint: str
     kind: Literal["slider", "choice", "table"]
     value: Setting
-    begins: Value | None = None
+    initial: Value | None = None
     low: float = math.nan
     high: float = math.nan
     step: float = math.nan
@@ -61,17 +61,17 @@ class Control:
     choices: tuple[str, ...] = ()
 
 
-def controls(subject: Edited) -> tuple[Control, ...]:
+def controls(subject: Editable) -> tuple[Control, ...]:
     """Return all controls of a design or scene, in the order of its tables."""
     if isinstance(subject, Design):
         return tuple(_of_model(subject, subject, ""))
-    found = [*_of_model(subject, subject, ""), *_of_model(subject, subject.design, SKIN)]
+    rows = [*_of_model(subject, subject, ""), *_of_model(subject, subject.design, SKIN)]
     for name, part in subject.parts.items():
-        found += _of_model(subject, part, f"effects.{name}.")
+        rows += _of_model(subject, part, f"effects.{name}.")
         circuit = getattr(part, "circuit", None)
         if isinstance(circuit, Circuit):
-            found += _of_model(subject, circuit, CIRCUIT)
-    return tuple(found)
+            rows += _of_model(subject, circuit, CIRCUIT)
+    return tuple(rows)
 
 
 def with_companions(key: str, value: Setting) -> dict[str, Setting]:
@@ -80,16 +80,20 @@ def with_companions(key: str, value: Setting) -> dict[str, Setting]:
     if not key.endswith(f"{PLATE}shape"):
         return {key: value}
     needs = PLATES.get(str(value))
-    dropped: dict[str, Setting] = {f"{table}{own}": None for own, _ in PLATES.values()}
+    dropped: dict[str, Setting] = {f"{table}{size}": None for size, _ in PLATES.values()}
     return {key: value, **dropped, **({f"{table}{needs[0]}": needs[1]} if needs else {})}
 
 
-def _of_model(subject: Edited, model: BaseModel, before: str) -> Iterator[Control]:
+def _of_model(subject: Editable, model: BaseModel, before: str) -> Iterator[Control]:
     for name, field in type(model).model_fields.items():
         key, value = f"{before}{name}", getattr(model, name)
         if name in LEFT_OUT or (isinstance(model, Scene) and name == "skin"):
             continue
-        if name in SWITCHED and (value is None or isinstance(value, BaseModel)) and before in ("", SKIN):
+        if (
+            name in SWITCHED_TABLES
+            and (value is None or isinstance(value, BaseModel))
+            and before in ("", SKIN)
+        ):
             inner = table_of(type(model), name)
             hint = (inner.__doc__ if inner else "") or ""
             yield Control(key, key, f"with {name}", hint.partition("\n")[0], "table", value is not None)
@@ -104,60 +108,62 @@ def _of_model(subject: Edited, model: BaseModel, before: str) -> Iterator[Contro
 def _of_list(model: type[BaseModel], field: FieldInfo, key: str, values: Any) -> Iterator[Control]:
     """A slider for each entry, all as wide as the largest one needs; a history's first entries are 0."""
     table, _, name = key.rpartition(".")
-    numbers = [each for each in values if isinstance(each, int | float)]
+    numbers = [entry for entry in values if isinstance(entry, int | float)]
     if not numbers:
         return
-    unit, largest = unit_of(model, (name,)), max(map(abs, numbers)) or ALONE
+    unit, largest = unit_of(model, (name,)), max(map(abs, numbers)) or ZERO_REACH
     low = 0.0 if min(numbers) >= 0 else -2 * largest
     for place, value in enumerate(numbers, 1):
         if place > 1 or table != HISTORY:
-            label = _labelled(f"{name.removesuffix(f'_{unit}')} {place}", unit)
+            label = _label(f"{name.removesuffix(f'_{unit}')} {place}", unit)
             span = low, 2 * largest, _step(low, 2 * largest)
             hint = f"{key}.{place}: {field.description}"
             yield Control(f"{key}.{place}", table, label, hint, "slider", value, None, *span)
 
 
-def _of_value(subject: Edited, model: BaseModel, field: FieldInfo, key: str) -> Iterator[Control]:
+def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -> Iterator[Control]:
     table, _, name = key.rpartition(".")
-    own, hint = getattr(model, name), f"{key}: {field.description}"
+    value, hint = getattr(model, name), f"{key}: {field.description}"
     drops = not field.is_required() and field.default is None
     if names := _names(subject, field, key):
         yield Control(
-            key, table, _labelled(name, ""), hint, "choice", own or "", choices=("",) * drops + names
+            key, table, _label(name, ""), hint, "choice", value or "", choices=("",) * drops + names
         )
         return
     if not {int, float, Ranged} & {*kinds(field)}:
         return
-    if own is None and f"{table}.".endswith(PLATE):
+    if value is None and f"{table}.".endswith(PLATE):
         return  # the size of another shape
     low, high = limits(Ranged.model_fields["value"] if Ranged in kinds(field) else field)
     unit, whole = unit_of(type(model), (name,)), not {float, Ranged} & {*kinds(field)}
-    own = own.value if isinstance(own, Ranged) else own
-    shown = value_of(subject, key) if own is None else own
-    known = (own is None and shown is not None) or key.removeprefix(SKIN) in ALWAYS
-    begins = _begins(subject, key, low, high) if drops and not known else None
-    start = shown if isinstance(shown, int | float) else begins or 0.0
+    value = value.value if isinstance(value, Ranged) else value
+    shown = value_of(subject, key) if value is None else value
+    known = (value is None and shown is not None) or key.removeprefix(SKIN) in ALWAYS
+    initial = _initial(subject, key, low, high) if drops and not known else None
+    start = shown if isinstance(shown, int | float) else initial or 0.0
     ends = reach(start, low, high, unit)
     if whole:
         ends = float(math.floor(ends[0])), float(math.ceil(ends[1]))
     span = *ends, 1.0 if whole else _step(*ends)
-    label = _labelled(name, unit)
-    yield Control(key, table, label, _told(hint, low, high), "slider", shown, begins, *span, whole)
+    label = _label(name, unit)
+    yield Control(
+        key, table, label, _hint_with_range(hint, low, high), "slider", shown, initial, *span, whole
+    )
 
 
-def _names(subject: Edited, field: FieldInfo, key: str) -> tuple[str, ...]:
+def _names(subject: Editable, field: FieldInfo, key: str) -> tuple[str, ...]:
     """All that a key may be, where it is one of names, as the model has them in order; none for a number."""
     every = [*kinds(field)]
-    if named := [each for each in every if isinstance(each, str)]:
+    if named := [entry for entry in every if isinstance(entry, str)]:
         return tuple(reversed(named))
     if str in every:
         with suppress(InputError):
-            return tuple(str(each) for each in knob(subject, key, ALL).choices)
+            return tuple(str(entry) for entry in knob(subject, key, ALL).choices)
     return ()
 
 
-def _begins(subject: Edited, key: str, low: float, high: float) -> float:
-    """What a key that is not given begins with: the silicone's own, or the midst of its range."""
+def _initial(subject: Editable, key: str, low: float, high: float) -> float:
+    """What a key that is not given begins with: the silicone's own, or the middle of its range."""
     design = subject.design if isinstance(subject, Scene) else subject
     table, _, name = key.removeprefix(SKIN).rpartition(".")
     if table == "material" and name in ("poisson_ratio", "density"):
@@ -165,7 +171,7 @@ def _begins(subject: Edited, key: str, low: float, high: float) -> float:
     if low < 0 < high:
         return 0.0
     if not math.isfinite(high):
-        return low or ALONE
+        return low or ZERO_REACH
     return _rounded(math.sqrt((low or 1e-3 * high) * high))
 
 
@@ -183,9 +189,9 @@ def limits(field: FieldInfo) -> tuple[float, float]:
 def reach(value: float, low: float, high: float, unit: str) -> tuple[float, float]:
     """Return from where to where a slider goes: the key's whole range where that is narrow, else `REACH`
     times the value, so that a slider of 0.5 mm is not one of 0 to 50 mm. It holds the value."""
-    if high - low <= WHOLE_RANGE and unit in ("", "deg"):
+    if high - low <= MAX_WHOLE_RANGE and unit in ("", "deg"):
         return low, high
-    far = REACH * abs(value) or ALONE
+    far = REACH * abs(value) or ZERO_REACH
     if low >= 0:
         return low if low * REACH <= value else _rounded(value / REACH), _rounded(min(high, far))
     return max(low, _rounded(value - far)), min(high, _rounded(value + far))
@@ -196,15 +202,15 @@ def _rounded(value: float) -> float:
 
 
 def _step(low: float, high: float) -> float:
-    """The largest power of ten of which `FINE` lie in the range."""
-    return float(10.0 ** math.floor(math.log10((high - low) / FINE))) if high > low else 1.0
+    """The largest power of ten of which `MIN_STEPS` lie in the range."""
+    return float(10.0 ** math.floor(math.log10((high - low) / MIN_STEPS))) if high > low else 1.0
 
 
-def _labelled(name: str, unit: str) -> str:
+def _label(name: str, unit: str) -> str:
     return name.replace("_", " ") + (f", {unit}" if unit else "")
 
 
-def _told(hint: str, low: float, high: float) -> str:
+def _hint_with_range(hint: str, low: float, high: float) -> str:
     ends = [f"from {low:g}" if math.isfinite(low) else "", f"to {high:g}" if math.isfinite(high) else ""]
-    ends = [each for each in ends if each]
+    ends = [end for end in ends if end]
     return f"{hint} ({' '.join(ends)})" if ends else hint

@@ -1,6 +1,6 @@
 """A design or scene while somebody moves its sliders: the session, what answers it, and who computes that.
 
-Whoever looks on is told of each change; nothing here knows of a browser.
+An observer hears of each change; nothing here knows of a browser.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
-from skincad.live.jobs import Signals, judged, made, simulated
-from skincad.live.session import Edited, Session, begun, moved, redone, undone
+from skincad.live.jobs import Signals, check_design, make_files, run_scene
+from skincad.live.session import Editable, Session, apply_moves, redo_step, start_session, undo_step
 from skincad.live.shapes import DrawnDesign, view
 from skincad.live.worker import Newest, Worker
 from skincad.scenes.scene import Scene
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from skincad.fabrication.finding import Finding
     from skincad.mechanics.verdict import ContactCheck
 
-QUIET = 0.15  # s without a move, after which what takes longer than a picture is asked for
+QUIET = 0.15  # s without a move, after which slower answers than a picture are computed
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
 class Reply(Generic[T]):
-    """What was found `of` a design or scene, which may have been moved on since."""
+    """An answer `of` a design or scene, which may have changed since."""
 
-    of: Edited
+    of: Editable
     what: T
 
 
@@ -61,51 +61,52 @@ class Answers:
 class Timing:
     """When, s of `perf_counter`, a move came, and when its picture and first verdict had been handed on."""
 
-    asked: float
-    drawn: float
-    judged: float
+    moved_at: float
+    drawn_at: float
+    verdict_at: float
 
 
 class Desk:
     """One session with its answers; `source` is the template or file that it began from.
 
-    `looks_on` is told "session", "quiet" or which of the answers changed, from any thread, one at a time.
-    `came` is when the move that is handled came, which may have waited for `lock`.
+    `observer` is called with "session", "quiet" or the name of the answer that changed: from any thread, one
+    call at a time.
+    `move_time` is when the current move came; it may have waited for `lock`.
     """
 
-    def __init__(self, subject: Edited, source: str, looks_on: Callable[[str], None]) -> None:
-        self.source, self._looks_on = source, looks_on
-        self.session, self.answers = begun(subject), Answers()
+    def __init__(self, subject: Editable, source: str, observer: Callable[[str], None]) -> None:
+        self.source, self._observer = source, observer
+        self.session, self.answers = start_session(subject), Answers()
         self.timings: deque[Timing] = deque(maxlen=1000)
-        self.came = perf_counter()
+        self.move_time = perf_counter()
         self.lock = RLock()
         self._quick = Newest(self._work)
-        self._slow = Worker(simulated if isinstance(subject, Scene) else judged, self._slow_told)
+        self._slow = Worker(run_scene if isinstance(subject, Scene) else check_design, self._on_news)
 
     @cached_property
     def _maker(self) -> Worker:
-        return Worker(made, self._made_told)
+        return Worker(make_files, self._on_make_news)
 
     def begin(self) -> None:
         """Compute the first answers."""
-        self._quick.give((self.session, self.came))
+        self._quick.give((self.session, self.move_time))
 
     def close(self) -> None:
-        """End what runs beside, and tell nobody any more."""
+        """End the processes beside it, and call no observer any more."""
         with self.lock:
-            self._looks_on = lambda _: None
+            self._observer = lambda _: None
         self._slow.close()
         if "_maker" in self.__dict__:
             self._maker.close()
 
-    def drawn(self, timeout: float) -> bool:
+    def wait_until_drawn(self, timeout: float) -> bool:
         """Wait until the newest subject is drawn, at most `timeout` s; return whether it is."""
         ends = perf_counter() + timeout
-        while not self.stands(self.answers.view) and perf_counter() < ends:
+        while not self.is_current(self.answers.view) and perf_counter() < ends:
             sleep(0.01)
-        return self.stands(self.answers.view)
+        return self.is_current(self.answers.view)
 
-    def settled(self, timeout: float) -> bool:
+    def wait_until_settled(self, timeout: float) -> bool:
         """Wait until all answers are of the newest subject, at most `timeout` s; return whether they are."""
         ends = perf_counter() + timeout
         while perf_counter() < ends:
@@ -116,15 +117,15 @@ class Desk:
 
     def move(self, values: Mapping[str, Setting]) -> None:
         """Give keys other values."""
-        self._become(lambda session: moved(session, values, perf_counter()))
+        self._become(lambda session: apply_moves(session, values, perf_counter()))
 
     def undo(self) -> None:
         """Go a step back."""
-        self._become(undone)
+        self._become(undo_step)
 
     def redo(self) -> None:
         """Take back the last undoing."""
-        self._become(redone)
+        self._become(redo_step)
 
     def save(self, name: str) -> str:
         """Write a TOML file into the working directory, its comments kept; return what to say of it."""
@@ -147,42 +148,42 @@ class Desk:
         self._answer("making", making=f"Making out/{design.name} ...")
         self._maker.ask((design, Path("out") / design.name))
 
-    def stands(self, answer: Reply[Any] | None) -> bool:
+    def is_current(self, answer: Reply[Any] | None) -> bool:
         """Return whether an answer is of the subject as it is now."""
         return answer is not None and answer.of == self.session.subject
 
     def _become(self, step: Callable[[Session], Session]) -> None:
         with self.lock:
             before, self.session = self.session, step(self.session)
-            self._looks_on("session")
+            self._observer("session")
             if self.session.subject != before.subject:
-                self._quick.give((self.session, self.came))
+                self._quick.give((self.session, self.move_time))
 
     def _answer(self, kind: str, **changes: Any) -> None:
         with self.lock:
             self.answers = replace(self.answers, **changes)
-            self._looks_on(kind)
+            self._observer(kind)
 
-    def _work(self, given: tuple[Session, float], newer: Callable[[], bool]) -> None:
+    def _work(self, request: tuple[Session, float], newer: Callable[[], bool]) -> None:
         """What is quick, as long as nobody moves on: the picture, the closed form's verdict, findings."""
-        session, asked = given
-        subject, made_too = session.subject, isinstance(session.subject, Design)
+        session, moved_at = request
+        subject, is_design = session.subject, isinstance(session.subject, Design)
         try:
-            shown = view(session.design, molded=made_too)
-            self._answer("view", view=Reply(subject, shown))
-            drawn = perf_counter()
+            picture = view(session.design, molded=is_design)
+            self._answer("view", view=Reply(subject, picture))
+            drawn_at = perf_counter()
             if newer():
                 return
-            if made_too:
+            if is_design:
                 self._answer("closed_form", closed_form=Reply(subject, closed_form(session)))
-            self.timings.append(Timing(asked, drawn, perf_counter()))
+            self.timings.append(Timing(moved_at, drawn_at, perf_counter()))
             ends = perf_counter() + QUIET
             while perf_counter() < ends and not newer():
                 sleep(0.01)
             if newer():
                 return
-            if made_too:
-                self._answer("findings", findings=Reply(subject, findings(shown)))
+            if is_design:
+                self._answer("findings", findings=Reply(subject, findings(picture)))
             self._answer("quiet")
             self._slow.ask(subject)
         except Exception as failure:  # a page stays, whatever a design leads to
@@ -190,7 +191,7 @@ class Desk:
             self._answer("trouble", trouble=Reply(subject, words))
             print_exc(file=sys.stderr)
 
-    def _slow_told(self, subject: Edited, kind: str, what: Any) -> None:
+    def _on_news(self, subject: Editable, kind: str, what: Any) -> None:
         if kind == "stage":
             stage, left = what
             more = f", about {left:.0f} s left" if left else ""
@@ -198,8 +199,8 @@ class Desk:
         elif kind == "tier":
             with self.lock:
                 before = self.answers.better
-                told = before.what if before is not None and before.of == subject else ()
-                others = tuple(found for found in told if found.tier != what.tier)
+                verdicts = before.what if before is not None and before.of == subject else ()
+                others = tuple(verdict for verdict in verdicts if verdict.tier != what.tier)
             self._answer("better", better=Reply(subject, (*others, what)))
         elif kind in ("verdict", "signals"):
             self._answer(kind, **{kind: Reply(subject, what)}, trouble=None)
@@ -208,9 +209,9 @@ class Desk:
         else:  # refused, or failed
             self._answer("trouble", trouble=Reply(subject, str(what)), stage="")
 
-    def _made_told(self, asked: tuple[Any, Path], kind: str, what: Any) -> None:
+    def _on_make_news(self, request: tuple[Any, Path], kind: str, what: Any) -> None:
         if kind == "stage":
-            self._answer("making", making=f"Making {asked[1]}: {what[0]} ...")
+            self._answer("making", making=f"Making {request[1]}: {what[0]} ...")
         elif kind == "made":
             summary, _, written = what
             self._answer("making", making=f"{summary}: {written}")
@@ -228,15 +229,15 @@ def closed_form(session: Session) -> ContactCheck | str:
         return str(refusal)
 
 
-def findings(shown: DrawnDesign) -> tuple[Finding, ...]:
+def findings(picture: DrawnDesign) -> tuple[Finding, ...]:
     """Return what stands against making a design; none where it has no mold, which says why itself."""
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.strip_rules import strip_findings
 
-    design, closed = shown.design, shown.closed
+    design, closed = picture.design, picture.closed
     if closed is None:
         return ()
-    found = [*design_findings(design, closed), *filling_findings(design, closed), *strip_findings(design)]
+    rows = [*design_findings(design, closed), *filling_findings(design, closed), *strip_findings(design)]
     order = ("error", "warning", "note")
-    return tuple(sorted(found, key=lambda finding: order.index(finding.severity)))
+    return tuple(sorted(rows, key=lambda finding: order.index(finding.severity)))

@@ -1,4 +1,4 @@
-"""Who is answered: the page itself, at the address where it is served, and no other page of a browser."""
+"""Only the page itself, at the address where it is served, gets answers; no other page of a browser does."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ def own_pages_only(host: str) -> Iterator[None]:
     """
     from websockets.asyncio import server as websockets
 
-    serve_any, checked = websockets.serve, list[bool]()
+    serve_any, calls = websockets.serve, list[bool]()
 
-    def serve_own(*given: Any, process_request: Callable[[Any, Any], Any], **options: Any) -> Any:
-        def answered(connection: Any, request: Any) -> Any:
+    def serve_own(*arguments: Any, process_request: Callable[[Any, Any], Any], **options: Any) -> Any:
+        def respond(connection: Any, request: Any) -> Any:
             address = connection.local_address
             if rule := refusal(request.headers, host, address[0], address[1]):
                 return connection.respond(FORBIDDEN, f"{rule}\n")
             return process_request(connection, request)
 
-        checked.append(True)
-        return serve_any(*given, process_request=answered, **options)
+        calls.append(True)
+        return serve_any(*arguments, process_request=respond, **options)
 
     websockets.serve = serve_own  # type: ignore[assignment,misc]
     try:
         yield
     finally:
         websockets.serve = serve_any  # type: ignore[misc]
-    if not checked:
+    if not calls:
         raise RuntimeError("this version of viser starts its server another way: requests cannot be checked")
 
 

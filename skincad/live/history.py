@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.live.board import Board, axes, board_of, dragged, with_point, without_point
+from skincad.live.board import Board, axes, board_of, drag_changes, with_point, without_point
 from skincad.live.desk import Desk
 from skincad.live.words import text_html
 from skincad.scenes.scene import Scene
@@ -34,7 +34,7 @@ THICK = 2.0  # px
 NOTHING = 1e-3  # of the largest stress: what is no stress of the other sign
 
 
-class Drawn:
+class HistoryBoard:
     """The board of a scene on a page; nothing of a design."""
 
     def __init__(self, server: Any, desk: Desk, guarded: Callable[..., Callable[..., None]]) -> None:
@@ -71,8 +71,8 @@ class Drawn:
                 wanted |= {(key, place) for place in range(1, len(path))}
                 for place in range(1, len(path)):
                     self._handle(key, place, path[place], board)
-            for gone in self._handles.keys() - wanted:
-                self._handles.pop(gone).remove()
+            for stale in self._handles.keys() - wanted:
+                self._handles.pop(stale).remove()
             self._signals(board)
 
     def _frame(self, board: Board, scene: Scene) -> None:
@@ -89,26 +89,26 @@ class Drawn:
         self._label("/board/end", f"{scene.history.time_s[-1]:g} s", end)
 
     def _signals(self, board: Board) -> None:
-        told = self._desk.answers.signals
-        if told is None or not told.what.stress:
+        reply = self._desk.answers.signals
+        if reply is None or not reply.what.stress:
             return
-        found, fresh = told.what, self._desk.stands(told)
-        every = np.concatenate(list(found.stress.values()))
+        signals, fresh = reply.what, self._desk.is_current(reply)
+        every = np.concatenate(list(signals.stress.values()))
         largest = float(np.abs(every).max()) or 1.0
         low = 0.0 if every.min() > -NOTHING * largest else float(every.min())
         high = float(every.max()) if every.max() > NOTHING * largest or low == 0.0 else 0.0
         high = high if high > low else largest
-        whole = told.of.history.time_s[-1] if isinstance(told.of, Scene) else found.time[-1]
-        for number, (ridge, stress) in enumerate(found.stress.items()):
-            path = board.line(found.time / whole, stress, (low, high), above=False)
+        whole = reply.of.history.time_s[-1] if isinstance(reply.of, Scene) else signals.time[-1]
+        for number, (ridge, stress) in enumerate(signals.stress.items()):
+            path = board.line(signals.time / whole, stress, (low, high), above=False)
             colour = SIGNALS[number % len(SIGNALS)] if fresh else OLDER
             self._line(f"/signals/{ridge}", path, colour)
         for name in [n for n in self._lines if n.startswith("/signals/")]:
-            if int(name.rpartition("/")[2]) not in found.stress:
+            if int(name.rpartition("/")[2]) not in signals.stress:
                 self._lines.pop(name).remove()
         top = board.line(np.zeros(1), np.ones(1), (0.0, 1.0), above=False)[0]
         older = "" if fresh else " (older)"
-        named = ", ".join(f"ridge {ridge}" for ridge in found.stress)
+        named = ", ".join(f"ridge {ridge}" for ridge in signals.stress)
         self._label("/board/stress", f"S1 - S2 of {named}: {low:.2g} to {high:.2g} MPa{older}", top)
 
     def _line(self, name: str, path: Array, colour: Colour) -> None:
@@ -145,9 +145,9 @@ class Drawn:
         if not isinstance(scene, Scene) or place >= len(scene.history.time_s):
             return
         self._dragging, self._last = event.phase != "end", place
-        eye, seen = np.array(event.client.camera.position), np.array(event.end_position)
-        share = board_of(scene.design).hit(eye, seen)
-        self._desk.move(dragged(scene.history, key, place, share, self._ends[key]))
+        eye, target = np.array(event.client.camera.position), np.array(event.end_position)
+        share = board_of(scene.design).hit(eye, target)
+        self._desk.move(drag_changes(scene.history, key, place, share, self._ends[key]))
 
     def _edit(self, buttons: Any) -> None:
         scene = self._desk.session.subject

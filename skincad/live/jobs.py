@@ -1,4 +1,4 @@
-"""What the page has computed in processes of their own: the verdict, a scene's signals, the files."""
+"""Jobs that run in processes of their own: the verdict, a scene's signals, the files."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Signals:
-    """What a simulated scene shows: a differential stress by told ridge, MPa, over `time` s, all `(n,)`.
+    """Signals of a simulated scene: a differential stress by monitored ridge, MPa, over `time` s, all `(n,)`.
 
-    `rough` is one of a single coarse mesh, whose error nobody knows; `lines` are what `simulate` prints.
+    `rough` signals are of a single coarse mesh, of unknown error; `lines` are what `simulate` prints.
     """
 
     time: Array
@@ -31,7 +31,7 @@ class Signals:
     lines: tuple[str, ...]
 
 
-def judged(design: Design, tell: Tell) -> None:
+def check_design(design: Design, tell: Tell) -> None:
     """Tell each tier's verdict, then the last one as `skincad check` has it, its advice as it is found."""
     from skincad.mechanics.touching import check
     from skincad.studies.advice import advising, seconds_for_advice
@@ -39,13 +39,13 @@ def judged(design: Design, tell: Tell) -> None:
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
-    found = check(design, progress=stage, told=lambda verdict: tell("tier", verdict))
-    tell("verdict", found)
-    for more in advising(design, found, stage, seconds_for_advice(found)):
+    contact_check = check(design, progress=stage, told=lambda verdict: tell("tier", verdict))
+    tell("verdict", contact_check)
+    for more in advising(design, contact_check, stage, seconds_for_advice(contact_check)):
         tell("verdict", more)
 
 
-def simulated(scene: Scene, tell: Tell) -> None:
+def run_scene(scene: Scene, tell: Tell) -> None:
     """Tell a scene's signals on the coarsest mesh, then those of `skincad simulate`."""
     from skincad.scenes.levels import LEVELS
     from skincad.scenes.simulation import at_level, simulate
@@ -57,25 +57,25 @@ def simulated(scene: Scene, tell: Tell) -> None:
     tell("signals", _signals(simulate(scene, tick=tick), rough=False))
 
 
-def made(asked: tuple[Design, Path], tell: Tell) -> None:
+def make_files(request: tuple[Design, Path], tell: Tell) -> None:
     """Make a design's files as `skincad make` does; tell what it prints."""
     from skincad.fabrication.making import make
     from skincad.outputs.delivery import ready, write
     from skincad.outputs.makes import COMMAND, names
 
-    design, folder = asked
+    design, folder = request
 
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
     ready(folder, COMMAND, names(design))
-    found = make(design, progress=stage)
-    written = write(found, folder, progress=stage)
-    tell("made", (found.summary, str(found), str(written)))
+    result = make(design, progress=stage)
+    written = write(result, folder, progress=stage)
+    tell("made", (result.summary, str(result), str(written)))
 
 
-def warmed() -> None:
-    """Import what the page itself needs before it is moved for the first time."""
+def preload() -> None:
+    """Import what the first move of a slider needs."""
     import skincad.fabrication.filling
     import skincad.fabrication.findings
     import skincad.fabrication.strip_rules
@@ -83,14 +83,14 @@ def warmed() -> None:
     import skincad.outputs.checks  # noqa: F401
 
 
-def _signals(found: Simulation, *, rough: bool) -> Signals:
-    march = found.march
+def _signals(simulation: Simulation, *, rough: bool) -> Signals:
+    march = simulation.march
     return Signals(
         march.time,
         march.column("normal"),
         march.column("tangential"),
-        {ridge: signal.value for ridge, signal in found.signals.items()},
-        tuple(found.slip_steps),
+        {ridge: signal.value for ridge, signal in simulation.signals.items()},
+        tuple(simulation.slip_steps),
         rough,
-        tuple(str(found).split("\n")),
+        tuple(str(simulation).split("\n")),
     )

@@ -21,14 +21,14 @@ from skincad.inputs.design import Design
 from skincad.live.board import board_of
 from skincad.live.desk import Desk
 from skincad.live.guard import own_pages_only
-from skincad.live.history import Drawn
+from skincad.live.history import HistoryBoard
 from skincad.live.panel import Panel
-from skincad.live.session import Edited
+from skincad.live.session import Editable
 from skincad.live.shapes import DrawnDesign, Piece
 from skincad.live.words import findings_html, making_html, signals_html, state_html, text_html, verdict_html
 from skincad.scenes.scene import Scene
 
-STALE = (0.72, 0.72, 0.74)  # colour of a skin that is not the one that was asked for
+STALE = (0.72, 0.72, 0.74)  # colour of a skin that does not have the wanted values
 BESIDE = 0.35  # of the mold's width, between skin and mold
 LEFT, RIGHT = 380, 340  # px, of the panels
 
@@ -36,12 +36,12 @@ LEFT, RIGHT = 380, 340  # px, of the panels
 class Page:
     """A desk's page on a server that listens at `host` and `port`."""
 
-    def __init__(self, subject: Edited, source: str, host: str, port: int) -> None:
+    def __init__(self, subject: Editable, source: str, host: str, port: int) -> None:
         with redirect_stdout(StringIO()), own_pages_only(host):  # without viser's own banner
             self.server = viser.ViserServer(host, port, label=f"skincad live: {subject.name}", verbose=False)
         self.desk = Desk(subject, source, self._changed)
         self._pieces: dict[str, Any] = {}
-        self._aside = 0.0  # mm along x, where the mold stands
+        self._mold_x = 0.0  # mm along x, where the mold stands
         self._saved = ""
         self._colour: tuple[float, float, float] | None = None
         with self.desk.lock:
@@ -71,7 +71,7 @@ class Page:
         gui.main_panel.set_width(RIGHT)
         self._add_buttons(gui)
         self._add_view(gui)
-        self._drawn = Drawn(self.server, self.desk, self.guarded)
+        self._drawn = HistoryBoard(self.server, self.desk, self.guarded)
         self._panel = Panel(gui, self.desk, self.guarded)
         self._changed("session")
 
@@ -104,10 +104,10 @@ class Page:
         def called(event: Any) -> None:
             if event.client is None:
                 return
-            came = perf_counter()
+            move_time = perf_counter()
             try:
                 with self.desk.lock:
-                    self.desk.came = came
+                    self.desk.move_time = move_time
                     call(*arguments)
             except Exception as failure:  # no click may end a page
                 self._tell(self._state, f"<b>{type(failure).__name__}</b>: {escape(str(failure))}")
@@ -153,7 +153,7 @@ class Page:
         first = not self._pieces
         self._tell(self._section, shown.section)
         wide = max((float(np.abs(piece.corners[:, 0]).max()) for piece in shown.mold), default=0.0)
-        self._aside = shown.design.skin.width / 2 + wide * (1 + BESIDE)
+        self._mold_x = shown.design.skin.width / 2 + wide * (1 + BESIDE)
         with self.server.atomic():
             for name in set(self._pieces) - {"skin", *(piece.name for piece in shown.mold)}:
                 self._pieces.pop(name)[1].remove()
@@ -185,11 +185,11 @@ class Page:
         for piece, handle in self._pieces.values():
             if piece.name != "skin" and self._with_mold is not None:
                 handle.visible = self._with_mold.value
-                away = self._apart.value * np.array(piece.apart)
-                handle.position = away + np.array([self._aside, 0.0, 0.0])
+                away = self._apart.value * np.array(piece.offset)
+                handle.position = away + np.array([self._mold_x, 0.0, 0.0])
 
     def _tint(self) -> None:
-        """Grey the skin while it is not what was asked for."""
+        """Grey the skin while it does not have the wanted values."""
         if "skin" in self._pieces:
             piece, handle = self._pieces["skin"]
             colour = STALE if self.desk.session.refusal is not None else piece.colour
@@ -198,7 +198,7 @@ class Page:
 
     def _look(self) -> None:
         """Let a browser that opens the page see all of it."""
-        boxes = [_bounds(piece, self._aside) for piece, _ in self._pieces.values()]
+        boxes = [_bounds(piece, self._mold_x) for piece, _ in self._pieces.values()]
         subject, way = self.desk.session.subject, np.array([-0.35, -1.0, 0.55])
         if isinstance(subject, Scene):
             board = board_of(subject.design)
@@ -216,7 +216,9 @@ def _rgb(colour: tuple[float, float, float]) -> tuple[int, int, int]:
     return red, green, blue
 
 
-def _bounds(piece: Piece, aside: float) -> tuple[np.ndarray, np.ndarray]:
+def _bounds(piece: Piece, mold_x: float) -> tuple[np.ndarray, np.ndarray]:
     """The box round a piece as it is shown at first, mm."""
-    away = np.zeros(3) if piece.name == "skin" else np.array([aside, 0.0, 0.0]) + 0.5 * np.array(piece.apart)
+    away = (
+        np.zeros(3) if piece.name == "skin" else np.array([mold_x, 0.0, 0.0]) + 0.5 * np.array(piece.offset)
+    )
     return piece.corners.min(axis=0) + away, piece.corners.max(axis=0) + away

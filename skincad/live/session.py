@@ -1,4 +1,4 @@
-"""What is edited: the last design or scene that is one, what was asked beyond it, and the way back."""
+"""The state of an edit: the last valid design or scene, the values that still wait, and the undo steps."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from skincad.scenes.scene import Scene
 from skincad.shape.skin import section
 from skincad.studies.subject import Setting, changed, value_of
 
-Edited = Design | Scene
+Editable = Design | Scene
 GESTURE = 1.0  # s; moves of one key that follow each other so soon are one step of undo
-MOST_STEPS = 500  # of undo
+MAX_UNDO_STEPS = 500  # of undo
 TABLES_OF = "yamada-2002"  # the template whose slot or film a design gets that never had one
 
 
 @dataclass(frozen=True)
 class Session:
-    """A `subject` that obeys all rules, and what was asked of it since that it can't be.
+    """A `subject` that obeys all rules, and later values that it cannot take.
 
     `pending` are the keys whose values no valid subject has yet, `refusal` says why; both are empty where all
     that was asked stands. `past` and `future` are what undo and redo lead to, the nearest last.
     """
 
-    subject: Edited
+    subject: Editable
     pending: Mapping[str, Setting] = field(default_factory=dict)
     refusal: InputError | None = None
-    past: tuple[Edited, ...] = ()
-    future: tuple[Edited, ...] = ()
+    past: tuple[Editable, ...] = ()
+    future: tuple[Editable, ...] = ()
     gesture: tuple[frozenset[str], float] = (frozenset(), 0.0)  # the keys that moved last, and when, s
 
     @property
@@ -39,14 +39,14 @@ class Session:
         return self.subject.design if isinstance(self.subject, Scene) else self.subject
 
 
-def begun(subject: Edited) -> Session:
+def start_session(subject: Editable) -> Session:
     """Return the session that a command begins with; raises InputError for a skin without a section."""
     session = Session(subject)
     section(session.design)
     return session
 
 
-def moved(session: Session, values: Mapping[str, Setting], now: float) -> Session:
+def apply_moves(session: Session, values: Mapping[str, Setting], now: float) -> Session:
     """Return the session after some keys were given values at `now` s of any clock that goes on evenly.
 
     Values that break a rule wait, beside those that wait already, for others with which they don't.
@@ -64,11 +64,11 @@ def moved(session: Session, values: Mapping[str, Setting], now: float) -> Sessio
         return settled
     keys, last = session.gesture
     goes_on = bool(session.past) and keys == gesture[0] and now - last < GESTURE
-    past = session.past if goes_on else (*session.past, session.subject)[-MOST_STEPS:]
+    past = session.past if goes_on else (*session.past, session.subject)[-MAX_UNDO_STEPS:]
     return replace(settled, subject=after, past=past, future=())
 
 
-def undone(session: Session) -> Session:
+def undo_step(session: Session) -> Session:
     """Return the session a step back: what waits is dropped first; the same one where there is no step."""
     if session.pending:
         return replace(session, pending={}, refusal=None, gesture=(frozenset(), 0.0))
@@ -78,7 +78,7 @@ def undone(session: Session) -> Session:
     return Session(before, past=tuple(past), future=(*session.future, session.subject))
 
 
-def redone(session: Session) -> Session:
+def redo_step(session: Session) -> Session:
     """Return the session with the last step that was undone; the same one where there is none."""
     if session.pending or not session.future:
         return session
@@ -100,6 +100,6 @@ def table_for(session: Session, key: str) -> Mapping[str, Setting]:
     designs = [s.design if isinstance(s, Scene) else s for s in reversed(session.past)]
     for design in (*designs, load_design(TABLES_OF)):
         if (table := getattr(design, name)) is not None:
-            found: Mapping[str, Setting] = table.model_dump(exclude_none=True)
-            return found
+            values: Mapping[str, Setting] = table.model_dump(exclude_none=True)
+            return values
     raise InputError(key, "is no optional table")

@@ -1,4 +1,4 @@
-"""What the page draws of a design: the skin and the mold's parts as meshes, and the section as a picture."""
+"""A design as the page draws it: the skin and the mold's parts as meshes, and the section as a picture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skincad.base.errors import InputError
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
-from skincad.pictures.exploded import apart
+from skincad.pictures.exploded import explosion_offset
 from skincad.shape.curves import Loop, polygon
 from skincad.shape.skin import Section, section
 from skincad.solids.mold import ClosedMold, mold
@@ -29,14 +29,14 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Parts that are shown alike and move together: corners `(n, 3)` and where they are moved `apart`, mm."""
+    """Parts that look alike and move together: corners `(n, 3)`, and `offset` in the opened mold, mm."""
 
     name: str
     label: str  # what it is: cavity, end plates, shim, ...
     colour: Vector  # red, green, blue, 0 to 1
     corners: NDArray[np.float32]
     faces: NDArray[np.uint32]
-    apart: Vector
+    offset: Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,28 +58,28 @@ def view(design: Design, *, molded: bool = True) -> DrawnDesign:
     """Return what is drawn of a design, its mold only if `molded`; raises InputError for a skin without a
     section."""
     chord = CHORD * design.skin.width
-    shown, refusal, closed = section_svg(design), "", None
+    picture, refusal, closed = section_svg(design), "", None
     part = skin_part(design)
     skin = _piece("skin", [part], (0.0, 0.0, 0.0), chord)
     try:
         closed = mold(design) if molded else None
     except InputError as failure:
         refusal = str(failure)
-    return DrawnDesign(design, shown, skin, pieces(closed, chord) if closed else (), closed, refusal)
+    return DrawnDesign(design, picture, skin, pieces(closed, chord) if closed else (), closed, refusal)
 
 
 def pieces(closed: ClosedMold, chord: float) -> tuple[Piece, ...]:
     """Return the mold's parts, those of a kind that leave together as one piece, in the mold's frame."""
     groups: dict[tuple[str, Vector], list[Part]] = {}
     for part in closed.parts:
-        x, y, z = apart(part, closed).tolist()
+        x, y, z = explosion_offset(part, closed).tolist()
         groups.setdefault((part.role.label, (x, y, z)), []).append(part)
-    seen: Counter[str] = Counter()
-    found = []
+    counts: Counter[str] = Counter()
+    result = []
     for (label, way), parts in groups.items():
-        seen[label] += 1
-        found.append(_piece(f"{label} {seen[label]}".replace("'", ""), parts, way, chord))
-    return tuple(found)
+        counts[label] += 1
+        result.append(_piece(f"{label} {counts[label]}".replace("'", ""), parts, way, chord))
+    return tuple(result)
 
 
 def section_svg(design: Design) -> str:
@@ -92,8 +92,8 @@ def section_svg(design: Design) -> str:
     whole = _frame(shape, design, (-wide, 0.0, wide, shape.top))
     near = _frame(shape, design, (-reach, low, reach, skin.thickness + height))
     size = f"{skin.width:g} x {skin.length:g} x {shape.top:.4g} mm"
-    told = f"{ridge.count} ridge{'s' * (ridge.count > 1)}, {size}; below the middle ones"
-    return f"<div>Section: {told}</div>{whole}{near}"
+    summary = f"{ridge.count} ridge{'s' * (ridge.count > 1)}, {size}; below the middle ones"
+    return f"<div>Section: {summary}</div>{whole}{near}"
 
 
 def _frame(shape: Section, design: Design, box: tuple[float, float, float, float]) -> str:
@@ -121,7 +121,7 @@ def _path(outline: Loop, fine: float) -> str:
     return f"M{points}Z"
 
 
-def _piece(name: str, parts: list[Part], apart: Vector, chord: float) -> Piece:
+def _piece(name: str, parts: list[Part], offset: Vector, chord: float) -> Piece:
     shapes, count = [mesh(part, chord) for part in parts], 0
     corners, faces = [], []
     for shape in shapes:
@@ -129,4 +129,4 @@ def _piece(name: str, parts: list[Part], apart: Vector, chord: float) -> Piece:
         faces.append(np.asarray(shape.faces, dtype=np.uint32) + np.uint32(count))
         count += len(shape.vertices)
     role = parts[0].role
-    return Piece(name, role.label, role.colour, np.vstack(corners), np.vstack(faces), apart)
+    return Piece(name, role.label, role.colour, np.vstack(corners), np.vstack(faces), offset)

@@ -1,7 +1,7 @@
-"""Who computes beside the page: a thread for what is quick, a process of its own for what is not.
+"""Computing beside the page: a thread for quick work, a process of its own for slow work.
 
-Of several questions only the newest counts. A process that is at an older one looks up wherever its work
-tells its progress, and leaves it; one that does not look up in time is ended, and another takes its place.
+Of several questions only the newest counts. A process checks for a newer question wherever its work reports
+progress, and drops the older one. One that does not check in time is ended and replaced.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from typing import Any
 
 from skincad.base.errors import InputError, RefusedError, exhausted
 
-PATIENCE = 3.0  # s, until a process that does not look up is ended
+PATIENCE = 3.0  # s, until a process that does not check for a newer question is ended
 LESS_URGENT = 10  # of 19: who moves a slider comes first
-SAID_EVERY = 0.1  # s, at least, between two tellings of a stage
+SAID_EVERY = 0.1  # s, at least, between two reports of a stage
 Tell = Callable[[str, Any], None]  # what kind of news, and what it is
-Job = Callable[[Any, Tell], None]  # answers a question by what it tells; a function of a module
+Job = Callable[[Any, Tell], None]  # answers a question by its calls of Tell; a function of a module
 
 
 class OutdatedError(BaseException):
-    """A newer question came: nobody waits for this answer. No Exception, so that no model catches it."""
+    """A newer question came: this answer is no longer needed. No Exception, so that no model catches it."""
 
 
 class Newest:
@@ -64,11 +64,11 @@ class Newest:
 
 
 class Worker:
-    """A process that answers questions by one job; `told` gets each piece of news of the newest question:
+    """A process that answers questions by one job; `on_news` gets each piece of news of the newest question:
     the question, the kind and what it is. The last one is of the kind "done", "refused" or "failed"."""
 
-    def __init__(self, job: Job, told: Callable[[Any, str, Any], None], *, warm: bool = True) -> None:
-        self._job, self._told, self._lock = job, told, RLock()
+    def __init__(self, job: Job, on_news: Callable[[Any, str, Any], None], *, warm: bool = True) -> None:
+        self._job, self._on_news, self._lock = job, on_news, RLock()
         self._number, self._begun, self._ended = 0, 0, 0
         self._question: Any = None
         self._line: Any = None
@@ -133,7 +133,7 @@ class Worker:
                     if not self.busy:
                         return
                     self._ended, question = self._number, self._question
-                self._told(question, "failed", "the process was ended, most likely for want of memory")
+                self._on_news(question, "failed", "the process was ended, most likely for want of memory")
                 return
             with self._lock:
                 self._begun = max(self._begun, number)
@@ -143,7 +143,7 @@ class Worker:
                 if kind in ("done", "refused", "failed"):
                     self._ended = number
             if kind != "begun":
-                self._told(question, kind, what)
+                self._on_news(question, kind, what)
 
 
 def _answer(line: Any, job: Job) -> None:
@@ -157,23 +157,23 @@ def _answer(line: Any, job: Job) -> None:
             while line.poll():
                 number, question = line.recv()
             line.send((number, "begun", None))
-            line.send((number, *_worked(question, job, number, line)))
+            line.send((number, *_run_job(question, job, number, line)))
         except OutdatedError:
             continue
         except (EOFError, OSError):
             return
 
 
-def _worked(question: Any, job: Job, number: int, line: Any) -> tuple[str, Any]:
+def _run_job(question: Any, job: Job, number: int, line: Any) -> tuple[str, Any]:
     """Do a job and return its last news."""
-    said = 0.0
+    last_stage = 0.0
 
     def tell(kind: str, what: Any) -> None:
-        nonlocal said
+        nonlocal last_stage
         if line.poll():
             raise OutdatedError
-        if kind != "stage" or perf_counter() - said > SAID_EVERY:
-            said = perf_counter()
+        if kind != "stage" or perf_counter() - last_stage > SAID_EVERY:
+            last_stage = perf_counter()
             line.send((number, kind, what))
 
     try:

@@ -13,8 +13,9 @@ from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
-from skincad.shape.cross_section import CONTACT_KINDS, Section, section
+from skincad.shape.cross_section import CONTACT_KINDS
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section, section
 
 FLAT = Plate()
 FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing

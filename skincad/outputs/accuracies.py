@@ -1,4 +1,4 @@
-"""What the ladders of accuracy say and leave: words, accuracy.csv, and a diagram of each."""
+"""Output of the accuracy ladders: words, accuracy.csv, and a diagram of each."""
 
 from __future__ import annotations
 
@@ -25,28 +25,33 @@ def names(ladders: Iterable[str]) -> list[str]:
     return [TABLE, *(f"accuracy-{name}.png" for name in list(ladders) or LADDERS)]
 
 
-def manifest(found: Accuracy) -> dict[str, Any]:
+def manifest(accuracy: Accuracy) -> dict[str, Any]:
     """Return what the manifest says of the result: all of it."""
-    return found.as_json()
+    return accuracy.as_json()
 
 
-def figures(found: Accuracy) -> dict[str, Callable[[], Picture]]:
+def figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
     """Return the diagram of error against time of each ladder."""
     from skincad.pictures.ladder_figures import diagram
 
-    return {f"accuracy-{each.name}.png": partial(diagram, each, found.machine) for each in found.ladders}
+    return {
+        f"accuracy-{ladder.name}.png": partial(diagram, ladder, accuracy.machine)
+        for ladder in accuracy.ladders
+    }
 
 
-def files(found: Accuracy) -> dict[str, Writer]:
+def files(accuracy: Accuracy) -> dict[str, Writer]:
     """Return the writer of each file."""
-    return {TABLE: text(lambda: table(found))} | {n: picture(draw) for n, draw in figures(found).items()}
+    return {TABLE: text(lambda: table(accuracy))} | {
+        n: picture(draw) for n, draw in figures(accuracy).items()
+    }
 
 
-def table(found: Accuracy) -> str:
-    """Return all rows as CSV; a measure is a column, empty where a trial is not judged by it."""
-    measures = [f"{ladder.name}: {m.name}" for ladder in found.ladders for m in ladder.measures]
+def table(accuracy: Accuracy) -> str:
+    """Return all rows as CSV; a measure is a column, empty where a trial does not have it."""
+    measures = [f"{ladder.name}: {m.name}" for ladder in accuracy.ladders for m in ladder.measures]
     rows: list[list[Cell]] = [[*COLUMNS, *measures]]
-    for ladder in found.ladders:
+    for ladder in accuracy.ladders:
         for row in ladder.rows():
             errors = {f"{ladder.name}: {name}": f"{error:.4g}" for name, error in row["errors"].items()}
             cells = [row[c] if not isinstance(row[c], float) else f"{row[c]:.6g}" for c in COLUMNS]
@@ -54,41 +59,41 @@ def table(found: Accuracy) -> str:
     return csv_text(rows)
 
 
-def lines(found: Accuracy) -> list[str]:
-    """Return the table of each ladder, what its trials are held against, and the machine."""
-    told, versions = found.machine, found.machine["versions"]
-    rows = [line for ladder in found.ladders for line in _ladder_lines(ladder)]
-    load = "" if told["load"] is None else f", load {told['load']:g}"
+def lines(accuracy: Accuracy) -> list[str]:
+    """Return the table of each ladder, the references, and the machine."""
+    machine, versions = accuracy.machine, accuracy.machine["versions"]
+    rows = [line for ladder in accuracy.ladders for line in _ladder_lines(ladder)]
+    load = "" if machine["load"] is None else f", load {machine['load']:g}"
     return [
         *rows,
-        f"On {told['processor']}, {told['cores']} cores{load}, Python {told['python']}, "
+        f"On {machine['processor']}, {machine['cores']} cores{load}, Python {machine['python']}, "
         + ", ".join(f"{name} {version}" for name, version in versions.items()),
-        f"Times are medians of {found.repeats} runs, ± half from the shortest to the longest; trials "
-        f"that take long run once. The whole took {found.seconds:.0f} s.",
-        *([found.kept] if found.kept else []),
+        f"Times are medians of {accuracy.repeats} runs, ± half from the shortest to the longest; trials "
+        f"that take long run once. The whole took {accuracy.seconds:.0f} s.",
+        *([accuracy.kept] if accuracy.kept else []),
     ]
 
 
 def _ladder_lines(ladder: Ladder) -> Iterator[str]:
-    """A row a trial; a star marks the trials that no other beats in both time and the first error."""
+    """A row a trial; a star marks the trials of the Pareto front in time and the first error."""
     measures = ladder.measures
     models = max((len(r.model) for r in ladder.trials), default=0)
     settings = max((len(r.setting) for r in ladder.trials), default=0)
     yield f"{ladder.name}: {ladder.title}"
-    wide = {m.name: max(15, len(m.shown) + 2) for m in measures}
-    heads = "".join(f"{m.shown:>{wide[m.name]}}" for m in measures)
+    widths = {m.name: max(15, len(m.shown) + 2) for m in measures}
+    heads = "".join(f"{m.shown:>{widths[m.name]}}" for m in measures)
     yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
     best = {measure.name: ladder.best(measure) for measure in measures}
-    for trial in ladder.trials:
+    for point in ladder.trials:
         cells = "".join(
-            f"{trial.errors[m.name]:>{wide[m.name] - 1}.2g}{'*' if trial in best[m.name] else ' '}"
-            if m.name in trial.errors
-            else " " * wide[m.name]
+            f"{point.errors[m.name]:>{widths[m.name] - 1}.2g}{'*' if point in best[m.name] else ' '}"
+            if m.name in point.errors
+            else " " * widths[m.name]
             for m in measures
         )
         yield (
-            f"  {trial.model:{models}}  {trial.setting:{settings}} {trial.unknowns:9d} {trial.seconds:9.3g} "
-            f"{trial.spread / 2:8.1g} {cells}".rstrip()
+            f"  {point.model:{models}}  {point.setting:{settings}} {point.unknowns:9d} {point.seconds:9.3g} "
+            f"{point.spread / 2:8.1g} {cells}".rstrip()
         )
     for m in measures:
         unit = "" if m.unit == "1" else f", {m.unit}"
@@ -106,7 +111,7 @@ def _ladder_lines(ladder: Ladder) -> Iterator[str]:
 def _matched_lines(ladder: Ladder) -> Iterator[str]:
     """Times of the models at equal errors, by the first measure that compares them; more is in the JSON."""
     measures = [measure for measure in ladder.measures if measure.compares]
-    for measure, error, trials in ((m, *found) for m in measures[:1] for found in ladder.matched(m).items()):
+    for measure, error, trials in ((m, *match) for m in measures[:1] for match in ladder.matched(m).items()):
         first, *others = trials
         more = (f"{r.model} {r.seconds:.2g} s ({r.seconds / first.seconds:.2g} times)" for r in others)
         aim = f"{measure.shown} {error:.0e}" + ("" if measure.unit == "1" else f" {measure.unit}")

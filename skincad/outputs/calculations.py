@@ -27,22 +27,22 @@ def contact_calculations(design: Design, share: float | None = None) -> list[Cal
     """Return the foundation's verdict, step by step; `share` N is the force on the most loaded ridge by the
     verdict's model, for its strain."""
     modulus, stiffness = _modulus(design), _stiffness(design)
-    found = [modulus, *stiffness, *_gap(design)]
+    steps = [modulus, *stiffness, *_gap(design)]
     if design.skin.curvature_radius_y is None:
         verdict = winkler.answer(design, Request(design.contact.force))
-        found += [_all_touch(design, verdict), _approach(design, verdict)]
-    return found if share is None else [*found, _strain(design, share)]
+        steps += [_all_touch(design, verdict), _approach(design, verdict)]
+    return steps if share is None else [*steps, _strain(design, share)]
 
 
 def _modulus(design: Design) -> Calculation:
-    stuff = silicone(design)
+    material = silicone(design)
     return Calculation(
         "Modulus in plane strain",
         Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
         "E / (1 - nu**2)",
         (
-            Quantity("E", f"Young's modulus of {stuff.name}", stuff.young_modulus.value, "MPa"),
-            Quantity("nu", "Poisson's ratio", stuff.poisson_ratio, "1"),
+            Quantity("E", f"Young's modulus of {material.name}", material.young_modulus.value, "MPa"),
+            Quantity("nu", "Poisson's ratio", material.poisson_ratio, "1"),
         ),
         "plane strain: Johnson, Contact Mechanics, 1985, ch. 2",
     )
@@ -51,8 +51,8 @@ def _modulus(design: Design) -> Calculation:
 def _stiffness(design: Design) -> list[Calculation]:
     """The two springs of a ridge, and both in series."""
     base, column = compliances(design)
-    given = Quantity("c_b", "give of the base under a ridge", base, "1")
-    own = Quantity("c_r", "give of the ridge, of median height", column, "1")
+    base_compliance = Quantity("c_b", "compliance of the base under a ridge", base, "1")
+    ridge_compliance = Quantity("c_r", "compliance of the ridge, of median height", column, "1")
     series = Calculation(
         "Stiffness of a ridge on its foundation",
         Quantity("k", "stiffness of a ridge", winkler.ridge_stiffness(design), "N/mm"),
@@ -60,16 +60,16 @@ def _stiffness(design: Design) -> list[Calculation]:
         (
             Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
             Quantity("L", "skin.length", design.skin.length, "mm"),
-            given,
-            own,
+            base_compliance,
+            ridge_compliance,
         ),
         FOUNDATION,
         "Base and ridge are two springs in series.",
     )
-    return [*_gives(design, given, own), series]
+    return [*_compliance_calculations(design, base_compliance, ridge_compliance), series]
 
 
-def _gives(design: Design, base: Quantity, column: Quantity) -> list[Calculation]:
+def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -> list[Calculation]:
     skin, ridge = design.skin, design.ridge
     under = (
         Quantity("n", "ridges", ridge.count, "1"),
@@ -88,12 +88,12 @@ def _gives(design: Design, base: Quantity, column: Quantity) -> list[Calculation
 
 
 def _gap(design: Design) -> list[Calculation]:
-    """The approach that the ridge which touches last asks for."""
+    """The approach at which the last ridge touches."""
     depths, ridge = winkler.crest_depths(design), design.ridge
     last = int(np.argmax(depths))
     lean = Quantity("phi", f"lean of ridge {last + 1}", abs(design.lean(last + 1)), "rad")
     radius = Quantity("R", "skin.curvature_radius", design.skin.curvature_radius, "mm")
-    turned = Calculation(
+    lean_calculation = Calculation(
         f"Lean of ridge {last + 1}, the last to touch",
         lean,
         "m * p / R",
@@ -104,33 +104,35 @@ def _gap(design: Design) -> list[Calculation]:
         ),
         ON_A_CIRCLE,
     )
-    own = Quantity("h_l", f"height of ridge {last + 1}", design.heights[last], "mm")
-    formula, more = _beside_the_circle(design, depths, last)
+    height = Quantity("h_l", f"height of ridge {last + 1}", design.heights[last], "mm")
+    formula, more = _gap_corrections(design, depths, last)
     gap = float(winkler.crest_gaps(design)[last])
-    needed = Calculation(
+    gap_calculation = Calculation(
         f"Approach needed until ridge {last + 1} touches",
         Quantity("g", f"gap of ridge {last + 1} when the first one touches", gap, "mm"),
         f"2 * (R + h_l) * sin(phi / 2)**2{formula}",
-        (radius, own, lean, *more),
+        (radius, height, lean, *more),
         ON_A_CIRCLE,
     )
-    return [needed] if ridge.count == 1 else [turned, needed]
+    return [gap_calculation] if ridge.count == 1 else [lean_calculation, gap_calculation]
 
 
-def _beside_the_circle(design: Design, depths: Array, last: int) -> tuple[str, list[Quantity]]:
-    """What a gap has beside the circle's fall: the plate's rise, heights that differ, the first touch."""
-    formula, given, first = "", list[Quantity](), int(np.argmin(depths))
+def _gap_corrections(design: Design, depths: Array, last: int) -> tuple[str, list[Quantity]]:
+    """Terms of a gap besides the circle's fall: the plate's rise, different heights, the first touch."""
+    formula, quantities, first = "", list[Quantity](), int(np.argmin(depths))
     if design.contact.plate.shape != "flat":
         formula += " + z_p"
         rises = float(winkler.plate_rises(design)[last])
-        given.append(Quantity("z_p", f"rise of the plate over ridge {last + 1}", rises, "mm"))
+        quantities.append(Quantity("z_p", f"rise of the plate over ridge {last + 1}", rises, "mm"))
     if design.uneven:
         formula += " + (h_m - h_l)"
-        given.append(Quantity("h_m", "height of the highest ridge", max(design.heights), "mm"))
+        quantities.append(Quantity("h_m", "height of the highest ridge", max(design.heights), "mm"))
     if depths[first]:
         formula += " - d_f"
-        given.append(Quantity("d_f", f"the same of ridge {first + 1}, the first", float(depths[first]), "mm"))
-    return formula, given
+        quantities.append(
+            Quantity("d_f", f"the same of ridge {first + 1}, the first", float(depths[first]), "mm")
+        )
+    return formula, quantities
 
 
 def _springs(design: Design, chosen: Mask) -> tuple[Quantity, Quantity]:
@@ -141,9 +143,9 @@ def _springs(design: Design, chosen: Mask) -> tuple[Quantity, Quantity]:
     )
 
 
-def _all_touch(design: Design, found: Answer) -> Calculation:
+def _all_touch(design: Design, answer: Answer) -> Calculation:
     gaps = winkler.crest_gaps(design)
-    error = found.all_touch_force.error or 0.0
+    error = answer.all_touch_force.error or 0.0
     return Calculation(
         "Force from which on all ridges touch",
         Quantity("F", "all-touch force", winkler.all_touch_force(design), "N"),
@@ -158,14 +160,14 @@ def _all_touch(design: Design, found: Answer) -> Calculation:
     )
 
 
-def _approach(design: Design, found: Answer) -> Calculation:
-    force, error = design.contact.force, found.approach.error or 0.0
-    touching = np.array([(each.value or 0.0) > 0 for each in found.ridge_force])
+def _approach(design: Design, answer: Answer) -> Calculation:
+    force, error = design.contact.force, answer.approach.error or 0.0
+    touching = np.array([(share.value or 0.0) > 0 for share in answer.ridge_force])
     count = int(touching.sum())
     which = "all ridges" if count == touching.size else f"the {count} ridges"
     return Calculation(
         f"Approach at {force:g} N",
-        Quantity("delta", "approach after the first touch", found.approach.value or 0.0, "mm"),
+        Quantity("delta", "approach after the first touch", answer.approach.value or 0.0, "mm"),
         "(P + sum(k_i * g_i)) / sum(k_i)",
         (Quantity("P", "contact.force", force, "N"), *_springs(design, touching)),
         FOUNDATION,

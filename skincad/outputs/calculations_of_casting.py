@@ -33,33 +33,33 @@ def _bent_with_slots(design: Design) -> bool:
 def _cavity(design: Design, closed: ClosedMold) -> Calculation:
     skin, cavity = skin_part(design).volume, closed.first(PartRole.SKIN).volume
     slots = math.fsum(area(slot.loop()) for slot in section(design).slots) * design.skin.length
-    given = [
+    quantities = [
         Quantity("V", "skin as designed", MM3 * skin, "cm³"),
         Quantity("s", "linear shrinkage", shrinkage(design), "1"),
     ]
     if slots:
-        given.append(Quantity("V_s", "slots in it, which shims keep as they are", MM3 * slots, "cm³"))
+        quantities.append(Quantity("V_s", "slots in it, which shims keep as they are", MM3 * slots, "cm³"))
     return Calculation(
         "Cavity that cures to the skin",
         Quantity("V_c", "skin in the mold", MM3 * cavity, "cm³"),
         "(V + V_s) / (1 - s)**3 - V_s / (1 - s)" if slots else "V / (1 - s)**3",
-        tuple(given),
+        tuple(quantities),
         "the same shrinkage in all directions",
     )
 
 
 def _mass(design: Design, closed: ClosedMold) -> list[Calculation]:
-    stuff, volume = silicone(design), poured_volume(design, closed)
-    grams = volume * stuff.density * 1e-6
-    poured = Quantity("m", "silicone that the mold takes", grams, "g")
+    material, volume = silicone(design), poured_volume(design, closed)
+    grams = volume * material.density * 1e-6
+    mold_mass = Quantity("m", "silicone that the mold takes", grams, "g")
     total = Quantity("m_t", "silicone to mix", grams + DEAD_VOLUME, "g")
-    found = [
+    calculations = [
         Calculation(
             "Silicone that the mold takes",
-            poured,
+            mold_mass,
             "rho * V_p",
             (
-                Quantity("rho", f"density of {stuff.name}", stuff.density * 1e-3, "g/cm³"),
+                Quantity("rho", f"density of {material.name}", material.density * 1e-3, "g/cm³"),
                 Quantity("V_p", "skin, gate, vents, reservoir, bleeds", MM3 * volume, "cm³"),
             ),
             "mass is density times volume",
@@ -68,18 +68,18 @@ def _mass(design: Design, closed: ClosedMold) -> list[Calculation]:
             "Silicone to mix",
             total,
             "m + m_0",
-            (poured, Quantity("m_0", "stays in cup and syringe", DEAD_VOLUME, "g")),
+            (mold_mass, Quantity("m_0", "stays in cup and syringe", DEAD_VOLUME, "g")),
             "assumption of the casting sheet",
         ),
     ]
-    if stuff.mix:
-        a, b = stuff.mix
+    if material.mix:
+        a, b = material.mix
         shares = Quantity("a", "parts of A", a, "1"), Quantity("b", "parts of B", b, "1")
         part = Quantity("m_A", "component A to weigh", (grams + DEAD_VOLUME) * a / (a + b), "g")
-        found.append(
+        calculations.append(
             Calculation("Component A", part, "m_t * a / (a + b)", (total, *shares), "mix by mass, data sheet")
         )
-    return found
+    return calculations
 
 
 def strip_calculations(design: Design) -> list[Calculation]:
@@ -88,8 +88,8 @@ def strip_calculations(design: Design) -> list[Calculation]:
     if film is None or slot is None:
         return []
     inside = Quantity("A", "electrode in the skin, of one strip", electrode(design), "mm²")
-    drawn = (film.d31, film.d32, film.d33)
-    given = charge(1.0, 0.0, 0.0, area=inside.value, coefficients=drawn)  # type: ignore[arg-type]
+    coefficients = (film.d31, film.d32, film.d33)
+    unit_charge = charge(1.0, 0.0, 0.0, area=inside.value, coefficients=coefficients)  # type: ignore[arg-type]
     return [
         Calculation(
             "Electrode of a strip",
@@ -104,7 +104,7 @@ def strip_calculations(design: Design) -> list[Calculation]:
         ),
         Calculation(
             "Charge of a strip by 1 MPa through it",
-            Quantity("Q", "charge", float(given) / PICO, "pC"),
+            Quantity("Q", "charge", float(unit_charge) / PICO, "pC"),
             "A * d_33 * sigma",
             (
                 inside,

@@ -20,28 +20,30 @@ EPSILON_0 = 8.8541878128e-3  # pF/mm; source: CODATA 2018, as scipy.constants.ep
 KILO, GIGA = 1e3, 1e9
 
 
-def felt_calculations(found: Simulation, amplifier: Circuit, swept: CircuitGain) -> list[Calculation]:
+def scene_calculations(
+    simulation: Simulation, amplifier: Circuit, circuit_gain: CircuitGain
+) -> list[Calculation]:
     """Return a strip's charge where the scene's differential stress is largest, its capacitance with the
     lead, and what the ideal amplifier makes of 1 N on the film, by the network's own beside it.
 
-    `amplifier` is the circuit fitted to the skin, `swept` its gain.
+    `amplifier` is the circuit fitted to the skin, `circuit_gain` its gain.
     """
-    felt = _felt(found, amplifier)
-    return [*([felt] if felt else []), _capacitance(amplifier), _ideal(amplifier, swept)]
+    charge = _largest_charge(simulation, amplifier)
+    return [*([charge] if charge else []), _capacitance(amplifier), _ideal(amplifier, circuit_gain)]
 
 
-def _felt(found: Simulation, amplifier: Circuit) -> Calculation | None:
-    """The charge of the told strip at the step of the largest differential stress of all."""
-    design, film = found.scene.design, found.scene.design.film
-    if not found.raw or film is None:
+def _largest_charge(simulation: Simulation, amplifier: Circuit) -> Calculation | None:
+    """The charge of the monitored strip at the step of the largest differential stress of all."""
+    design, film = simulation.scene.design, simulation.scene.design.film
+    if not simulation.raw or film is None:
         return None
-    ridge = max(found.raw, key=lambda r: float(np.abs(found.raw[r]).max()))
-    step = int(np.argmax(np.abs(found.raw[ridge])))
-    stress = np.array([found.march.readings[step].films])
+    ridge = max(simulation.raw, key=lambda r: float(np.abs(simulation.raw[r]).max()))
+    step = int(np.argmax(np.abs(simulation.raw[ridge])))
+    stress = np.array([simulation.march.readings[step].films])
     strip = 2 * (ridge - 1)
     charges = strip_charges(amplifier, design, stress)[0]
-    through, across, along = (float(value) for value in stress[0, strip])
-    drawn, other = (along, across) if amplifier.film.draw_axis == "length" else (across, along)
+    through, transverse, along = (float(value) for value in stress[0, strip])
+    drawn, other = (along, transverse) if amplifier.film.draw_axis == "length" else (transverse, along)
     return Calculation(
         f"Charge of S1 in ridge {ridge} at step {step}, where the differential stress is largest",
         Quantity("Q", "charge", float(charges[strip]) / PICO, "pC"),
@@ -56,16 +58,16 @@ def _felt(found: Simulation, amplifier: Circuit) -> Calculation | None:
             Quantity("T_3", "stress through the film", through, "MPa"),
         ),
         PIEZO,
-        "Stresses are those of the scene's march, before the low-pass.",
+        "Stresses are those of the scene's run, before the low-pass.",
     )
 
 
 def _capacitance(amplifier: Circuit) -> Calculation:
     film = amplifier.film
-    own = capacitance(film.area, film.thickness, film.permittivity)
+    static_capacitance = capacitance(film.area, film.thickness, film.permittivity)
     return Calculation(
         "Capacitance of a strip",
-        Quantity("C", "static capacitance", own / PICO, "pF"),
+        Quantity("C", "static capacitance", static_capacitance / PICO, "pF"),
         "epsilon_0 * epsilon_r * A_w / t",
         (
             Quantity("epsilon_0", "permittivity of vacuum", EPSILON_0, "pF/mm"),
@@ -77,36 +79,38 @@ def _capacitance(amplifier: Circuit) -> Calculation:
     )
 
 
-def _ideal(amplifier: Circuit, swept: CircuitGain) -> Calculation:
+def _ideal(amplifier: Circuit, circuit_gain: CircuitGain) -> Calculation:
     """What an ideal amplifier makes of 1 N on the film at the mid-band, against the network's own gain."""
     c = constants(amplifier)
-    frequency, decibels = swept.mid_band
-    formula, given, value, source = _amplified(c, amplifier.amplifier.topology, frequency)
+    frequency, decibels = circuit_gain.mid_band
+    formula, quantities, value, source = _ideal_gain(c, amplifier.amplifier.topology, frequency)
     network = 10 ** (decibels / 20)
-    told = f"The whole network, with its finite gain and its motional branch, gives {network:.4g} V/N there."
+    note = f"The whole network, with its finite gain and its motional branch, gives {network:.4g} V/N there."
     return Calculation(
         f"Output of the ideal amplifier by 1 N on the film, at {frequency:.4g} Hz, the mid-band",
         Quantity("G", "gain", value, "V/N"),
         formula,
-        given,
+        quantities,
         source,
-        told,
+        note,
     )
 
 
-def _amplified(c: Constants, topology: str, frequency: float) -> tuple[str, tuple[Quantity, ...], float, str]:
-    """Formula, what is given, result in V/N, and source."""
+def _ideal_gain(
+    c: Constants, topology: str, frequency: float
+) -> tuple[str, tuple[Quantity, ...], float, str]:
+    """Formula, its quantities, result in V/N, and source."""
     charge = Quantity("d", "charge by 1 N, the circuit's d33", abs(c.d33) / PICO, "pC/N")
     if topology == "follower":
         whole = c.capacitance + c.input_capacitance
-        given = (
+        quantities = (
             charge,
             Quantity("C_p", "film, lead and cable", c.capacitance / PICO, "pF"),
             Quantity("C_i", "amplifier.input_capacitance", c.input_capacitance / PICO, "pF"),
         )
         source = "Horowitz and Hill, The Art of Electronics, 3rd ed., sec. 4.2.3"
-        return "d / (C_p + C_i)", given, abs(c.d33) / whole, source
-    at = (
+        return "d / (C_p + C_i)", quantities, abs(c.d33) / whole, source
+    common = (
         charge,
         Quantity("f", "frequency", frequency / KILO, "kHz"),
         Quantity("R_f", "amplifier.feedback_resistance", c.feedback_resistance / GIGA, "GΩ"),
@@ -115,16 +119,16 @@ def _amplified(c: Constants, topology: str, frequency: float) -> tuple[str, tupl
     if not c.feedback_capacitance:
         return (
             "2 * pi * f * R_f * d",
-            at,
+            common,
             turn * abs(c.d33),
             "ideal operational amplifier in the network of Yamada et al. 2002, Figs 5 and 6",
         )
-    held = Quantity("C_f", "amplifier.feedback_capacitance", c.feedback_capacitance / PICO, "pF")
+    feedback = Quantity("C_f", "amplifier.feedback_capacitance", c.feedback_capacitance / PICO, "pF")
     formula = "2 * pi * f * R_f * d / sqrt(1 + (2 * pi * f * R_f * C_f)**2)"
     value = turn * abs(c.d33) / math.sqrt(1 + (turn * c.feedback_capacitance) ** 2)
     return (
         formula,
-        (*at, held),
+        (*common, feedback),
         value,
         "ideal operational amplifier, its feedback a resistor beside a capacitor",
     )

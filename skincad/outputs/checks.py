@@ -1,4 +1,4 @@
-"""What a check says: the verdict in one sentence, and what stands behind it."""
+"""Output of a check: the verdict in one sentence, and the numbers behind it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COMMAND = "check"
 NARROW_SHARE = 0.1  # of all parts: a yield's interval as narrow is shown to a tenth of a percent
 WIDEST_SHARE = 0.8  # a yield's interval that is wider says nothing
-UNCHECKED = "Not checked whether all ridges touch."  # what a job says that leaves the check out
+UNCHECKED = "Not checked whether all ridges touch."  # for a job without a check
 
 
 def verdict(check: ContactCheck) -> str:
@@ -50,13 +50,13 @@ def _shown(positive: Estimate) -> str:
 
 
 def allowed_drops(check: ContactCheck | None) -> tuple[float, ...]:
-    """Return by how much each crest may lie lower alone, mm, until the verdict's margin is used up."""
+    """Return how far each crest may lie lower, mm, if only that one does: it uses up the verdict's margin."""
     if check is None:
         return ()
-    made, margin = check.manufacture, check.margin
-    if made is None or margin is None or not check.passed:
+    part_yield, margin = check.manufacture, check.margin
+    if part_yield is None or margin is None or not check.passed:
         return ()
-    return tuple(margin / slope if slope > 0 else math.inf for slope in made.crest_sensitivity)
+    return tuple(margin / slope if slope > 0 else math.inf for slope in part_yield.crest_sensitivity)
 
 
 def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
@@ -70,7 +70,7 @@ def lines(check: ContactCheck) -> list[str]:
 
 
 def verdict_lines(check: ContactCheck) -> list[str]:
-    """Return what is known before any advice is."""
+    """Return the lines that need no advice."""
     shares = "  ".join(f"{share.value:.3f}" for share in check.ridge_force)
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [
@@ -103,8 +103,8 @@ def _margin_lines(check: ContactCheck) -> list[str]:
 def _model_lines(check: ContactCheck) -> list[str]:
     lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
     lines += [
-        f"  tried first    {asked.tier}: {_shown(asked.all_touch_force)}, {asked.seconds:.2f} s"
-        for asked in check.climbed
+        f"  tried first    {run.tier}: {_shown(run.all_touch_force)}, {run.seconds:.2f} s"
+        for run in check.climbed
     ]
     if check.next_tier and not check.next_step:
         tier, seconds = check.next_tier
@@ -135,14 +135,14 @@ def percent(share: float, places: int, to: Callable[[float], int]) -> str:
 
 
 def _manufacture_lines(check: ContactCheck) -> list[str]:
-    made, share = check.manufacture, passing_share(check)
-    if made is None or not share:
+    part_yield, share = check.manufacture, passing_share(check)
+    if part_yield is None or not share:
         return []
-    lost = f"most are lost by {made.largest}" if made.largest else "none of those sampled fails"
-    told = share if share.startswith("unknown") else f"{share} of parts pass; {lost}"
-    crests = "  ".join(f"{slope / 100:+.2g}" for slope in made.crest_sensitivity)
+    lost = f"most are lost by {part_yield.largest}" if part_yield.largest else "none of those sampled fails"
+    summary = share if share.startswith("unknown") else f"{share} of parts pass; {lost}"
+    crests = "  ".join(f"{slope / 100:+.2g}" for slope in part_yield.crest_sensitivity)
     return [
-        f"  yield          {told}",
+        f"  yield          {summary}",
         f"  crests         0.01 mm lower, each changes the force needed by {crests} N",
     ]
 

@@ -1,4 +1,4 @@
-"""What a measured coupon says: words with their errors, and a printer.toml."""
+"""Output of a measured coupon: words with their errors, and a printer.toml."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ PRINTER = "printer.toml"
 # a folder in which the same command left forms keeps them: this result has its own manifest
 
 
-def lines(found: CouponReading) -> list[str]:
+def lines(reading: CouponReading) -> list[str]:
     """Return what `coupon --measured` prints."""
     return [
-        f"The coupon of {found.name} says (± 95 %):",
-        *_numbers(found),
-        f"In {PRINTER}, for --printer: " + ", ".join(f"{row.key} = {row.value:g}" for row in found.keys),
+        f"The coupon of {reading.name} says (± 95 %):",
+        *_numbers(reading),
+        f"In {PRINTER}, for --printer: " + ", ".join(f"{row.key} = {row.value:g}" for row in reading.keys),
         "The silicone, once bar and pad are measured:",
-        f"  {fit_bar_command(str(found.folder / BAR_FORM))}",
-        f"  {fit_pad_command(str(found.folder / PAD_FORM), str(found.folder / PAD_DESIGN))}",
+        f"  {fit_bar_command(str(reading.folder / BAR_FORM))}",
+        f"  {fit_pad_command(str(reading.folder / PAD_FORM), str(reading.folder / PAD_DESIGN))}",
     ]
 
 
-def _numbers(found: CouponReading) -> Iterator[str]:
-    notches, crests, before = found.notches, found.crests, found.before
+def _numbers(reading: CouponReading) -> Iterator[str]:
+    notches, crests, before = reading.notches, reading.crests, reading.before
     if notches and notches.growth:
         yield f"  growth         {notches.growth} a side; it was taken as {before.growth:g}"
         yield f"  notches        each off by {notches.scatter:.4f} mm (standard deviation)"
@@ -39,14 +39,14 @@ def _numbers(found: CouponReading) -> Iterator[str]:
     if crests:
         yield f"  crests         scatter {crests.sigma}; it was taken as {before.crest_sigma:g} mm"
         yield f"  all crests     off by {crests.offset}; it was taken as {before.crest_offset:g} mm"
-    worst = max(each.worst for each in (notches, crests) if each)
+    worst = max(feature.worst for feature in (notches, crests) if feature)
     word = "more" if worst > before.tolerance else "not more"
     yield f"  largest error  {worst:.3f} mm, {word} than the tolerance of {before.tolerance:g} mm"
 
 
-def manifest(found: CouponReading) -> dict[str, Any]:
+def manifest(reading: CouponReading) -> dict[str, Any]:
     """Return what the manifest says of the result: all of it."""
-    return found.as_json()
+    return reading.as_json()
 
 
 def figures(_: CouponReading) -> dict[str, Callable[[], Any]]:
@@ -54,6 +54,6 @@ def figures(_: CouponReading) -> dict[str, Callable[[], Any]]:
     return {}
 
 
-def files(found: CouponReading) -> dict[str, Writer]:
+def files(reading: CouponReading) -> dict[str, Writer]:
     """Return the writer of the printer.toml."""
-    return {PRINTER: text(found.to_toml)}
+    return {PRINTER: text(reading.to_toml)}

@@ -58,7 +58,7 @@ def _step(part: Part, path: Path) -> None:
     write_step(workplane(part), path)
 
 
-def _laid(kit: CouponKit, part: Part) -> Any:
+def _oriented_mesh(kit: CouponKit, part: Part) -> Any:
     from skincad.fabrication.meshes import laid, mesh
 
     return laid(mesh(part, kit.process.chord), on_end(part, kit.process))
@@ -67,10 +67,10 @@ def _laid(kit: CouponKit, part: Part) -> Any:
 def _stl(kit: CouponKit, part: Part, path: Path) -> None:
     from skincad.outputs.export import write_stl
 
-    write_stl(_laid(kit, part), path)
+    write_stl(_oriented_mesh(kit, part), path)
 
 
 def _plate(kit: CouponKit, path: Path) -> None:
     from skincad.outputs.export import write_3mf
 
-    write_3mf({part.name: (_laid(kit, part), part.colour) for part in kit.parts}, path)
+    write_3mf({part.name: (_oriented_mesh(kit, part), part.colour) for part in kit.parts}, path)

@@ -20,7 +20,7 @@ PICTURES = ("png", "gif")
 
 @dataclass(frozen=True)
 class Written:
-    """What `write` left in `folder`: the manifest, the files beside it in bytes, and seconds by stage."""
+    """The files in `folder`: the manifest, other files with their size in bytes, and seconds by stage."""
 
     folder: Path
     manifest: str
@@ -88,9 +88,9 @@ def of_formats(names: Iterable[str], formats: Iterable[str] | str) -> list[str]:
     """Return the names that end so, all where no format is named; InputError for one that no name has."""
     names, wanted = list(names), [formats] if isinstance(formats, str) else list(formats)
     endings = {_ending(name) for name in names}
-    for each in wanted:
-        if each not in endings:
-            raise InputError("formats", "unknown format", each, did_you_mean(each, endings))
+    for ending in wanted:
+        if ending not in endings:
+            raise InputError("formats", "unknown format", ending, did_you_mean(ending, endings))
     return [name for name in names if not wanted or _ending(name) in wanted]
 
 

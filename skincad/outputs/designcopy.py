@@ -19,19 +19,19 @@ from skincad.laws.rubber import Rubber
 from skincad.outputs.fits import ranged_toml
 
 
-def write_copy(path: Path, source: str, wanted: Document, said: Mapping[str, str]) -> None:
-    """Write `wanted`, which a template's name or a file was changed to, as that file with what differs.
+def write_copy(path: Path, source: str, wanted: Document, comments: Mapping[str, str]) -> None:
+    """Write `wanted` as a copy of the template or file `source`, with only the changed values replaced.
 
-    `said` is by key, with dots, the comment that its line gets. The file appears whole or not at all. Raises
-    InputError for one that is there already or cannot be written.
+    `comments` are by key, with dots: the comment that its line gets. The file appears whole or not at all.
+    Raises InputError for one that is there already or cannot be written.
     """
     document = tomlkit.parse(_text(source))
     try:
         before = type(wanted)(**tables_of(_text(source), source)).model_dump(exclude_none=True)
-    except InputError:  # it needs the changes to be one at all
+    except InputError:  # the source is valid only with the changes
         before = {}
     _follow(document, before, wanted.model_dump(exclude_none=True))
-    for key, words in said.items():
+    for key, words in comments.items():
         *tables, last = key.split(".")
         table: Any = document
         for name in tables:
@@ -41,7 +41,7 @@ def write_copy(path: Path, source: str, wanted: Document, said: Mapping[str, str
         table[last] = value
     text = tomlkit.dumps(document)
     if type(wanted)(**tomllib.loads(text)) != wanted:
-        raise RefusedError(f"the copy of {source} does not say what was found")
+        raise RefusedError(f"the copy of {source} does not hold the wanted values")
     with fresh(path, "copy") as staging:
         staging.write_text(text, encoding="utf-8")
 
@@ -57,14 +57,14 @@ def write_with_modulus(
 ) -> None:
     """Write the design of a template's name or a file, overrides applied, with this `modulus` and `law`.
 
-    `silicones` is a file of own ones, which go into the design as `load_design` puts them there. The line's
+    `silicones` is a file of the user's own silicones; they go into the design as in `load_design`. The line's
     comment says `provenance`. Raises InputError as `write_copy` does.
     """
     data = design_tables(source, overrides, silicones=silicones)
-    kept = {key: value for key, value in data.get("material", {}).items() if key != "law"}
-    stiff = {"law": tomllib.loads(tomlkit.dumps(law.model_dump()))} if law else {}
-    told = tomllib.loads(f"told = {ranged_toml(modulus)}")["told"]
-    data["material"] = {**kept, "young_modulus": told, **stiff}
+    material = {key: value for key, value in data.get("material", {}).items() if key != "law"}
+    law_table = {"law": tomllib.loads(tomlkit.dumps(law.model_dump()))} if law else {}
+    modulus_value = tomllib.loads(f"modulus = {ranged_toml(modulus)}")["modulus"]
+    data["material"] = {**material, "young_modulus": modulus_value, **law_table}
     write_copy(path, source, Design(**data), {"material.young_modulus": provenance})
 
 

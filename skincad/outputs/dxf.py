@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 FONT = "SKINCAD"  # text style, in Arial
 ROTATED, DIAMETER, OWN_BLOCK, PLACED = 0, 3, 32, 128  # source: DXF reference, group 70 of DIMENSION
 DEGREES = 180 / math.pi
-NOTED = 20.0, 4.0  # mm of paper: the first note of a sheet, under its frame
+FIRST_NOTE = 20.0, 4.0  # mm of paper: the first note of a sheet, under its frame
 _ANCHORS = {
     "start": TextEntityAlignment.LEFT,
     "middle": TextEntityAlignment.CENTER,
@@ -57,7 +57,7 @@ def write_dxf(
             if isinstance(mark, Dimension):
                 _dimension(document, space, mark, scale)
             else:
-                _drawn(space, mark, scale)
+                _draw(space, mark, scale)
         for kind in sorted(document.entitydb.dxf_types_in_use()):  # the library goes through a set
             document.classes.add_class(kind)
         document.saveas(path)
@@ -66,8 +66,11 @@ def write_dxf(
 def write_sheet_dxf(sheet: Sheet, path: Path) -> None:
     """Write a sheet as DXF at the part's full size, with what is cut on layer CUT, and what is said of that
     under the frame."""
-    said = [Words(note, (NOTED[0], NOTED[1] - 4.0 * i), 2.0, "TEXT") for i, note in enumerate(sheet.notes)]
-    write_dxf(path, [*sheet.marks, *said], sheet.scale, sheet.loops, sheet.notes)
+    texts = [
+        Words(note, (FIRST_NOTE[0], FIRST_NOTE[1] - 4.0 * i), 2.0, "TEXT")
+        for i, note in enumerate(sheet.notes)
+    ]
+    write_dxf(path, [*sheet.marks, *texts], sheet.scale, sheet.loops, sheet.notes)
 
 
 def _layers(marks: Iterable[Mark]) -> Iterator[str]:
@@ -87,12 +90,12 @@ def _document(scale: float, used: set[str]) -> Drawing:
     for name in (name for name in LAYERS if name in used):
         layer = LAYERS[name]
         weight = round(100 * layer.width)
-        made = document.layers.add(name, color=layer.aci, linetype=layer.line, lineweight=weight)
-        made.description = layer.what
+        entry = document.layers.add(name, color=layer.aci, linetype=layer.line, lineweight=weight)
+        entry.description = layer.what
     return document
 
 
-def _drawn(space: BaseLayout, mark: Ink | Fill | Words, scale: float) -> None:
+def _draw(space: BaseLayout, mark: Ink | Fill | Words, scale: float) -> None:
     layer = {"layer": mark.layer}
     if isinstance(mark, Ink):
         _stroke(space, mark.stroke, layer, scale)
@@ -100,8 +103,8 @@ def _drawn(space: BaseLayout, mark: Ink | Fill | Words, scale: float) -> None:
         a, b, c = (_scaled(point, scale) for point in mark.points)
         space.add_solid([a, b, c, c], dxfattribs=layer)
     else:
-        own = {**layer, "style": FONT, "rotation": mark.turn}
-        text = space.add_text(mark.text, height=mark.height / scale, dxfattribs=own)
+        attributes = {**layer, "style": FONT, "rotation": mark.turn}
+        text = space.add_text(mark.text, height=mark.height / scale, dxfattribs=attributes)
         text.set_placement(_scaled(mark.at, scale), align=_ANCHORS[mark.anchor])
 
 
@@ -126,10 +129,10 @@ def _scaled(point: Place, scale: float) -> Place:
 def _dimension(document: Drawing, space: BaseLayout, mark: Dimension, scale: float) -> None:
     """A dimension as such, with what is drawn of it in a block of its own, as DXF has it."""
     block = document.blocks.new_anonymous_block(type_char="D")
-    for drawn in (*mark.drawn, mark.words):
-        _drawn(block, drawn, scale)
+    for part in (*mark.drawn, mark.words):
+        _draw(block, part, scale)
     (left, low, right, high) = mark.words.box()
-    told: dict[str, Any] = {
+    attributes: dict[str, Any] = {
         "layer": "DIMENSIONS",
         "geometry": block.name,
         "dimstyle": _style(document, mark, scale),
@@ -139,11 +142,11 @@ def _dimension(document: Drawing, space: BaseLayout, mark: Dimension, scale: flo
     }
     first, second = (_scaled(end, scale) for end in mark.ends)
     if mark.kind == "diameter":
-        told |= {"dimtype": DIAMETER | OWN_BLOCK | PLACED, "defpoint": first, "defpoint4": second}
+        attributes |= {"dimtype": DIAMETER | OWN_BLOCK | PLACED, "defpoint": first, "defpoint4": second}
     else:
-        told |= {"dimtype": ROTATED | OWN_BLOCK | PLACED, "defpoint": _scaled(mark.line, scale)}
-        told |= {"defpoint2": first, "defpoint3": second, "angle": mark.turn}
-    space.new_entity("DIMENSION", told)
+        attributes |= {"dimtype": ROTATED | OWN_BLOCK | PLACED, "defpoint": _scaled(mark.line, scale)}
+        attributes |= {"defpoint2": first, "defpoint3": second, "angle": mark.turn}
+    space.new_entity("DIMENSION", attributes)
 
 
 def _style(document: Drawing, mark: Dimension, scale: float) -> str:

@@ -20,8 +20,8 @@ from skincad.inputs.design import Design
 from skincad.outputs.dxf import write_dxf
 from skincad.outputs.stepfile import make_deterministic
 from skincad.pictures.flat_dimensions import (
+    SECTION_WIDTH,
     SIZE,
-    WIDE,
     seal_dimensions,
     section_dimensions,
     section_margin,
@@ -29,7 +29,7 @@ from skincad.pictures.flat_dimensions import (
     strip_dimensions,
 )
 from skincad.pictures.marks import Dimension, Mark, Words, line
-from skincad.pictures.sheet_svg import parted, svg_row, svg_style
+from skincad.pictures.sheet_svg import primitives, svg_row, svg_style
 from skincad.shape.curves import Loop, Point
 from skincad.shape.skin import section
 
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
     from skincad.solids.mold import ClosedMold
 
-NOTED, NOTED_SEAL = -14.0, 6.0  # mm of paper: notes' first line, below z = 0, and below a seal
-ABOVE, BESIDE = 13.0, 5.0  # mm over and beside the strips, for their dimensions
+NOTES_Z, SEAL_NOTES_GAP = -14.0, 6.0  # mm of paper: notes' first line, below z = 0, and below a seal
+MARGIN_ABOVE, MARGIN_BESIDE = 13.0, 5.0  # mm over and beside the strips, for their dimensions
 
 
 def write_step(solid: cq.Workplane, path: Path) -> None:
@@ -108,13 +108,15 @@ def write_section_dxf(design: Design, path: Path) -> None:
     shape = section(design)
     rows = [("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)]
     dimensions, scale = section_dimensions(design)
-    said = section_notes(design)
-    write_dxf(path, [*dimensions, *_under(said, (-WIDE / 2, NOTED), SIZE)], scale, rows, said)
+    notes = section_notes(design)
+    write_dxf(
+        path, [*dimensions, *_note_words(notes, (-SECTION_WIDTH / 2, NOTES_Z), SIZE)], scale, rows, notes
+    )
 
 
-def _under(said: list[str], at: tuple[float, float], height: float) -> list[Words]:
+def _note_words(notes: list[str], at: tuple[float, float], height: float) -> list[Words]:
     """Notes below each other from the place of the first one on, mm of paper."""
-    return [Words(text, (at[0], at[1] - 2 * height * i), height, "TEXT") for i, text in enumerate(said)]
+    return [Words(text, (at[0], at[1] - 2 * height * i), height, "TEXT") for i, text in enumerate(notes)]
 
 
 def write_strips_dxf(design: Design, path: Path) -> None:
@@ -125,13 +127,13 @@ def write_strips_dxf(design: Design, path: Path) -> None:
     rows = [row for strip in strips for row in _strip_rows(strip)]
     dimensions, scale = strip_dimensions(strips)
 
-    def on(point: Point) -> tuple[float, float]:
+    def on_paper(point: Point) -> tuple[float, float]:
         return scale * point.x, scale * point.z
 
-    marks: list[Mark] = [line(on(a), on(b), "MARK") for strip in strips for a, b in strip.cut_off]
+    marks: list[Mark] = [line(on_paper(a), on_paper(b), "MARK") for strip in strips for a, b in strip.cut_off]
     notes = pattern_notes(design)
     for text, x, z in _strip_texts(design, strips):
-        marks.append(Words(text, on(Point(x, z)), scale, "TEXT" if text in notes else "ENGRAVE"))
+        marks.append(Words(text, on_paper(Point(x, z)), scale, "TEXT" if text in notes else "ENGRAVE"))
     write_dxf(path, [*marks, *dimensions], scale, rows, notes)
 
 
@@ -151,12 +153,12 @@ def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, 
 def write_shims_dxf(design: Design, closed: ClosedMold, path: Path) -> None:
     """Write the cutting pattern of one skin's shims as DXF, mm: CUT, ENGRAVE (ridge and slot, beside each),
     MARK (where a tail is thinned, at +x) and TEXT."""
-    shims, said = shim_patterns(design, closed), shim_notes(design)
+    shims, notes = shim_patterns(design, closed), shim_notes(design)
     marks: list[Mark] = [Words(shim.label, shim.label_at, 1.0, "ENGRAVE") for shim in shims]
     marks += [line(*shim.thinned, "MARK") for shim in shims if shim.thinned]
     low = min(s.start.z for shim in shims for s in shim.cut)
-    marks += _under(said, (min(shim.label_at.x for shim in shims), low - 3.0), 1.0)
-    write_dxf(path, marks, loops=[("CUT", shim.cut) for shim in shims], notes=said)
+    marks += _note_words(notes, (min(shim.label_at.x for shim in shims), low - 3.0), 1.0)
+    write_dxf(path, marks, loops=[("CUT", shim.cut) for shim in shims], notes=notes)
 
 
 def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
@@ -165,9 +167,9 @@ def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
     pattern = seal_pattern(closed)
     dimensions, scale = seal_dimensions(pattern)
     (left, low), _ = pattern.box
-    said = pattern.notes
-    under = _under(said, (scale * left, scale * low - NOTED_SEAL), SIZE)
-    write_dxf(path, [*dimensions, *under], scale, [("CUT", loop) for loop in pattern.loops], said)
+    notes = pattern.notes
+    note_words = _note_words(notes, (scale * left, scale * low - SEAL_NOTES_GAP), SIZE)
+    write_dxf(path, [*dimensions, *note_words], scale, [("CUT", loop) for loop in pattern.loops], notes)
 
 
 def write_strips_svg(design: Design, path: Path) -> None:
@@ -176,8 +178,8 @@ def write_strips_svg(design: Design, path: Path) -> None:
     strips = strip_patterns(design)
     texts = _strip_texts(design, strips)
     corners = [s.start for strip in strips for s in strip.cut]
-    left, foot = min(x for _, x, _ in texts) - BESIDE, min(z for _, _, z in texts) - 1
-    right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + ABOVE
+    left, foot = min(x for _, x, _ in texts) - MARGIN_BESIDE, min(z for _, _, z in texts) - 1
+    right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + MARGIN_ABOVE
     right = max(right, left + 0.6 * max(len(text) for text, _, _ in texts))
     outlines = [(layer.lower(), loop) for strip in strips for layer, loop in _strip_rows(strip)]
     shapes = [f'  <path class="{name}" d="{_svg_path(outline)}"/>' for name, outline in outlines]
@@ -211,7 +213,7 @@ def write_section_svg(design: Design, path: Path) -> None:
 
 def _dimensions(marks: list[Dimension], scale: float) -> str:
     """Dimensions as a group of an SVG of the part's own millimetres, z up."""
-    rows = "\n".join(svg_row(mark, 0.0) for mark in parted(marks))
+    rows = "\n".join(svg_row(mark, 0.0) for mark in primitives(marks))
     return (
         f'  <g class="dimensions" transform="scale({1 / scale:g})" {svg_style("DIMENSIONS")}>\n{rows}\n  </g>'
     )
@@ -236,6 +238,6 @@ def _svg_path(outline: Loop) -> str:
         if segment.bulge == 0.0 or not math.isfinite(segment.radius):
             steps.append(f"L{end}")
         else:
-            wide, turn = int(abs(segment.sweep) > math.pi), int(segment.bulge < 0)
-            steps.append(f"A{segment.radius:.9g} {segment.radius:.9g} 0 {wide} {turn} {end}")
+            large_arc, clockwise = int(abs(segment.sweep) > math.pi), int(segment.bulge < 0)
+            steps.append(f"A{segment.radius:.9g} {segment.radius:.9g} 0 {large_arc} {clockwise} {end}")
     return " ".join([*steps, "Z"])

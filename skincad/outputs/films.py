@@ -1,4 +1,4 @@
-"""What is said and drawn of the films' stress."""
+"""Words and pictures of the films' stress."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 COMMAND = "film-stress"
 
 
-def lines(found: FilmStresses) -> list[str]:
+def lines(stresses: FilmStresses) -> list[str]:
     """Return what `check --stress` prints beneath the verdict."""
-    told = []
-    for state in found.states:
+    rows = []
+    for state in stresses.states:
         pulled = f", pulled sideways by {state.tangential:g} N" if state.tangential else ""
-        told.append(f"  stress across the film at {state.force:g} N{pulled}")
-        rows = {"S1": state.s1, "S2": state.s2, "S1 - S2": state.differential}
-        told += [_row(name, values) for name, values in rows.items()]
-    return [*told, *(f"  note           {note}" for note in found.warnings)]
+        rows.append(f"  stress across the film at {state.force:g} N{pulled}")
+        components = {"S1": state.s1, "S2": state.s2, "S1 - S2": state.differential}
+        rows += [_row(name, values) for name, values in components.items()]
+    return [*rows, *(f"  note           {note}" for note in stresses.warnings)]
 
 
 def _row(name: str, values: tuple[Estimate, ...]) -> str:
@@ -34,18 +34,18 @@ def _row(name: str, values: tuple[Estimate, ...]) -> str:
     return f"    {name:8} {numbers} (± {error:.1g}) MPa"
 
 
-def manifest(found: FilmStresses) -> dict[str, Any]:
+def manifest(stresses: FilmStresses) -> dict[str, Any]:
     """Return what the manifest says of the result."""
-    return found.as_json()
+    return stresses.as_json()
 
 
-def figures(found: FilmStresses) -> dict[str, Callable[[], Picture]]:
+def figures(stresses: FilmStresses) -> dict[str, Callable[[], Picture]]:
     """Return the stress under the normal force, and under both forces (Fig 8)."""
     from skincad.pictures.film_figures import film_stress_figure
 
-    return {"film-stress.png": partial(film_stress_figure, *found.states)}
+    return {"film-stress.png": partial(film_stress_figure, *stresses.states)}
 
 
-def files(found: FilmStresses) -> dict[str, Writer]:
+def files(stresses: FilmStresses) -> dict[str, Writer]:
     """Return the writer of the picture."""
-    return {name: picture(draw) for name, draw in figures(found).items()}
+    return {name: picture(draw) for name, draw in figures(stresses).items()}

@@ -1,4 +1,4 @@
-"""What a material test says: the modulus, and the lines of a design that it goes into."""
+"""Output of a material test: the modulus, and the lines of a design that hold it."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def law_lines(fit: MaterialFit) -> list[str]:
 def _rounded(value: Any) -> Any:
     """Constants to 6 digits: no test says more."""
     if isinstance(value, tuple):
-        return [_rounded(each) for each in value]
+        return [_rounded(item) for item in value]
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 

@@ -28,20 +28,20 @@ def write_strip_board(design: Design, path: Path) -> None:
 
 def strip_board(design: Design) -> str:
     """Return the footprint's text. Raises ValueError without film."""
-    found, film = fan_out(design), design.film
-    if found is None or film is None:
+    fan, film = fan_out(design), design.film
+    if fan is None or film is None:
         raise ValueError("a design without film has no contacts")
-    strips = found.strips if film.wiring_side == "b" else found.strips[::-1]  # seen from the skin
+    strips = fan.strips if film.wiring_side == "b" else fan.strips[::-1]  # seen from the skin
     middle, row = (len(strips) - 1) / 2, PITCH / 2
     places = [(f"{s.ridge}{s.side}", PITCH * (i - middle)) for i, s in enumerate(strips)]
     side, high = PITCH * middle + ROOM, row + ROOM
-    said = (
+    description = (
         f"Strips of {design.name}, revision {design.revision}: seen from the skin, pins towards it, + above"
     )
     rows = [
         f'(footprint "{NAME}" (version {FORMAT}) (generator skincad)',
         '  (layer "F.Cu")',
-        f'  (descr "{said}")',
+        f'  (descr "{description}")',
         "  (attr through_hole)",
         _text("reference", "J**", (0.0, -high - 4.5), "F.SilkS"),
         _text("value", NAME, (0.0, high + 1.5), "F.Fab"),

@@ -35,7 +35,7 @@ _COLUMNS = (  # of the table of silicones: key, head, unit
 )
 
 
-def listed(kind: str | None) -> tuple[dict[str, Any], list[str]]:
+def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
     """Return what ships of a kind, or of all, as plain data and as lines to read.
 
     The data are the names by kind; of one kind `entries` by name, with `units` of their keys and, of
@@ -55,10 +55,10 @@ def listed(kind: str | None) -> tuple[dict[str, Any], list[str]]:
 
 
 def _about(kind: str) -> dict[str, str]:
-    """Every name of a kind with what it is, in one line."""
-    for each in (*KINDS, STUDIES):
-        if kind == each:
-            return {name: _first(template_text(name, each)) for name in template_names(each)}
+    """Every name of a kind with its description in one line."""
+    for file_kind in (*KINDS, STUDIES):
+        if kind == file_kind:
+            return {name: _first(template_text(name, file_kind)) for name in template_names(file_kind)}
     if kind == "silicones":
         return {name: f"{_modulus(s.young_modulus)} MPa" for name, s in silicones().items()}
     return {name: _comment(table) for name, table in tomlkit.parse(table_text("processes")).items()}
@@ -95,25 +95,25 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
         cured[all(entry.platinum_cure for entry in known.values())],
         "Your own: skincad new FILE --template silicones, then --silicones FILE",
     ]
-    told = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
+    body = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
     entries = {name: entry.model_dump(mode="json", exclude={"name"}) for name, entry in known.items()}
-    return {"kind": "silicones", "entries": entries, "units": _units(Silicone)}, [head, units, *told, *notes]
+    return {"kind": "silicones", "entries": entries, "units": _units(Silicone)}, [head, units, *body, *notes]
 
 
 def _sources(entry: Silicone) -> list[str]:
-    """What each source says of a silicone's stiffness, a line each."""
-    found = []
+    """A silicone's stiffness by each source, a line each."""
+    lines = []
     for source in entry.sources:
         law = ""
         if source.law:
             constants = source.law.model_dump(mode="json", exclude={"kind"})
             law = f", {source.law.kind}, " + ", ".join(f"{key} {_plain(v)}" for key, v in constants.items())
-        found.append(f"    {source.modulus(entry.poisson_ratio):.3g} MPa: {source.what}; {source.where}{law}")
-    return found
+        lines.append(f"    {source.modulus(entry.poisson_ratio):.3g} MPa: {source.what}; {source.where}{law}")
+    return lines
 
 
 def _plain(value: float | list[float]) -> str:
-    return " ".join(f"{each:g}" for each in value) if isinstance(value, list) else f"{value:g}"
+    return " ".join(f"{number:g}" for number in value) if isinstance(value, list) else f"{value:g}"
 
 
 def _cell(entry: Silicone, key: str) -> str:
@@ -139,11 +139,11 @@ def _processes() -> tuple[dict[str, Any], list[str]]:
     tables: dict[str, Any] = dict(tomlkit.parse(table_text("processes")).items())
     lines, units = [], _units(Process)
     for key, field in Process.model_fields.items():
-        having = {name: table.item(key) for name, table in tables.items() if key in table}
-        if having:
+        values = {name: table.item(key) for name, table in tables.items() if key in table}
+        if values:
             unit = f", {units[key]}" if key in units else ""
             lines.append(f"{key}: {field.description}{unit}")
-            lines += [f"  {name}  {item.as_string():8} {_comment(item)}" for name, item in having.items()]
+            lines += [f"  {name}  {item.as_string():8} {_comment(item)}" for name, item in values.items()]
     about = [f"{name}: {text}" for name, text in _about("processes").items()]
     note = "Your own: skincad new FILE --template processes, then --printer FILE"
     entries = {name: dict(table.unwrap()) for name, table in tables.items()}

@@ -1,4 +1,4 @@
-"""What a made design says and leaves: words, and a writer for each file, by names known before any work."""
+"""Output of `make`: words, and a writer for each file, whose names are known before any work."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture
 
 COMMAND = "make"
-PREVIEWED = "Preview: meshes and findings alone, without STEP or a check."
+PREVIEW_NOTE = "Preview: meshes and findings alone, without STEP or a check."
 
 
 def lines(result: MakeResult) -> list[str]:
     """Return what `make` prints."""
-    unchecked = PREVIEWED if result.preview else checks.UNCHECKED
+    unchecked = PREVIEW_NOTE if result.preview else checks.UNCHECKED
     return [
         *(checks.verdict_lines(result.check) if result.check else [unchecked]),
         "Parts:",
@@ -54,7 +54,7 @@ def manifest(result: MakeResult) -> dict[str, Any]:
         "passed": result.passed,
         "summary": result.summary,
         "all_touch_force_N": result.check and result.check.all_touch_force.as_json(),
-        "processes": [each.as_json() for each in result.estimates],
+        "processes": [estimate.as_json() for estimate in result.estimates],
         "findings": [finding.as_json() for finding in result.findings],
         **({"mount": result.mount.as_json()} if result.mount else {}),
     }
@@ -62,22 +62,22 @@ def manifest(result: MakeResult) -> dict[str, Any]:
 
 def figures(result: MakeResult) -> dict[str, Callable[[], Picture]]:
     """Return the picture of the skin, its section, and the mold taken apart."""
-    return {"picture.png": partial(_drawn, result.built())}
+    return {"picture.png": partial(_figure, result.built())}
 
 
 def files(result: MakeResult) -> dict[str, Writer]:
     """Return the writer of each file."""
     job = result.built()
-    found = writers(job.design, job.closed, result.solids, result.preview)
-    return {name: partial(write, job) for name, write in found.items()}
+    job_writers = writers(job.design, job.closed, result.solids, result.preview)
+    return {name: partial(write, job) for name, write in job_writers.items()}
 
 
-OfJob = Callable[[Job, Path], None]
+JobWriter = Callable[[Job, Path], None]
 
 
 def writers(
     design: Design, closed: ClosedMold, solids: bool = True, preview: bool = False
-) -> dict[str, OfJob]:
+) -> dict[str, JobWriter]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
     import skincad.pictures.design_picture  # noqa: F401  # the clock starts after this
 
@@ -108,7 +108,7 @@ def writers(
     }
 
 
-def _of_solids(printed: list[str]) -> dict[str, OfJob]:
+def _of_solids(printed: list[str]) -> dict[str, JobWriter]:
     """The files that show exact solids."""
     from skincad.outputs.sheets import sheet_writers
 
@@ -116,7 +116,7 @@ def _of_solids(printed: list[str]) -> dict[str, OfJob]:
     return {**steps, "assembly.step": _assembly, **sheet_writers(printed)}
 
 
-def _step(name: str) -> OfJob:
+def _step(name: str) -> JobWriter:
     def write(job: Job, path: Path) -> None:
         from skincad.outputs.export import write_step
         from skincad.solids.skin import skin_part
@@ -133,7 +133,7 @@ def _assembly(job: Job, path: Path) -> None:
     write_assembly(assembly(job.closed, solids, job.design.name), path)
 
 
-def _stl(name: str) -> OfJob:
+def _stl(name: str) -> JobWriter:
     def write(job: Job, path: Path) -> None:
         from skincad.outputs.export import write_stl
 
@@ -154,7 +154,7 @@ def _skin_3mf(job: Job, path: Path) -> None:
     write_3mf({"skin": (job.skin, job.closed.first(PartRole.SKIN).colour)}, path)
 
 
-def _exported(function: str) -> OfJob:
+def _exported(function: str) -> JobWriter:
     """Return the writer of a drawing that `export` makes of the design alone."""
 
     def write(job: Job, path: Path) -> None:
@@ -202,7 +202,7 @@ def _view(job: Job, path: Path) -> None:
 
 
 def _verdict(job: Job) -> str:
-    """Whether all ridges touch, or that nobody asked."""
+    """The verdict in words, or that the design was not checked."""
     return checks.verdict(job.check) if job.check else checks.UNCHECKED
 
 
@@ -220,7 +220,7 @@ def _png(job: Job) -> bytes:
     """The picture, drawn once for all files that show it."""
     from skincad.pictures.canvas import png
 
-    return bytes(_once(job, "picture", lambda: png(_drawn(job))))
+    return bytes(_once(job, "picture", lambda: png(_figure(job))))
 
 
 def _once(job: Job, name: str, of: Callable[[], Any]) -> Any:
@@ -229,7 +229,7 @@ def _once(job: Job, name: str, of: Callable[[], Any]) -> Any:
     return job.cache[name]
 
 
-def _drawn(job: Job) -> Picture:
+def _figure(job: Job) -> Picture:
     from skincad.pictures.design_picture import design_figure
 
     return design_figure(job.design, job.closed, job.meshes)
@@ -252,9 +252,9 @@ def _sheet_of(job: Job) -> str:
     from skincad.fabrication.sheet import casting_sheet
 
     measured = inspection(job.design, job.closed, *checks.allowance(job.check))
-    found, said = list(job.findings), _verdict(job)
+    findings, verdict = list(job.findings), _verdict(job)
     passed = passes(job.check, job.findings, strict=False)
-    return casting_sheet(job.design, job.closed, found, said, passed, measured, job.estimates)
+    return casting_sheet(job.design, job.closed, findings, verdict, passed, measured, job.estimates)
 
 
 def _text(text: str, path: Path) -> None:

@@ -53,7 +53,7 @@ def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
     name; or `silicones` or `processes`, for a table of one's own. Raises InputError for an unknown template,
     a file that is there already or cannot be written, and a name that a TOML comment can't hold.
     """
-    kind, name = _chosen(template)
+    kind, name = _kind_and_name(template)
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
@@ -70,7 +70,7 @@ def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
     return [path, schema]
 
 
-def _chosen(template: str) -> tuple[Kind | shipped.Table, str]:
+def _kind_and_name(template: str) -> tuple[Kind | shipped.Table, str]:
     """The kind and the name that a template's name means."""
     for table in shipped.TABLES:
         if template == table:
@@ -82,10 +82,10 @@ def _chosen(template: str) -> tuple[Kind | shipped.Table, str]:
     if kinds:
         remedy = f"say {' or '.join(f'{kind}/{name}' for kind in kinds)}"
         raise InputError("template", f"is a name of {' and '.join(kinds)}", template, remedy)
-    raise InputError("template", "no such template", template, did_you_mean(name, starts()))
+    raise InputError("template", "no such template", template, did_you_mean(name, start_names()))
 
 
-def starts() -> list[str]:
+def start_names() -> list[str]:
     """Return what `write_new` takes as its template; the kind comes before a name that two kinds have."""
     names = [(kind, name) for kind in KINDS for name in template_names(kind)]
     return [*shipped.TABLES, *(n if len(kinds_of(n)) == 1 else f"{kind}/{n}" for kind, n in names)]
@@ -119,8 +119,8 @@ def schema_of(kind: Kind | shipped.Table) -> str:
         from skincad.effects import EFFECTS, effect
 
         tables = {name: effect(name).model_json_schema() for name in EFFECTS}
-        for each in tables.values():
-            schema["$defs"] |= each.pop("$defs", {})  # where their references look
+        for table in tables.values():
+            schema["$defs"] |= table.pop("$defs", {})  # where their references look
         schema["properties"]["effects"] = {
             "type": "object",
             "properties": tables,
@@ -148,8 +148,11 @@ def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema:
     for key, field in model.model_fields.items():
         if key == "effects":
             lines += _effect_lines(document.get(key, {}))
-        elif own := [table for table, (place, *_) in _OWN.items() if place == key]:
-            lines += ["", f"# {field.description}; skincad new FILE --template {own[0]} explains its keys"]
+        elif own_tables := [table for table, (place, *_) in _OWN.items() if place == key]:
+            lines += [
+                "",
+                f"# {field.description}; skincad new FILE --template {own_tables[0]} explains its keys",
+            ]
         elif inner := _table(model, key):
             lines += _section(key, inner, document.get(key), field.is_required())
     return "\n".join(lines) + "\n"
@@ -161,25 +164,25 @@ def _table(model: type[BaseModel], key: str) -> type[Table] | None:
     return None if inner is Ranged else inner
 
 
-def _section(path: str, model: type[Table], given: Any, required: bool = False) -> list[str]:
+def _section(path: str, model: type[Table], values: Any, required: bool = False) -> list[str]:
     """A table with its keys and the tables within; all in comments where the template has none."""
-    mark, note = "" if given is not None else "# ", "" if required else "  # optional"
-    lines = ["", f"{mark}[{path}]{note}", *_key_lines(model, given or {})]
+    mark, note = "" if values is not None else "# ", "" if required else "  # optional"
+    lines = ["", f"{mark}[{path}]{note}", *_key_lines(model, values or {})]
     for key, field in model.model_fields.items():
         if inner := _table(model, key):
-            lines += _section(f"{path}.{key}", inner, (given or {}).get(key), field.is_required())
+            lines += _section(f"{path}.{key}", inner, (values or {}).get(key), field.is_required())
     return lines
 
 
-def _effect_lines(given: Any) -> list[str]:
+def _effect_lines(values: Any) -> list[str]:
     """The effects that the template names, and as comments those that it leaves out."""
     from skincad.effects import EFFECTS, effect
 
     lines: list[str] = []
-    for name in [*given, *(name for name in EFFECTS if name not in given)]:
+    for name in [*values, *(name for name in EFFECTS if name not in values)]:
         kind = effect(name)
         needs = f" Needs {' and '.join(kind.needs)}." if kind.needs else ""
-        head, *rest = _section(f"effects.{name}", kind, given.get(name))
+        head, *rest = _section(f"effects.{name}", kind, values.get(name))
         lines += [head, f"# {(kind.__doc__ or '').splitlines()[0]}{needs}", *rest]
     return lines
 
@@ -192,19 +195,19 @@ def _own_lines(table: shipped.Table) -> list[str]:
         row.pop("source")  # one's own values are from elsewhere
         return ["", "[my-silicone]", *_key_lines(model, row)]
     row["based_on"] = base
-    kept = ("#", "based_on")
-    lines = [line if line.startswith(kept) else f"# {line}" for line in _key_lines(model, row)]
+    prefixes = ("#", "based_on")
+    lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(model, row)]
     return ["", "[my-printer]", *lines]
 
 
-def _key_lines(model: type[BaseModel], given: Any) -> list[str]:
+def _key_lines(model: type[BaseModel], values: Any) -> list[str]:
     """Each plain key of a table: its meaning, then its value, or in a comment its default."""
     lines = []
     for key, field in model.model_fields.items():
         if key == "effects" or _table(model, key):
             continue
-        if key in given:
-            item = given.item(key)
+        if key in values:
+            item = values.item(key)
             provenance = item.trivia.comment.lstrip("# ") if item.trivia.comment else ""
             lines += [*_meaning(field, provenance), f"{key} = {item.as_string()}"]
         else:
@@ -229,6 +232,6 @@ def _meaning(field: FieldInfo, provenance: str) -> list[str]:
         elif (length := _LENGTHS.get(type(rule).__name__)) and "list" in str(field.annotation):
             lengths.append(f"{length[0]} {getattr(rule, length[1])}")
     values = " ".join(lengths) + " values" if lengths else ""
-    stated = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
-    first = f"# {field.description or ''}" + (f" [{', '.join(stated)}]" if stated else "")
+    details = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
+    first = f"# {field.description or ''}" + (f" [{', '.join(details)}]" if details else "")
     return [first, *([f"#   {provenance}"] if provenance else [])]

@@ -1,4 +1,4 @@
-"""What optimising says and leaves: the front's designs, all that was tried as table, pictures and page."""
+"""Output of `optimise`: the front's designs, and all evaluations as table, pictures and page."""
 
 from __future__ import annotations
 
@@ -31,37 +31,44 @@ def _design(number: int) -> str:
     return f"front-{number}.toml"
 
 
-def lines(found: Optimisation) -> list[str]:
+def lines(optimisation: Optimisation) -> list[str]:
     """Return what `optimise` prints."""
-    told = [_first(found)]
-    for number, member in enumerate(found.front[:SHOWN], 1):
-        told.append(f"  {f'front {number}':14} {_values(member)}")
-        told += _member_lines(member)
-    if len(found.front) > SHOWN:
-        told.append(f"  {'more':14} {len(found.front) - SHOWN} designs of the front, in {COMMAND}.json")
-    if found.closest is not None:
-        told += [f"  {'nearest':14} {_values(found.closest)}", *_member_lines(found.closest)]
-    if found.start is not None:
-        told += [f"  {'start':14} {', '.join(worded(k, e) for k, e in found.start.objectives.items())}"]
-    tier = found.rows.question.tier
-    by = f"{len(found.rows.rows)} designs{f' by {tier}' if tier else ''}, {found.judged} judged"
-    spent = f"{found.evaluations} evaluations, {found.reused} reused, {found.seconds:.3g} s"
-    told.append(f"  tried          {by}; {spent}")
-    if found.untried:
-        count = combinations(found.rows.knobs)
-        told.append(
-            f"  not tried      {found.untried} of {count} combinations; `evaluations = {count}` tries all"
+    rows = [_first(optimisation)]
+    for number, member in enumerate(optimisation.front[:SHOWN], 1):
+        rows.append(f"  {f'front {number}':14} {_values(member)}")
+        rows += _member_lines(member)
+    if len(optimisation.front) > SHOWN:
+        rows.append(
+            f"  {'more':14} {len(optimisation.front) - SHOWN} designs of the front, in {COMMAND}.json"
         )
-    return told
+    if optimisation.closest is not None:
+        rows += [f"  {'nearest':14} {_values(optimisation.closest)}", *_member_lines(optimisation.closest)]
+    if optimisation.start is not None:
+        rows += [
+            f"  {'start':14} {', '.join(worded(k, e) for k, e in optimisation.start.objectives.items())}"
+        ]
+    tier = optimisation.rows.question.tier
+    by = f"{len(optimisation.rows.rows)} designs{f' by {tier}' if tier else ''}, {optimisation.judged} judged"
+    spent = (
+        f"{optimisation.evaluations} evaluations, {optimisation.reused} reused, {optimisation.seconds:.3g} s"
+    )
+    rows.append(f"  tried          {by}; {spent}")
+    if optimisation.untried:
+        count = combinations(optimisation.rows.knobs)
+        untried = f"{optimisation.untried} of {count} combinations"
+        rows.append(f"  not tried      {untried}; `evaluations = {count}` tries all")
+    return rows
 
 
-def _first(found: Optimisation) -> str:
-    goals = ", ".join(f"{o.key} {'small' if o.goal == 'min' else 'large'}" for o in found.study.objectives)
-    if not found.front:
-        return f"{found.name}: no design that was judged keeps all constraints ({goals})."
-    several = len(found.study.objectives) > 1
-    what = f"a front of {len(found.front)} designs" if several else "the best design that was found"
-    return f"{found.name}: {what} for {goals}."
+def _first(optimisation: Optimisation) -> str:
+    goals = ", ".join(
+        f"{o.key} {'small' if o.goal == 'min' else 'large'}" for o in optimisation.study.objectives
+    )
+    if not optimisation.front:
+        return f"{optimisation.name}: no design that was judged keeps all constraints ({goals})."
+    several = len(optimisation.study.objectives) > 1
+    what = f"a front of {len(optimisation.front)} designs" if several else "the best design that was found"
+    return f"{optimisation.name}: {what} for {goals}."
 
 
 def _values(member: Member) -> str:
@@ -70,28 +77,30 @@ def _values(member: Member) -> str:
 
 def _member_lines(member: Member) -> list[str]:
     by = f" ({member.tier})" if member.tier else ""
-    told = [f"    {'objective':12} {worded(key, value)}{by}" for key, value in member.objectives.items()]
-    return told + [
-        f"    {'constraint' if kept else 'BROKEN':12} {worded(key, value)}"
-        for key, (value, kept) in member.constraints.items()
+    rows = [f"    {'objective':12} {worded(key, value)}{by}" for key, value in member.objectives.items()]
+    return rows + [
+        f"    {'constraint' if satisfied else 'BROKEN':12} {worded(key, value)}"
+        for key, (value, satisfied) in member.constraints.items()
     ]
 
 
-def manifest(found: Optimisation) -> dict[str, Any]:
+def manifest(optimisation: Optimisation) -> dict[str, Any]:
     """Return what the manifest says of the result: all of it."""
-    return found.as_json()
+    return optimisation.as_json()
 
 
-def figures(found: Optimisation) -> dict[str, Callable[[], Picture]]:
+def figures(optimisation: Optimisation) -> dict[str, Callable[[], Picture]]:
     """Return the pictures of all that was tried."""
-    return dict(sweeps.figures(found.rows))
+    return dict(sweeps.figures(optimisation.rows))
 
 
-def files(found: Optimisation) -> dict[str, Writer]:
+def files(optimisation: Optimisation) -> dict[str, Writer]:
     """Return the writers of the front's designs, the table, the page and the pictures."""
-    count = min(SHOWN, len(found.front))
-    designs = {_design(n): text(found.design(n).to_toml) for n in range(1, count + 1)}
-    aims = found.aims
-    page = text(lambda: sweeps.sweep_page(found.rows, lines(found), title=found.name, aims=aims))
-    pictures = {name: picture(draw) for name, draw in figures(found).items()}
-    return {**designs, TABLE: text(lambda: sweeps.sweep_csv(found.rows)), PAGE: page, **pictures}
+    count = min(SHOWN, len(optimisation.front))
+    designs = {_design(n): text(optimisation.design(n).to_toml) for n in range(1, count + 1)}
+    aims = optimisation.aims
+    page = text(
+        lambda: sweeps.sweep_page(optimisation.rows, lines(optimisation), title=optimisation.name, aims=aims)
+    )
+    pictures = {name: picture(draw) for name, draw in figures(optimisation).items()}
+    return {**designs, TABLE: text(lambda: sweeps.sweep_csv(optimisation.rows)), PAGE: page, **pictures}

@@ -1,4 +1,4 @@
-"""A package for simulators as files, and what is said of it."""
+"""A package for simulators: its words and its files."""
 
 from __future__ import annotations
 
@@ -26,28 +26,27 @@ COMMAND = "package"
 SOLID_FILES = ("skin.step", "carrier.step")
 
 
-def lines(found: Package) -> list[str]:
+def lines(package: Package) -> list[str]:
     """Return what `package` prints."""
-    told = [f"{found.name} for {', '.join(found.kinds)}: {found.weighs.mass:.4g} g on its carrier"]
-    if held := found.springs:
-        told.append(
-            f"  springs        approach {held.verdict.approach} at {held.verdict.force:g} N, as in the check"
-        )
-        for other in held.elsewhere:
+    rows = [f"{package.name} for {', '.join(package.kinds)}: {package.weighs.mass:.4g} g on its carrier"]
+    if springs := package.springs:
+        verdict = springs.verdict
+        rows.append(f"  springs        approach {verdict.approach} at {verdict.force:g} N, as in the check")
+        for other in springs.elsewhere:
             off = f"{other.approach_off:.1%} off the check, ridge forces {other.shares_off:.1%} of the mean"
-            told.append(f"  at {f'{other.force:g} N':11} approach {off}")
-    if found.mesh:
-        count = sum(len(rows) for rows in found.mesh.elements.values())
-        told.append(f"  mesh           {count} tetrahedra, volume off by {found.mesh.deviation:.1e} of it")
-    if found.taxels:
-        films = found.taxels.kinds.count("film")
-        told.append(f"  taxels         {films} film strips, {len(found.taxels.names) - films} crests")
-    return [*told, *(f"  note           {note}" for note in found.notes)]
+            rows.append(f"  at {f'{other.force:g} N':11} approach {off}")
+    if package.mesh:
+        count = sum(len(elements) for elements in package.mesh.elements.values())
+        rows.append(f"  mesh           {count} tetrahedra, volume off by {package.mesh.deviation:.1e} of it")
+    if package.taxels:
+        films = package.taxels.kinds.count("film")
+        rows.append(f"  taxels         {films} film strips, {len(package.taxels.names) - films} crests")
+    return [*rows, *(f"  note           {note}" for note in package.notes)]
 
 
-def manifest(found: Package) -> dict[str, Any]:
+def manifest(package: Package) -> dict[str, Any]:
     """Return the model card, which the manifest is."""
-    return card(found)
+    return card(package)
 
 
 def figures(_: Package) -> dict[str, Callable[[], Any]]:
@@ -55,38 +54,38 @@ def figures(_: Package) -> dict[str, Callable[[], Any]]:
     return {}
 
 
-def files(found: Package) -> dict[str, Writer]:
+def files(package: Package) -> dict[str, Writer]:
     """Return the writer of each file."""
-    return {**dict(_files(found)), **dict(_solids(found.design))}
+    return {**dict(_files(package)), **dict(_solids(package.design))}
 
 
-def _files(found: Package) -> Iterator[tuple[str, Writer]]:
-    design, kinds = found.design, {*found.kinds}
-    yield "package.md", text(partial(markdown, found))
+def _files(package: Package) -> Iterator[tuple[str, Writer]]:
+    design, kinds = package.design, {*package.kinds}
+    yield "package.md", text(partial(markdown, package))
     yield "design.toml", text(design.to_toml)
     if kinds & {"mujoco", "urdf", "mesh"}:
-        yield from ((f"{name}.stl", partial(_stl, shape)) for name, shape in found.surfaces.items())
-    if found.springs:
-        yield "skin.xml", text(partial(skin_xml, design, found.weighs, found.springs))
-        yield "scene.xml", text(partial(scene_xml, design, found.springs))
+        yield from ((f"{name}.stl", partial(_stl, shape)) for name, shape in package.surfaces.items())
+    if package.springs:
+        yield "skin.xml", text(partial(skin_xml, design, package.weighs, package.springs))
+        yield "scene.xml", text(partial(scene_xml, design, package.springs))
     if "urdf" in kinds:
-        yield "skin.urdf", text(partial(skin_urdf, design, found.weighs))
-    if found.mesh and found.heights:
-        mesh, heights = found.mesh, found.heights
-        seen = {name: found.surfaces[name] for name in ("skin", "carrier")}
-        yield from ((f"{name}.obj", text(partial(obj, shape, name))) for name, shape in seen.items())
-        yield "skin.glb", lambda path: _write(path, glb(seen))
+        yield "skin.urdf", text(partial(skin_urdf, design, package.weighs))
+    if package.mesh and package.heights:
+        mesh, heights = package.mesh, package.heights
+        shapes = {name: package.surfaces[name] for name in ("skin", "carrier")}
+        yield from ((f"{name}.obj", text(partial(obj, shape, name))) for name, shape in shapes.items())
+        yield "skin.glb", lambda path: _write(path, glb(shapes))
         yield "skin.msh", text(partial(msh, mesh))
         yield "skin.vtu", text(partial(vtu, mesh))
         yield "materials.json", text(lambda: strict_json(materials(design, mesh), indent=1))
         yield "heights.png", partial(_png, heights)
         yield "heights.json", text(lambda: strict_json(heights.about(), indent=1))
-    if found.taxels:
-        yield "taxels.csv", text(partial(taxels_csv, found.taxels))
-        yield "taxels.npz", partial(write_taxels, found.taxels)
-    if found.response:
-        yield "response.csv", text(partial(response_csv, design, found.response))
-        yield "response.npz", partial(write_response, design, found.response)
+    if package.taxels:
+        yield "taxels.csv", text(partial(taxels_csv, package.taxels))
+        yield "taxels.npz", partial(write_taxels, package.taxels)
+    if package.response:
+        yield "response.csv", text(partial(response_csv, design, package.response))
+        yield "response.npz", partial(write_response, design, package.response)
 
 
 def _solids(design: Design) -> Iterator[tuple[str, Writer]]:

@@ -37,7 +37,7 @@ from skincad.pictures.markup import (
     ridge_table,
     table,
 )
-from skincad.pictures.page import document, inlined, rendered
+from skincad.pictures.page import data_url, document, markdown_html
 
 if TYPE_CHECKING:
     from skincad.outputs.report_scenes import ScenePart
@@ -51,25 +51,25 @@ def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> 
     `drawing` the SVG with its dimensions."""
     design = job.design
     source = retyped(design, "designs", load_design, file="design.toml")
-    check = None if job.check is None else f"skincad check {source} --tier {job.check.tier}"
+    check_command = None if job.check is None else f"skincad check {source} --tier {job.check.tier}"
     scenes = _scenes(job, source)
-    made = f"skincad make {source}{'' if job.check else ' --no-check'}"
-    made += "".join(f" --scene {scene.source}" for scene in scenes)
+    make_command = f"skincad make {source}{'' if job.check else ' --no-check'}"
+    make_command += "".join(f" --scene {scene.source}" for scene in scenes)
     pictures = figure(
-        inlined(picture(), "image/png"), "The skin, its section, and the mold taken apart.", made
+        data_url(picture(), "image/png"), "The skin, its section, and the mold taken apart.", make_command
     )
     parts = [
-        _head(job, made, scenes),
+        _head(job, make_command, scenes),
         heading("Pictures", "pictures") + pictures,
-        forces_figure(job.check, check) if job.check and check else "",
-        *_judged(job, job.check, check or "", source),
-        _findings(job, made),
-        _calculations(job, made),
+        forces_figure(job.check, check_command) if job.check and check_command else "",
+        *_verdict_sections(job, job.check, check_command or "", source),
+        _findings(job, make_command),
+        _calculations(job, make_command),
         *([part.html for part in scenes] or [_no_scene(design, source)]),
         heading("Casting sheet", "sheet", new_page=True),
-        _lower(rendered(sheet.partition("\n")[2])),
+        _lowered_headings(markdown_html(sheet.partition("\n")[2])),
         f"<h3>Drawing</h3>\n{drawing}",
-        command_line(made),
+        command_line(make_command),
     ]
     files = {"design.toml": design.to_toml()}
     for scene in scenes:
@@ -84,7 +84,7 @@ def _scenes(job: Job, source: str) -> list[ScenePart]:
         return []
     from skincad.outputs.report_scenes import scene_part
 
-    return [scene_part(each, source) for each in cast("tuple[Simulation, ...]", job.scenes)]
+    return [scene_part(simulation, source) for simulation in cast("tuple[Simulation, ...]", job.scenes)]
 
 
 def suggested_scene(design: Design) -> str | None:
@@ -95,10 +95,10 @@ def suggested_scene(design: Design) -> str | None:
             data = read_table(name, "scenes")
             effects, ridges = data.get("effects", {}), data.get("readout", {}).get("ridges", [])
             force = max(data["history"]["normal_force_N"])
-            felt = design.film is not None or not (ridges or "film" in effects)
+            films_suffice = design.film is not None or not (ridges or "film" in effects)
             if (
                 wanted in effects
-                and felt
+                and films_suffice
                 and max(ridges, default=0) <= design.ridge.count
                 and force <= design.ridge.count * limits(design).largest
             ):
@@ -116,8 +116,8 @@ def _no_scene(design: Design, source: str) -> str:
     )
 
 
-def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
-    """Name, passed or failed, verdict, and what the page holds."""
+def _head(job: Job, make_command: str, scenes: list[ScenePart]) -> str:
+    """Name, passed or failed, verdict, and the page's contents."""
     passed = passes(job.check, job.findings, strict=False)
     verdict = checks.verdict(job.check) if job.check else checks.UNCHECKED
     undecided = job.check is None or job.check.verdict == "undecided"
@@ -141,27 +141,27 @@ def _head(job: Job, made: str, scenes: list[ScenePart]) -> str:
         f"<h1>{escape(display_name(job.design))}: skin and mold</h1>\n"
         f'<p class="{outcome}">{escape(verdict)} '
         f"Mold: {escape(counted(job.findings))}.</p>\n"
-        f"{paragraph(_rests_on(job.check)) if job.check else ''}"
-        f"{command_line(made, by)}<nav>{contents}</nav>\n"
+        f"{paragraph(_basis(job.check)) if job.check else ''}"
+        f"{command_line(make_command, by)}<nav>{contents}</nav>\n"
     )
 
 
-def _rests_on(check: ContactCheck) -> str:
+def _basis(check: ContactCheck) -> str:
     margin = "" if check.margin is None else f", {check.margin:.2f} N of margin to the worst case"
     left = ", ".join(part.effect for part in check.left_out)
     return f"By the {check.tier} model{margin}; what it leaves out is in the error: {left or 'nothing'}."
 
 
-def _judged(job: Job, check: ContactCheck | None, command: str, source: str) -> list[str]:
-    """The parts that need a verdict, or that they do."""
+def _verdict_sections(job: Job, check: ContactCheck | None, command: str, source: str) -> list[str]:
+    """The parts that need a verdict; without one, a note that they do."""
     if check is None:
         titles = (("verdict", "What the verdict rests on"), ("models", "Models asked"), ("yield", "Yield"))
         again = command_line(f"skincad check {source}", "It is given by")
-        asked = [
+        sections = [
             heading(title, key) + paragraph(f"{checks.UNCHECKED} This part needs a verdict.") + again
             for key, title in titles
         ]
-        return [*asked, sensitivity_section(job, None, source)]
+        return [*sections, sensitivity_section(job, None, source)]
     return [
         verdict_section(check, command),
         models_section(job, check, command),
@@ -170,34 +170,42 @@ def _judged(job: Job, check: ContactCheck | None, command: str, source: str) -> 
     ]
 
 
-def _findings(job: Job, made: str) -> str:
+def _findings(job: Job, make_command: str) -> str:
     head = heading("Findings", "findings")
     if not job.findings:
         return (
             head
             + paragraph("None: all rules of processes, demolding and filling are kept.")
-            + command_line(made)
+            + command_line(make_command)
         )
     rows = [
-        (each.severity, each.rule, each.where, each.measured, each.limit, each.unit, each.remedy)
-        for each in job.findings
+        (
+            finding.severity,
+            finding.rule,
+            finding.where,
+            finding.measured,
+            finding.limit,
+            finding.unit,
+            finding.remedy,
+        )
+        for finding in job.findings
     ]
     heads = ("severity", "rule", "where", "measured", "limit", "unit", "remedy")
-    severities = dict.fromkeys(each.severity for each in job.findings)
-    told = "; ".join(f"{word}: {SEVERITY[word]}" for word in severities)
-    return head + table(heads, rows, "small") + paragraph(told + ".", "small") + command_line(made)
+    severities = dict.fromkeys(finding.severity for finding in job.findings)
+    legend = "; ".join(f"{word}: {SEVERITY[word]}" for word in severities)
+    return head + table(heads, rows, "small") + paragraph(legend + ".", "small") + command_line(make_command)
 
 
-def _calculations(job: Job, made: str) -> str:
+def _calculations(job: Job, make_command: str) -> str:
     """The closed forms: the foundation's verdict, casting, films."""
     check = job.check
-    share = max((each.value or 0.0 for each in check.ridge_force), default=0.0) if check else None
+    share = max((force.value or 0.0 for force in check.ridge_force), default=0.0) if check else None
     contact = contact_calculations(job.design, share or None)
     ridges = {
-        given.symbol: given
+        quantity.symbol: quantity
         for step in contact
-        for given in step.given
-        if isinstance(given.value, tuple) and len(given.value) == job.design.ridge.count
+        for quantity in step.given
+        if isinstance(quantity.value, tuple) and len(quantity.value) == job.design.ridge.count
     }
     words = (
         "Closed forms with their numbers, to be checked by hand. They rank designs; the verdict above is a "
@@ -213,11 +221,11 @@ def _calculations(job: Job, made: str) -> str:
     ]
     if films := strip_calculations(job.design):
         parts += ["<h3>Films</h3>\n", *(calculation(step) for step in films)]
-    return "".join(parts) + command_line(made)
+    return "".join(parts) + command_line(make_command)
 
 
-def _lower(html: str) -> str:
-    """The sheet's heads a rank lower, as it is a part here."""
+def _lowered_headings(html: str) -> str:
+    """Return the sheet with its headings one level lower."""
     return html.replace("<h2>", "<h3>").replace("</h2>", "</h3>")
 
 
@@ -225,7 +233,7 @@ def _files(files: dict[str, str]) -> str:
     """The TOML files that the commands need, to read and to save."""
     parts = [heading("To make it again", "files")]
     for name, text in files.items():
-        address = inlined(text.encode(), "text/plain")
+        address = data_url(text.encode(), "text/plain")
         parts.append(
             f'<p>Save as <a download="{escape(name)}" href="{address}">{escape(name)}</a>:</p>\n'
             f'<pre class="file">{escape(text)}</pre>\n'

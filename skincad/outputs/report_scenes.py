@@ -13,11 +13,11 @@ from skincad.effects.piezo import Piezo, fitted
 from skincad.inputs.catalog import template_names
 from skincad.inputs.retyped import retyped
 from skincad.outputs import gains, simulations
-from skincad.outputs.calculations_of_scenes import felt_calculations
+from skincad.outputs.calculations_of_scenes import scene_calculations
 from skincad.pictures.canvas import png, svg
 from skincad.pictures.circuit_figures import gain_figure
 from skincad.pictures.markup import calculation, figure, heading, paragraph, table
-from skincad.pictures.page import inlined
+from skincad.pictures.page import data_url
 from skincad.pictures.scene_figures import scene_figure
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation
@@ -25,8 +25,7 @@ from skincad.scenes.simulation import Simulation
 
 @dataclass(frozen=True)
 class ScenePart:
-    """A scene's part of the report, what `skincad make --scene` takes for it, and the TOML files by name that
-    its commands need."""
+    """A scene's part of the report, its name for `skincad make --scene`, and its commands' TOML files."""
 
     title: str
     source: str
@@ -40,9 +39,9 @@ class ScenePart:
 
 
 def scene_arguments(scene: Scene, source: str) -> tuple[str, dict[str, str]]:
-    """Return what stands behind `skincad simulate` to run it again, and the files that it needs.
+    """Return the arguments of `skincad simulate` that run it again, and the files that it needs.
 
-    `source` is what stands behind `skincad make` for its skin.
+    `source` is the argument of `skincad make` for its skin.
     """
     file = f"scene-{scene.name}.toml"
     if scene.name not in template_names("scenes"):
@@ -56,57 +55,62 @@ def scene_arguments(scene: Scene, source: str) -> tuple[str, dict[str, str]]:
     return f"{scene.name} --set skin={skin}", {}
 
 
-def scene_part(found: Simulation, source: str) -> ScenePart:
+def scene_part(simulation: Simulation, source: str) -> ScenePart:
     """Return a scene's part of the report."""
-    words, needed = scene_arguments(found.scene, source)
-    command, title = f"skincad simulate {words}", f"Scene {found.scene.name}"
-    stopped = "" if found.march.stopped is None else f" It stopped: {found.march.stopped}."
-    caption = f"Signals of {found.scene.name} with this skin.{stopped}"
+    words, needed = scene_arguments(simulation.scene, source)
+    command, title = f"skincad simulate {words}", f"Scene {simulation.scene.name}"
+    stopped = "" if simulation.march.stopped is None else f" It stopped: {simulation.march.stopped}."
+    caption = f"Signals of {simulation.scene.name} with this skin.{stopped}"
     body = [
         heading(title, title.lower().replace(" ", "-"), new_page=True),
-        paragraph(f"Effects: {', '.join(found.scene.effects) or 'none'}."),
-        figure(inlined(png(scene_figure(found)), "image/png"), caption, command),
-        _told(found),
-        _left_out(found),
+        paragraph(f"Effects: {', '.join(simulation.scene.effects) or 'none'}."),
+        figure(data_url(png(scene_figure(simulation)), "image/png"), caption, command),
+        _results(simulation),
+        _left_out(simulation),
     ]
-    for piezo in (part for part in found.scene.parts.values() if isinstance(part, Piezo)):
-        drawn, more = _amplifier(found, piezo)
-        body.append(drawn)
+    for piezo in (part for part in simulation.scene.parts.values() if isinstance(part, Piezo)):
+        section, more = _amplifier(simulation, piezo)
+        body.append(section)
         needed |= more
     return ScenePart(title, words.partition(" ")[0], "".join(body), needed)
 
 
-def _told(found: Simulation) -> str:
-    """What is told of slip, lead times and errors, as `simulate` prints it, without the run's time."""
-    lines = [line for line in simulations.lines(found)[1:] if not line.startswith("  model")]
+def _results(simulation: Simulation) -> str:
+    """Slip, lead times and errors as `simulate` prints them, without the run's time."""
+    lines = [line for line in simulations.lines(simulation)[1:] if not line.startswith("  model")]
     rows = [(line[2:17].strip(), line[17:]) for line in lines]
     return table(("result", "value"), rows)
 
 
-def _left_out(found: Simulation) -> str:
-    rows = [(each.effect, each.indicator, f"{each.change:.1%}", each.certainty) for each in found.left_out]
+def _left_out(simulation: Simulation) -> str:
+    rows = [
+        (effect.effect, effect.indicator, f"{effect.change:.1%}", effect.certainty)
+        for effect in simulation.left_out
+    ]
     if not rows:
         return paragraph("No effect is left out.")
     head = ("left out", "what points to it", "may change signals by", "how sure")
     return table(head, rows)
 
 
-def _amplifier(found: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
+def _amplifier(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
     """The gain of the scene's amplifier with this skin's strip, and its closed forms; no rig is in use."""
-    circuit = without_rig(fitted(piezo.loaded, found.scene.design))
+    circuit = without_rig(fitted(piezo.loaded, simulation.scene.design))
     head = f"<h3>Amplifier {escape(circuit.name)}, with this skin's strip</h3>\n"
     try:
-        swept = gain(circuit)
-    except InputError as refusal:  # what its sweep asks for, which the scene has not
-        return head + paragraph(f"Its gain cannot be told: {refusal}."), {}
+        circuit_gain = gain(circuit)
+    except InputError as refusal:  # its sweep needs a key that the scene does not give
+        return head + paragraph(f"Its gain cannot be computed: {refusal}."), {}
     file = f"circuit-{circuit.name}.toml"
     words = retyped(circuit, "circuits", load_circuit, file=file)
     command = f"skincad circuit {words}"
     parts = [
         head,
-        paragraph(gains.lines(swept)[0]),
-        figure(inlined(svg(gain_figure(swept)), "image/svg+xml"), "Gain of film and amplifier.", command),
-        *(calculation(step) for step in felt_calculations(found, circuit, swept)),
+        paragraph(gains.lines(circuit_gain)[0]),
+        figure(
+            data_url(svg(gain_figure(circuit_gain)), "image/svg+xml"), "Gain of film and amplifier.", command
+        ),
+        *(calculation(step) for step in scene_calculations(simulation, circuit, circuit_gain)),
     ]
     return "".join(parts), {file: circuit.to_toml()} if words == file else {}
 

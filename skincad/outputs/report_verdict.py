@@ -1,4 +1,4 @@
-"""The report's parts that rest on the verdict: what it rests on, the models asked, yield, sensitivities."""
+"""The report's parts that rest on the verdict: what it rests on, the models tried, yield, sensitivities."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from skincad.outputs.checks import passing_share
 from skincad.pictures.canvas import svg
 from skincad.pictures.check_figures import ridge_force_figure
 from skincad.pictures.markup import command_line, figure, heading, paragraph, table
-from skincad.pictures.page import inlined
+from skincad.pictures.page import data_url
 from skincad.pictures.report_figures import models_figure, sensitivity_figure
 
 SVG = "image/svg+xml"
@@ -34,8 +34,13 @@ def verdict_section(check: ContactCheck, command: str) -> str:
         rows.append(("friction of the plate", f"{check.friction:g}"))
     rows.append(("model", f"{check.tier}, {check.unknowns} unknowns"))
     rows += [("note", warning) for warning in check.warnings]
-    told = table(("verdict", "value"), rows)
-    return heading("What the verdict rests on", "verdict") + told + _budget(check) + command_line(command)
+    verdict_table = table(("verdict", "value"), rows)
+    return (
+        heading("What the verdict rests on", "verdict")
+        + verdict_table
+        + _budget(check)
+        + command_line(command)
+    )
 
 
 def _budget(check: ContactCheck) -> str:
@@ -52,28 +57,28 @@ def _budget(check: ContactCheck) -> str:
 
 def forces_figure(check: ContactCheck, command: str) -> str:
     """Return the force on each ridge."""
-    drawn = inlined(svg(ridge_force_figure(check)), SVG)
+    address = data_url(svg(ridge_force_figure(check)), SVG)
     return figure(
-        drawn, f"Force on each ridge at {check.force:g} N, by the {check.tier} model.", command, "half"
+        address, f"Force on each ridge at {check.force:g} N, by the {check.tier} model.", command, "half"
     )
 
 
 def models_section(job: Job, check: ContactCheck, command: str) -> str:
-    """Return the models asked on the way, and their error against time."""
-    design, known = job.design, {each.tier: each.unknowns for each in check.climbed}
+    """Return the models tried on the way, and their error against time."""
+    design, known = job.design, {run.tier: run.unknowns for run in check.climbed}
     known[check.tier] = check.unknowns
     springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
-    asked = [(each.tier, each.all_touch_force, each.unknowns) for each in check.climbed]
-    asked.append((check.tier, check.all_touch_force, check.unknowns))
-    if "winkler" not in {name for name, *_ in asked}:
-        asked.insert(0, ("winkler", springs.all_touch_force, springs.unknowns))
+    models = [(run.tier, run.all_touch_force, run.unknowns) for run in check.climbed]
+    models.append((check.tier, check.all_touch_force, check.unknowns))
+    if "winkler" not in {name for name, *_ in models}:
+        models.insert(0, ("winkler", springs.all_touch_force, springs.unknowns))
 
     def seconds(name: str) -> float:
-        each = (*below(name), name)
-        return math.fsum(TIERS[n].law.at(known.get(n) or TIERS[n].size(design)) for n in each)
+        names = (*below(name), name)
+        return math.fsum(TIERS[n].law.at(known.get(n) or TIERS[n].size(design)) for n in names)
 
     rows, points = [], []
-    for name, force, unknowns in asked:
+    for name, force, unknowns in models:
         left = SPRINGS if name == "winkler" else (*TIERS[name].leaves_out, *plate.left_out(name))
         rows.append((name, ", ".join(left) or "none of these", unknowns, f"{seconds(name):.2g}", str(force)))
         if force.value and force.error:
@@ -85,7 +90,7 @@ def models_section(job: Job, check: ContactCheck, command: str) -> str:
     )
     drawn = ""
     if len(points) > 1:
-        address = inlined(svg(models_figure(points)), SVG)
+        address = data_url(svg(models_figure(points)), SVG)
         drawn = figure(
             address,
             "Error of the models asked against their predicted time; diamond: the one that gave the verdict.",
@@ -96,9 +101,9 @@ def models_section(job: Job, check: ContactCheck, command: str) -> str:
 
 def yield_section(job: Job, check: ContactCheck, command: str) -> str:
     """Return the share of parts that pass and what it is made of, and how each crest counts."""
-    made, spread = check.manufacture, spread_of(job.design)
+    part_yield, spread = check.manufacture, spread_of(job.design)
     head = heading("Yield", "yield")
-    if made is None or made.passing.value is None:
+    if part_yield is None or part_yield.passing.value is None:
         why = "There is none: it needs a verdict by a meshed model on more than one ridge."
         return head + paragraph(why) + command_line(command)
     low, now, high = spread.modulus
@@ -106,8 +111,8 @@ def yield_section(job: Job, check: ContactCheck, command: str) -> str:
         ("parts that pass", passing_share(check)),
         ("crests, one against another", f"normal, sigma {spread.crest_sigma:g} mm by {spread.process}"),
         ("modulus of a batch", f"uniform from {low:g} to {high:g} MPa; nominal {now:g} MPa"),
-        ("most are lost by", made.largest or "nothing: none of those sampled fails"),
-        ("change of the force with the modulus", f"{made.modulus_sensitivity:.3g} N per MPa"),
+        ("most are lost by", part_yield.largest or "nothing: none of those sampled fails"),
+        ("change of the force with the modulus", f"{part_yield.modulus_sensitivity:.3g} N per MPa"),
     ]
     crests = "".join(
         table(
@@ -115,32 +120,34 @@ def yield_section(job: Job, check: ContactCheck, command: str) -> str:
             [("N for 0.01 mm lower", *(f"{slope / 100:+.2g}" for slope in slopes))],
             "small",
         )
-        for first in range(0, len(made.crest_sensitivity), IN_A_ROW)
-        if (slopes := made.crest_sensitivity[first : first + IN_A_ROW])
+        for first in range(0, len(part_yield.crest_sensitivity), IN_A_ROW)
+        if (slopes := part_yield.crest_sensitivity[first : first + IN_A_ROW])
     )
-    told = paragraph("How much the all-touch force changes when one crest comes out 0.01 mm lower:")
-    return head + table(("yield", "value"), rows) + told + crests + command_line(command)
+    explanation = paragraph("How much the all-touch force changes when one crest comes out 0.01 mm lower:")
+    return head + table(("yield", "value"), rows) + explanation + crests + command_line(command)
 
 
 def sensitivity_section(job: Job, check: ContactCheck | None, source: str) -> str:
     """Return which dimension or modulus moves the force by how much."""
-    own = winkler.all_touch_force(job.design)
+    closed_form = winkler.all_touch_force(job.design)
     force = check.all_touch_force.value if check else None
-    found = sensitivities(job.design, force or own)
+    changes = sensitivities(job.design, force or closed_form)
     head = heading("What moves the force", "sensitivities")
-    if not found:
+    if not changes:
         return head + paragraph("Nothing does: all ridges touch from the first contact on.")
-    rows = [(each.key, each.now, each.unit, str(each.change)) for each in found]
+    rows = [(change.key, change.now, change.unit, str(change.change)) for change in changes]
     by = "the verdict's force" if force else "the closed form's force, as there is no verdict"
     words = (
-        f"Exponents of the closed form times {by}, {force or own:.3g} N. Their errors come from plane finite "
-        "elements on 19 designs; on 10 others 70 of 78 changes lay within them. Where the error exceeds the "
-        "change, its sign is uncertain."
+        f"Exponents of the closed form times {by}, {force or closed_form:.3g} N. Their errors come "
+        "from plane finite elements on 19 designs; on 10 others 70 of 78 changes lay within them. Where the "
+        "error exceeds the change, its sign is uncertain."
     )
-    first = found[0]
-    better = f"skincad sweep {source} --vary {first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3"
-    better += " --tier linear"
-    drawn = inlined(svg(sensitivity_figure(found)), SVG)
+    first = changes[0]
+    sweep_command = (
+        f"skincad sweep {source} --vary {first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3"
+    )
+    sweep_command += " --tier linear"
+    address = data_url(svg(sensitivity_figure(changes)), SVG)
     caption = (
         "Change of the all-touch force for 1 % more of each key, by the closed form. To confirm the first:"
     )
@@ -148,5 +155,5 @@ def sensitivity_section(job: Job, check: ContactCheck | None, source: str) -> st
         head
         + table(("key", "now", "unit", "for 1 % more of it"), rows)
         + paragraph(words, "small")
-        + figure(drawn, caption, better)
+        + figure(address, caption, sweep_command)
     )

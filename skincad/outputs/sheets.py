@@ -18,26 +18,26 @@ from skincad.pictures.part_sheet import part_sheet
 from skincad.pictures.sheet_pdf import write_sheet_pdf
 from skincad.pictures.sheet_svg import sheet_svg
 
-OfJob = Callable[[Job, Path], None]
+JobWriter = Callable[[Job, Path], None]
 
 
-def sheet_writers(parts: list[str]) -> dict[str, OfJob]:
+def sheet_writers(parts: list[str]) -> dict[str, JobWriter]:
     """Return the writers of each part's three files, by name; a sheet is drawn once for them."""
-    drawn: dict[str, tuple[Job, Sheet]] = {}
+    sheets: dict[str, tuple[Job, Sheet]] = {}
 
-    def drawn_once(job: Job, name: str) -> Sheet:
-        if name not in drawn or drawn[name][0] is not job:
-            drawn[name] = job, sheet_of(job, name)
-        return drawn[name][1]
+    def cached_sheet(job: Job, name: str) -> Sheet:
+        if name not in sheets or sheets[name][0] is not job:
+            sheets[name] = job, sheet_of(job, name)
+        return sheets[name][1]
 
-    def pdf(name: str) -> OfJob:
-        return lambda job, path: write_sheet_pdf(drawn_once(job, name), path)
+    def pdf(name: str) -> JobWriter:
+        return lambda job, path: write_sheet_pdf(cached_sheet(job, name), path)
 
-    def svg(name: str) -> OfJob:
-        return lambda job, path: _text(sheet_svg(drawn_once(job, name)), path)
+    def svg(name: str) -> JobWriter:
+        return lambda job, path: _text(sheet_svg(cached_sheet(job, name)), path)
 
-    def dxf(name: str) -> OfJob:
-        return lambda job, path: _dxf(drawn_once(job, name), path)
+    def dxf(name: str) -> JobWriter:
+        return lambda job, path: _dxf(cached_sheet(job, name), path)
 
     kinds = {"pdf": pdf, "svg": svg, "dxf": dxf}
     return {f"{name}.{kind}": of(name) for name in parts for kind, of in kinds.items()}
@@ -46,12 +46,12 @@ def sheet_writers(parts: list[str]) -> dict[str, OfJob]:
 def sheet_of(job: Job, name: str) -> Sheet:
     """Return a made part's sheet; its date is SOURCE_DATE_EPOCH's, or left out."""
     part = job.closed.part(name)
-    drawing = part_drawing(job.design, part, job.solid(part).val(), _judged(job))
+    drawing = part_drawing(job.design, part, job.solid(part).val(), _crest_tolerances(job))
     date = source_date()[:10] if "SOURCE_DATE_EPOCH" in os.environ else ""
     return part_sheet(drawing, __version__, date)
 
 
-def _judged(job: Job) -> Judged | None:
+def _crest_tolerances(job: Job) -> Judged | None:
     if job.check is None:
         return None
     return Judged(checks.allowed_drops(job.check))

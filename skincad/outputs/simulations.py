@@ -1,4 +1,4 @@
-"""What a simulated scene says and leaves: words, signals as CSV, and pictures."""
+"""Output of a simulated scene: words, signals as CSV, and pictures."""
 
 from __future__ import annotations
 
@@ -30,63 +30,67 @@ MODELS = {
     CORRECTED: "Finite strain in {} chosen steps, linear in between",
     FINITE_STRAIN: "Finite strain in each step",
 }
-MOST_LINES = 3  # ridges that have lines of their own
+MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
 
 def names(scene: Scene) -> list[str]:
     """Return the names of what will be written, if the scene runs to its end."""
-    drawn = [_section_name(step) for step in scene.readout.steps]
-    return [TABLE, PICTURE, *drawn, *[ANIMATION] * bool(scene.readout.frames)]
+    sections = [_section_name(step) for step in scene.readout.steps]
+    return [TABLE, PICTURE, *sections, *[ANIMATION] * bool(scene.readout.frames)]
 
 
-def lines(found: Simulation) -> list[str]:
+def lines(simulation: Simulation) -> list[str]:
     """Return what `simulate` prints."""
-    march, history = found.march, found.scene.history
-    last, asked = len(march.readings) - 1, history.step_count
-    end = f"stopped after {last} of {asked} steps: {march.stopped}" if march.stopped else f"{asked} steps"
-    if asked > history.steps:
+    march, history = simulation.march, simulation.scene.history
+    last, step_count = len(march.readings) - 1, history.step_count
+    end = (
+        f"stopped after {last} of {step_count} steps: {march.stopped}"
+        if march.stopped
+        else f"{step_count} steps"
+    )
+    if step_count > history.steps:
         end += f" ({history.steps} equal ones, and corners of the history between them)"
     chosen = chosen_steps(march)
-    by = MODELS[model_of(found.scene)].format(0 if chosen is None else len(chosen) - 1)
-    energy = found.energy
+    by = MODELS[model_of(simulation.scene)].format(0 if chosen is None else len(chosen) - 1)
+    energy = simulation.energy
     return [
-        f"{found.scene.name}: {end}. {by}.",
-        f"  slip           {_slips(found)}",
-        *_slip_error(found),
-        *_felt_lines(found),
+        f"{simulation.scene.name}: {end}. {by}.",
+        f"  slip           {_slips(simulation)}",
+        *_slip_error(simulation),
+        *_detector_lines(simulation),
         f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ lost to "
         f"friction, {energy['imbalance']:.1e} of the work unaccounted for",
-        f"  model          {march.unknowns} unknowns, {found.seconds['total']:.2f} s",
-        *(f"  note           {warning}" for warning in found.warnings),
+        f"  model          {march.unknowns} unknowns, {simulation.seconds['total']:.2f} s",
+        *(f"  note           {warning}" for warning in simulation.warnings),
     ]
 
 
-def _slips(found: Simulation) -> str:
+def _slips(simulation: Simulation) -> str:
     """From which step each ridge slips until the end."""
-    steps = {ridge: step for ridge, step in enumerate(found.slip_steps, 1) if step is not None}
-    each = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
+    steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
+    starts = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
-    if found.gross_slip_step is not None:
-        end += f"; all of them from step {found.gross_slip_step}"
-    touching = set(found.march.ridge[found.march.readings[-1].touches].tolist())
-    clear = [str(ridge) for ridge in range(1, len(found.slip_steps) + 1) if ridge not in touching]
-    apart = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
-    return f"ridge {each}{end}{apart}" if steps else f"no ridge slips for good{apart}"
+    if simulation.gross_slip_step is not None:
+        end += f"; all of them from step {simulation.gross_slip_step}"
+    touching = set(simulation.march.ridge[simulation.march.readings[-1].touches].tolist())
+    clear = [str(ridge) for ridge in range(1, len(simulation.slip_steps) + 1) if ridge not in touching]
+    clearance = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
+    return f"ridge {starts}{end}{clearance}" if steps else f"no ridge slips for good{clearance}"
 
 
-def _slip_error(found: Simulation) -> list[str]:
+def _slip_error(simulation: Simulation) -> list[str]:
     """By how many steps a ridge's slip may be off at most; nothing where that is unknown."""
-    errors = [error for error in found.slip_step_errors if error is not None and error.total is not None]
+    errors = [error for error in simulation.slip_step_errors if error is not None and error.total is not None]
     if not errors:
         return []
     numbers = max((error.total or 0.0) - error.left_out for error in errors)
     sources = (
         "mesh, time step and chosen steps" if any(error.drift for error in errors) else "mesh and time step"
     )
-    told = f"  its error      up to {_count(numbers)} from {sources}"
+    line = f"  its error      up to {_count(numbers)} from {sources}"
     left_out = max(error.left_out for error in errors)
-    return [f"{told}, {_count(left_out)} from what is left out (notes)" if left_out else told]
+    return [f"{line}, {_count(left_out)} from what is left out (notes)" if left_out else line]
 
 
 def _count(steps: float) -> str:
@@ -94,32 +98,32 @@ def _count(steps: float) -> str:
     return f"{whole} step" + "s" * (whole != 1)
 
 
-def _felt_lines(found: Simulation) -> list[str]:
-    """By how much slip is told ahead, as it is and as the detector feels it, and the signals' error."""
-    told = _lead_lines(found)
-    for event in found.read.get("events", ()):
+def _detector_lines(simulation: Simulation) -> list[str]:
+    """Lead times, the detector's events and warnings, and the signals' error."""
+    rows = _lead_lines(simulation)
+    for event in simulation.read.get("events", ()):
         who = f"{ridge_name(event['ridge'])}: " if event["ridge"] else ""
         why = f" (no true warning: {event['reason']})" if event["reason"] else ""
-        told.append(f"  felt           {who}{event['kind']} at step {event['step']}{why}")
-    told += _warned_lines(found)
-    if (score := found.read.get("warning_score")) and (false := score["false"]):
+        rows.append(f"  felt           {who}{event['kind']} at step {event['step']}{why}")
+    rows += _warning_lines(simulation)
+    if (score := simulation.read.get("warning_score")) and (false := score["false"]):
         alarms = score["true"] + false
-        told.append(f"  false alarms   {false} of {alarms}: their ridges do not slip on until gross slip")
-    if point := found.read.get("detector"):
+        rows.append(f"  false alarms   {false} of {alarms}: their ridges do not slip on until gross slip")
+    if point := simulation.read.get("detector"):
         share, false = point["share_of_gross_slips_warned_of"], point["false_alarms_per_minute_of_handling"]
         idle = point["of_these_while_nothing_slips"]
-        told.append(
+        rows.append(
             f"  detector       {point['alarms']}: warns of {100 * share:.0f} % of gross slips, {false:g} "
             f"false alarms a minute of handling, {idle:g} while nothing slips"
         )
-    return told
+    return rows
 
 
-def _warned_lines(found: Simulation) -> list[str]:
+def _warning_lines(simulation: Simulation) -> list[str]:
     """By how much the detector warns, by ridge, and the spread where that depends on the noise."""
     rows = list[str]()
-    spreads = {spread["ridge"]: spread for spread in found.read.get("lead_time_by_noise", ())}
-    for ridge, ahead in found.read.get("lead_time_s", {}).items():
+    spreads = {spread["ridge"]: spread for spread in simulation.read.get("lead_time_by_noise", ())}
+    for ridge, ahead in simulation.read.get("lead_time_s", {}).items():
         spread = spreads.get(ridge, {"warned": 0})
         who = ridge_name(ridge)
         if ahead is None and not spread["warned"]:
@@ -133,26 +137,26 @@ def _warned_lines(found: Simulation) -> list[str]:
     return rows
 
 
-def _lead_lines(found: Simulation) -> list[str]:
+def _lead_lines(simulation: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
-    leads = {ridge: told for ridge, told in found.lead.items() if told.value is not None}
-    errors = {r: error for r, error in found.stress_errors.items() if error.mesh is not None}
-    if max(len(leads), len(errors)) <= MOST_LINES:
-        told = [
+    leads = {ridge: lead for ridge, lead in simulation.lead.items() if lead.value is not None}
+    errors = {r: error for r, error in simulation.stress_errors.items() if error.mesh is not None}
+    if max(len(leads), len(errors)) <= MAX_RIDGE_LINES:
+        rows = [
             line
             for r, ahead in leads.items()
             for line in (
                 f"  lead           ridge {r} slips {ahead} before all ridges do",
-                *_lead_error(found.slip_errors.leads[r - 1]),
+                *_lead_error(simulation.slip_errors.leads[r - 1]),
             )
         ]
-        return told + [f"  error          {_stress_error(error, r)}" for r, error in errors.items()]
-    each = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
-    told = [f"  lead           from a ridge's slip to that of all: ridge {each}"] * bool(leads)
+        return rows + [f"  error          {_stress_error(error, r)}" for r, error in errors.items()]
+    by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
+    rows = [f"  lead           from a ridge's slip to that of all: ridge {by_ridge}"] * bool(leads)
     if errors:
-        worst = max(errors, key=lambda r: _told_sum(errors[r]))
-        told.append(f"  error          the largest is {_stress_error(errors[worst], worst)}")
-    return told
+        worst = max(errors, key=lambda r: _known_sum(errors[r]))
+        rows.append(f"  error          the largest is {_stress_error(errors[worst], worst)}")
+    return rows
 
 
 def _lead_error(error: BySource) -> list[str]:
@@ -163,16 +167,16 @@ def _lead_error(error: BySource) -> list[str]:
 def _stress_error(error: BySource, ridge: int) -> str:
     """How wrong a stress may be, and what that is made of."""
     parts = ", ".join(_parts(error, ""))
-    return f"{_told_sum(error):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
+    return f"{_known_sum(error):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
 
 
-def _told_sum(error: BySource) -> float:
+def _known_sum(error: BySource) -> float:
     """The sum of what is known."""
     return math.fsum(share for share in error if share is not None)
 
 
 def _parts(error: BySource, unit: str) -> list[str]:
-    """An error's sources, the first with its unit; none for what is left out where that is nothing."""
+    """An error's sources, the first with its unit; none for what is left out where that is 0."""
     of_step = "unknown" if error.time_step is None else f"{error.time_step:.1g}"
     parts = [f"{error.mesh:.1g}{unit} from the mesh", f"{of_step} from the time step"]
     if error.drift:
@@ -185,49 +189,53 @@ def ridge_name(ridge: int | str) -> str:
     return "all monitored ridges" if ridge == "all" else f"ridge {ridge}"
 
 
-def manifest(found: Simulation) -> dict[str, Any]:
+def manifest(simulation: Simulation) -> dict[str, Any]:
     """Return what the manifest says of the result: all of it."""
-    return found.as_json()
+    return simulation.as_json()
 
 
-def figures(found: Simulation) -> dict[str, Callable[[], Picture]]:
-    """Return the signals, the recorder's view of them, and the sections asked for and reached."""
+def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
+    """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
     from skincad.pictures.recording_figures import recording, recording_figure
     from skincad.pictures.scene_figures import scene_figure
     from skincad.pictures.section_figures import section_figure
 
-    drawn: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, found)}
-    if seen := recording(found):
-        drawn[RECORDING] = partial(recording_figure, found, seen)
-    return drawn | {_section_name(s): partial(section_figure, _moment(found, s)) for s in _reached(found)}
+    drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
+    if record := recording(simulation):
+        drawings[RECORDING] = partial(recording_figure, simulation, record)
+    return drawings | {
+        _section_name(s): partial(section_figure, _moment(simulation, s)) for s in _section_steps(simulation)
+    }
 
 
-def files(found: Simulation) -> dict[str, Writer]:
+def files(simulation: Simulation) -> dict[str, Writer]:
     """Return the writer of each file."""
     from skincad.pictures.section_figures import section_animation, section_picture
 
-    drawn = figures(found)
-    written = {TABLE: partial(write_table, found)} | {name: picture(draw) for name, draw in drawn.items()}
-    for step in _reached(found):
-        written[_section_name(step)] = partial(section_picture, _moment(found, step))
-    if moving := [step for step in frames(found.scene) if step in found.march.states]:
-        written[ANIMATION] = partial(section_animation, [_moment(found, step) for step in moving])
-    return written
+    drawings = figures(simulation)
+    writers = {TABLE: partial(write_table, simulation)} | {
+        name: picture(draw) for name, draw in drawings.items()
+    }
+    for step in _section_steps(simulation):
+        writers[_section_name(step)] = partial(section_picture, _moment(simulation, step))
+    if moving := [step for step in frames(simulation.scene) if step in simulation.march.states]:
+        writers[ANIMATION] = partial(section_animation, [_moment(simulation, step) for step in moving])
+    return writers
 
 
-def _reached(found: Simulation) -> list[int]:
+def _section_steps(simulation: Simulation) -> list[int]:
     """The steps that are drawn."""
-    return sorted({step for step in found.scene.readout.steps if step in found.march.states})
+    return sorted({step for step in simulation.scene.readout.steps if step in simulation.march.states})
 
 
-def _moment(found: Simulation, step: int) -> Moment:
+def _moment(simulation: Simulation, step: int) -> Moment:
     from skincad.pictures.section_figures import Moment
 
-    march = found.march
+    march = simulation.march
     assert isinstance(march.pad, Showing)  # the scene was checked for it
     reading = march.readings[step]
     forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
-    title = f"{found.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
+    title = f"{simulation.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
     return Moment(title, march.pad.shown(march.states[step]))
 
 
@@ -235,13 +243,13 @@ def _section_name(step: int) -> str:
     return f"section-{step:04d}.png"
 
 
-def write_table(found: Simulation, path: Path) -> None:
+def write_table(simulation: Simulation, path: Path) -> None:
     """Write the signals as CSV, a row a step, with units in the header; `raw` is before the low-pass.
 
-    What the readouts tell by ridge and step has its own columns. Raises RefusedError for a number that is not
+    Readouts by ridge and step have their own columns. Raises RefusedError for a number that is not
     finite.
     """
-    ridges, more = list(found.signals), read_columns(found)
+    ridges, more = list(simulation.signals), readout_columns(simulation)
     names = [
         name
         for r in ridges
@@ -261,30 +269,30 @@ def write_table(found: Simulation, path: Path) -> None:
         "travel [mm]",
     ]
     rows: list[list[Cell]] = [[*head, *names, *more, "slipping ridges [1]"]]
-    for i, (time, reading) in enumerate(zip(found.march.time, found.march.readings, strict=True)):
+    for i, (time, reading) in enumerate(zip(simulation.march.time, simulation.march.readings, strict=True)):
         plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
-        told = [
+        cells = [
             value
             for r in ridges
             for value in (
-                found.raw[r][i],
-                found.signals[r].value[i],
-                found.signals[r].rate[i],
-                found.signals[r].jerk[i],
+                simulation.raw[r][i],
+                simulation.signals[r].value[i],
+                simulation.signals[r].rate[i],
+                simulation.signals[r].jerk[i],
             )
         ]
-        told += [column[i] for column in more.values()]
-        slipping = " ".join(str(r + 1) for r in found.slipping[i].nonzero()[0])
-        if not all(map(math.isfinite, (*plate, *told))):
+        cells += [column[i] for column in more.values()]
+        slipping = " ".join(str(r + 1) for r in simulation.slipping[i].nonzero()[0])
+        if not all(map(math.isfinite, (*plate, *cells))):
             raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")
-        rows.append([i, *(f"{float(v):.9g}" for v in (*plate, *told)), slipping])
+        rows.append([i, *(f"{float(v):.9g}" for v in (*plate, *cells)), slipping])
     path.write_text(csv_text(rows), encoding="utf-8", newline="")
 
 
-def read_columns(found: Simulation) -> dict[str, list[float]]:
-    """Return what readouts tell as `<name>_<unit>` of ridge, of signal, a number a step, by its header."""
+def readout_columns(simulation: Simulation) -> dict[str, list[float]]:
+    """Return the readouts `<name>_<unit>` by ridge and signal: a number a step, by column header."""
     columns = {}
-    for key, ridges in found.read.items():
+    for key, ridges in simulation.read.items():
         name, _, unit = key.rpartition("_")
         for ridge, signals in ridges.items() if isinstance(ridges, dict) else ():
             for signal, values in signals.items() if isinstance(signals, dict) else ():

@@ -29,8 +29,8 @@ def make_deterministic(path: Path, name: str) -> None:
     """Rewrite a STEP file in place: header time by SOURCE_DATE_EPOCH (1970 without it), products without a
     name called `name`, occurrences counted from 1, colours in the order of the solids that carry them.
 
-    Raises InputError when SOURCE_DATE_EPOCH is no whole number of seconds, OSError when the kernel, which
-    does not say so, could not write the whole file.
+    Raises InputError when SOURCE_DATE_EPOCH is no whole number of seconds, OSError when the file is
+    incomplete, which the kernel does not report.
     """
     text = path.read_text("latin-1")
     if not text.rstrip().endswith("END-ISO-10303-21;"):
@@ -47,11 +47,11 @@ def make_deterministic(path: Path, name: str) -> None:
 
 def source_date() -> str:
     """Return the time to write into files, ISO 8601 without zone: SOURCE_DATE_EPOCH, or 1970."""
-    given = os.environ.get("SOURCE_DATE_EPOCH", "0")
+    seconds = os.environ.get("SOURCE_DATE_EPOCH", "0")
     try:
-        moment = datetime.fromtimestamp(int(given), UTC)
+        moment = datetime.fromtimestamp(int(seconds), UTC)
     except (ValueError, OverflowError, OSError):
-        raise InputError("SOURCE_DATE_EPOCH", "must be whole seconds since 1970", given) from None
+        raise InputError("SOURCE_DATE_EPOCH", "must be whole seconds since 1970", seconds) from None
     return moment.strftime("%Y-%m-%dT%H:%M:%S")
 
 
@@ -64,8 +64,8 @@ def _styles_in_order(text: str) -> str:
     end = text.index("ENDSEC;", start)
     entities = {}
     for statement in text[start:end].split(";\n"):
-        if found := _ENTITY.fullmatch(statement):
-            entities[int(found[1])] = _WRAP.sub("", found[2])
+        if match := _ENTITY.fullmatch(statement):
+            entities[int(match[1])] = _WRAP.sub("", match[2])
     base = min(entities)
     roots = [number for number, body in entities.items() if body.startswith(_STYLE)]
     order: dict[int, int] = {}

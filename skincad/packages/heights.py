@@ -18,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.shape.skin import section
 
-A_PITCH, MOST = 50, 4096  # pixels: in a pitch, and of an image's longer side
+PIXELS_PER_PITCH, MAX_PIXELS = 50, 4096  # pixels: in a pitch, and of an image's longer side
 LEVELS = 65535  # of a pixel; 0 is where there is no skin
 CHORD = 1e-4  # of the pitch, of the polygon that heights are taken from
 
@@ -59,7 +59,7 @@ def height_map(design: Design) -> HeightMap:
     skin, radius = design.skin, design.skin.curvature_radius_y
     centre, angle = (0.0, 0.0) if radius is None else (skin.thickness - radius, skin.length / 2 / radius)
     reach = skin.length / 2 if radius is None else (section(design).top - centre) * math.sin(angle)
-    pixel = max(design.ridge.spacing / A_PITCH, max(skin.width, 2 * reach) / MOST)
+    pixel = max(design.ridge.spacing / PIXELS_PER_PITCH, max(skin.width, 2 * reach) / MAX_PIXELS)
     columns, rows = (max(1, math.floor(size / pixel)) for size in (skin.width, 2 * reach))
     x = (np.arange(columns) - (columns - 1) / 2) * pixel
     y = ((rows - 1) / 2 - np.arange(rows)) * pixel
@@ -77,10 +77,10 @@ def height_map(design: Design) -> HeightMap:
 def _tops(design: Design, x: NDArray[np.floating[Any]]) -> Array:
     """Largest z of the outline at each x, mm, between its corners along chords."""
     corners = curves.polygon(section(design).outline, CHORD * design.ridge.spacing)
-    found = np.full(x.size, -np.inf)
+    tops = np.full(x.size, -np.inf)
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         (x0, z0), (x1, z1) = sorted([tuple(a), tuple(b)])
         here = (x >= x0) & (x <= x1)
         if x1 > x0:
-            found[here] = np.maximum(found[here], z0 + (z1 - z0) * (x[here] - x0) / (x1 - x0))
-    return found
+            tops[here] = np.maximum(tops[here], z0 + (z1 - z0) * (x[here] - x0) / (x1 - x0))
+    return tops

@@ -42,21 +42,21 @@ class Weight:
         return Weight(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
 
 
-def together(weights: Iterable[Weight]) -> Weight:
+def combine(weights: Iterable[Weight]) -> Weight:
     """Return bodies as one; of a negative mass what is taken away (Steiner's theorem)."""
     bodies = list(weights)
-    mass = float(sum(each.mass for each in bodies))
-    centre = np.asarray(sum(each.mass * each.centre for each in bodies)) / mass
+    mass = float(sum(body.mass for body in bodies))
+    centre = np.asarray(sum(body.mass * body.centre for body in bodies)) / mass
     inertia = np.zeros((3, 3))
-    for each in bodies:
-        away = each.centre - centre
-        inertia += each.inertia + each.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    for body in bodies:
+        away = body.centre - centre
+        inertia += body.inertia + body.mass * (away @ away * np.eye(3) - np.outer(away, away))
     return Weight(mass, centre, inertia)
 
 
 def without(whole: Weight, parts: Iterable[Weight]) -> Weight:
     """Return what is left of a body when parts of it are bodies of their own."""
-    return together([whole, *(Weight(-each.mass, each.centre, -each.inertia) for each in parts)])
+    return combine([whole, *(Weight(-part.mass, part.centre, -part.inertia) for part in parts)])
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ class Links:
 
 def links(design: Design) -> Links:
     """Return the weight of each link. Raises InputError where the design has no carrier that can be made."""
-    stuff = silicone(design).density * G_PER_MM3
+    density = silicone(design).density * G_PER_MM3
     carrier = _weight(carrier_part(design), 1e3 * lid_process(design).density * G_PER_MM3)
-    ridges = tuple(_weight(part, stuff) for part in ridge_parts(design))
+    ridges = tuple(_weight(part, density) for part in ridge_parts(design))
     return Links(
-        carrier.turned(TO_DESIGN), _weight(skin_part(design), stuff), ridges, _filling(design, stuff)
+        carrier.turned(TO_DESIGN), _weight(skin_part(design), density), ridges, _filling(design, density)
     )
 
 
@@ -97,8 +97,8 @@ def carrier_part(design: Design) -> Part:
 
 def ridge_loop(design: Design, ridge: int) -> Loop:
     """Return a ridge's outline, closed by the chord between its feet, counterclockwise, mm."""
-    own = tuple(s for s in section(design).outline if s.ridge == ridge)
-    return (*own, Segment(own[-1].end, own[0].start, 0.0, "base"))
+    segments = tuple(s for s in section(design).outline if s.ridge == ridge)
+    return (*segments, Segment(segments[-1].end, segments[0].start, 0.0, "base"))
 
 
 def ridge_parts(design: Design) -> list[Part]:
@@ -111,37 +111,37 @@ def ridge_parts(design: Design) -> list[Part]:
 
 def base_loop(design: Design) -> Loop:
     """Return the skin's outline with each ridge cut off by the chord between its feet, mm."""
-    found: list[Segment] = []
+    segments: list[Segment] = []
     for segment in section(design).outline:
         if segment.ridge is None:
-            found.append(segment)
-        elif found[-1].kind == "flank" and found[-1].ridge == segment.ridge:
-            found[-1] = replace(found[-1], end=segment.end)
+            segments.append(segment)
+        elif segments[-1].kind == "flank" and segments[-1].ridge == segment.ridge:
+            segments[-1] = replace(segments[-1], end=segment.end)
         else:
-            found.append(Segment(segment.start, segment.end, 0.0, "flank", segment.ridge))
-    return tuple(found)
+            segments.append(Segment(segment.start, segment.end, 0.0, "flank", segment.ridge))
+    return tuple(segments)
 
 
 def _weight(part: Part, density: float) -> Weight:
     """Weight of a solid of a density in g/mm3, from the CAD kernel's moments."""
     from skincad.solids.occ import moments, solid, volume
 
-    made = solid(part)
-    centre, inertia = moments(part, made)
-    return Weight(density * volume(part, made), centre, density * inertia)
+    shape = solid(part)
+    centre, inertia = moments(part, shape)
+    return Weight(density * volume(part, shape), centre, density * inertia)
 
 
-def _filling(design: Design, stuff: float) -> Weight | None:
+def _filling(design: Design, density: float) -> Weight | None:
     """Film strips, and the silicone round them, in all slots."""
     film, slots, state = design.film, section(design).slots, design.film_state
     strip = PVDF_DENSITY * G_PER_MM3
-    found = []
+    weights = []
     for slot in slots:
         name = f"slot-{slot.ridge}-{slot.side}"
         if state != "loose":
-            found.append(_weight(Part(name, PartRole.STRIP, along_skin(design, slot.loop(), ())), stuff))
+            weights.append(_weight(Part(name, PartRole.STRIP, along_skin(design, slot.loop(), ())), density))
         if film and state != "ignored":
-            more = strip - (stuff if state == "bonded" else 0.0)
+            more = strip - (density if state == "bonded" else 0.0)
             loop = slot.loop(film.thickness)
-            found.append(_weight(Part(name, PartRole.STRIP, along_skin(design, loop, ())), more))
-    return together(found) if found else None
+            weights.append(_weight(Part(name, PartRole.STRIP, along_skin(design, loop, ())), more))
+    return combine(weights) if weights else None

@@ -1,5 +1,7 @@
-"""Tetrahedra as MSH 4.1 and VTU. Written here, for what is at hand writes neither: netgen knows MSH 2 only,
-NGSolve's VTU has no named regions, trimesh no volumes.
+"""Tetrahedra as MSH 4.1 and VTU.
+
+No library at hand writes them: netgen knows MSH 2 only, NGSolve's VTU has no named regions, trimesh no
+volumes.
 
 Sources: Gmsh reference manual, MSH file format version 4.1; VTK file formats, unstructured grid.
 """
@@ -98,25 +100,25 @@ def _array(kind: str, width: int, name: str, values: Array | Index) -> str:
 
 def materials(design: Design, mesh: Tetrahedra) -> dict[str, Any]:
     """Return what the regions are made of, with units, and how far the mesh's volume is off."""
-    stuff, film = silicone(design), design.film
-    found: dict[str, Any] = {
+    material, film = silicone(design), design.film
+    data: dict[str, Any] = {
         "units": {"length": "mm", "young_modulus": "MPa", "density": "kg/m3"},
         "volume": {n: {"mesh_mm3": a, "exact_mm3": b} for n, (a, b) in mesh.volumes.items()},
         "volume_deviation": mesh.deviation,
         "held": "surface back is clamped in every check; crest-1, crest-2, ... are what may touch",
         "skin": {
-            "name": stuff.name,
-            "young_modulus": stuff.young_modulus.value,
-            "poisson_ratio": stuff.poisson_ratio,
-            "density": stuff.density,
-            "law": {"kind": "neo-hooke"} if stuff.law is None else stuff.law.model_dump(mode="json"),
+            "name": material.name,
+            "young_modulus": material.young_modulus.value,
+            "poisson_ratio": material.poisson_ratio,
+            "density": material.density,
+            "law": {"kind": "neo-hooke"} if material.law is None else material.law.model_dump(mode="json"),
         },
     }
     if film and "film" in mesh.elements:
-        found["film"] = {
+        data["film"] = {
             "young_modulus": film.young_modulus,
             "poisson_ratio": film.poisson_ratio,
             "density": PVDF_DENSITY,
             "law": {"kind": "linear elastic"},
         }
-    return found
+    return data

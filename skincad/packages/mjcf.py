@@ -45,7 +45,7 @@ def friction(design: Design) -> float:
     return FRICTION if design.contact.friction is None else design.contact.friction
 
 
-def skin_xml(design: Design, weighs: Links, springs: Springs) -> str:
+def skin_xml(design: Design, links: Links, springs: Springs) -> str:
     """Return the skin on its carrier as a model of its own, to be loaded, included or attached."""
     return "\n".join(
         [
@@ -58,15 +58,15 @@ def skin_xml(design: Design, weighs: Links, springs: Springs) -> str:
             *_assets(design),
             "  <worldbody>",
             '    <body name="carrier">',
-            body_inertial(weighs.carrier, 6),
+            body_inertial(links.carrier, 6),
             '      <geom class="visual" mesh="carrier"/>',
             '      <geom class="collision" name="carrier" mesh="carrier-hull"/>',
             '      <body name="skin">',
-            body_inertial(weighs.base, 8),
+            body_inertial(links.base, 8),
             '        <geom class="visual" mesh="skin"/>',
             '        <geom class="collision" name="skin" mesh="base-hull"/>',
-            *_filling(weighs),
-            *_ridges(design, weighs),
+            *_filling(links),
+            *_ridges(design, links),
             "      </body>",
             "    </body>",
             "  </worldbody>",
@@ -82,15 +82,21 @@ def scene_xml(design: Design, springs: Springs) -> str:
     """Return a scene: the skin, fixed, and a flat plate that presses along -z and pulls along +x."""
     top = max(place[2, 3] for place in crests(design).poses) * M
     half = np.array([design.skin.width, design.skin.length, 2.0]) * M
-    force, holds = springs.verdict.force, friction(design) * springs.verdict.force
-    carried = np.array([float(each) for each in springs.verdict.ridge_force])
-    down = springs.flexibility @ carried * M
+    force, friction_force = springs.verdict.force, friction(design) * springs.verdict.force
+    forces = np.array([float(share) for share in springs.verdict.ridge_force])
+    down = springs.flexibility @ forces * M
     mass = force / GRAVITY
-    drag = max((SLIDES - 1) * holds, LEAST_DRAG * force) / (SPEED * float(springs.verdict.approach) * M)
+    drag = max((SLIDES - 1) * friction_force, LEAST_DRAG * force) / (
+        SPEED * float(springs.verdict.approach) * M
+    )
     inertia = numbers([mass * float(half @ half) / 3] * 3)
     at = numbers([*down, float(springs.verdict.approach) * M, 0.0])
     start = numbers([0.0] * (down.size + 2))
-    keys = [("press", start, 0.0), ("pull", at, STICKS * holds), ("slide", at, SLIDES * holds)]
+    keys = [
+        ("press", start, 0.0),
+        ("pull", at, STICKS * friction_force),
+        ("slide", at, SLIDES * friction_force),
+    ]
     return "\n".join(
         [
             f'<mujoco model="{design.name}-scene">',
@@ -158,16 +164,16 @@ def body_inertial(weight: Weight, indent: int) -> str:
     return f'{" " * indent}<inertial {at} fullinertia="{full}"/>'
 
 
-def _filling(weighs: Links) -> Iterator[str]:
-    if weighs.filling:
+def _filling(links: Links) -> Iterator[str]:
+    if links.filling:
         yield '        <body name="filling">'
-        yield body_inertial(weighs.filling, 10)
+        yield body_inertial(links.filling, 10)
         yield "        </body>"
 
 
-def _ridges(design: Design, weighs: Links) -> Iterator[str]:
+def _ridges(design: Design, links: Links) -> Iterator[str]:
     size = np.array([design.ridge.spacing, design.skin.length, max(design.heights)]) * M
-    for i, (weight, pose) in enumerate(zip(weighs.ridges, crests(design).poses, strict=True), 1):
+    for i, (weight, pose) in enumerate(zip(links.ridges, crests(design).poses, strict=True), 1):
         crest = numbers(pose[:, 3] * M)
         yield f'        <body name="ridge-{i}">'
         yield body_inertial(weight, 10)

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from skincad.packages.tetrahedra import Tetrahedra
 
 KINDS = ("mujoco", "urdf", "taxels", "mesh")
-NO_FILM = "there is no film that is bonded: taxels are the crests, and no response is told"
-DOUBLY = "the films' response needs a skin that is straight along y: none is told"
+NO_FILM = "there is no film that is bonded: taxels are the crests, and there is no film response"
+DOUBLY_CURVED = "the films' response needs a skin that is straight along y: there is none"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -73,17 +73,17 @@ def package(
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
-    asked = [kinds] if isinstance(kinds, str) else list(kinds)
-    for kind in asked:
+    names = [kinds] if isinstance(kinds, str) else list(kinds)
+    for kind in names:
         if kind not in KINDS:
             raise InputError("kinds", "unknown simulator", kind, did_you_mean(kind, KINDS))
-    chosen = tuple(kind for kind in KINDS if not asked or kind in asked)
+    chosen = tuple(kind for kind in KINDS if not names or kind in names)
     watch, notes = Stopwatch(progress), list[str]()
     with watch.stage("springs"):
-        held = springs(design, tier, _untimed(progress)) if "mujoco" in chosen else None
+        ridge_springs = springs(design, tier, _untimed(progress)) if "mujoco" in chosen else None
     with watch.stage("response"):
         places = taxels(design) if "taxels" in chosen else None
-        felt = _response(design, notes, progress) if "taxels" in chosen else None
+        response = _response(design, notes, progress) if "taxels" in chosen else None
     with watch.stage("solids"):
         weighs = links(design)
     with watch.stage("surfaces"):
@@ -98,7 +98,17 @@ def package(
         with watch.stage("mesh"):
             mesh, heights = tetrahedra(design), height_map(design)
     return Package(
-        design, chosen, weighs, shapes, held, places, felt, mesh, heights, tuple(notes), watch.seconds()
+        design,
+        chosen,
+        weighs,
+        shapes,
+        ridge_springs,
+        places,
+        response,
+        mesh,
+        heights,
+        tuple(notes),
+        watch.seconds(),
     )
 
 
@@ -113,7 +123,7 @@ def _response(design: Design, notes: list[str], progress: Progress | None) -> Fi
         notes.append(NO_FILM)
         return None
     if design.skin.curvature_radius_y is not None:
-        notes.append(DOUBLY)
+        notes.append(DOUBLY_CURVED)
         return None
     from skincad.mechanics.film.response import film_response
 

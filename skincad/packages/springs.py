@@ -69,8 +69,8 @@ class Springs:
     @property
     def stiffness(self) -> Array:
         """Stiffness `(n, n)` N/mm."""
-        found = np.linalg.inv(self.flexibility)
-        return np.asarray((found + found.T) / 2)
+        inverse = np.linalg.inv(self.flexibility)
+        return np.asarray((inverse + inverse.T) / 2)
 
     @property
     def rows(self) -> Array:
@@ -91,33 +91,33 @@ def springs(design: Design, tier: str = "auto", progress: Progress | None = None
     if verdict.beyond:
         raise RefusedError(f"no springs for mujoco: {verdict.beyond}; take a smaller contact.force")
     model = _reduced(design, verdict.force, progress)
-    found = _fitted(design, verdict, model)
+    nominal = _fit(design, verdict, model)
     elsewhere, refused = [], []
     for force in (span * verdict.force for span in SPANS):
         try:
-            elsewhere.append(_elsewhere(design, found, force, progress))
+            elsewhere.append(_compare_at(design, nominal, force, progress))
         except (InputError, RefusedError) as failure:
             refused.append(f"no check at {force:g} N: {failure}")
-    return replace(found, elsewhere=tuple(elsewhere), refused=tuple(refused))
+    return replace(nominal, elsewhere=tuple(elsewhere), refused=tuple(refused))
 
 
-def pressed(found: Springs, force: float) -> tuple[float, Array]:
+def plate_response(model: Springs, force: float) -> tuple[float, Array]:
     """Return the approach, mm, and forces `(n,)` N of the springs under a flat plate's force, N.
 
     The forces are the least squares solution of the plate's own inequality: none pulls.
     """
-    root = linalg.cholesky(found.flexibility)
+    root = linalg.cholesky(model.flexibility)
 
-    def carried(approach: float) -> Array:
+    def forces_at(approach: float) -> Array:
         return np.asarray(
-            optimize.nnls(root, linalg.solve_triangular(root.T, approach - found.gap, lower=True))[0]
+            optimize.nnls(root, linalg.solve_triangular(root.T, approach - model.gap, lower=True))[0]
         )
 
-    high = force * float(found.flexibility.max()) + float(np.ptp(found.gap))
-    while carried(high).sum() < force:
+    high = force * float(model.flexibility.max()) + float(np.ptp(model.gap))
+    while forces_at(high).sum() < force:
         high *= 2
-    approach = optimize.brentq(lambda d: float(carried(d).sum()) - force, 0.0, high, xtol=1e-12)
-    return float(approach), carried(float(approach))
+    approach = optimize.brentq(lambda d: float(forces_at(d).sum()) - force, 0.0, high, xtol=1e-12)
+    return float(approach), forces_at(float(approach))
 
 
 def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeModel | None:
@@ -132,8 +132,8 @@ def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeMo
         return None
 
 
-def _fitted(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Springs:
-    carried = np.array([each.value for each in verdict.ridge_force], dtype=float)
+def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Springs:
+    forces = np.array([share.value for share in verdict.ridge_force], dtype=float)
     approach = float(verdict.approach)
     if model is None:
         gap = crest_gaps(design)
@@ -141,38 +141,38 @@ def _fitted(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> 
     else:
         gap = model.gap * model.unit
         gap = gap - gap.min()
-        flexibility = _secant(model, carried)
-    loaded = carried > LEAST_SHARE * verdict.force / carried.size
-    wanted, has = (approach - gap)[loaded], (flexibility @ carried)[loaded]
-    flexibility = flexibility * float(carried[loaded] @ wanted / (carried[loaded] @ has))
-    miss = approach - gap - flexibility @ carried
+        flexibility = _secant(model, forces)
+    loaded = forces > LEAST_SHARE * verdict.force / forces.size
+    wanted, has = (approach - gap)[loaded], (flexibility @ forces)[loaded]
+    flexibility = flexibility * float(forces[loaded] @ wanted / (forces[loaded] @ has))
+    miss = approach - gap - flexibility @ forces
     flexibility[np.diag_indices_from(flexibility)] += np.where(
-        loaded, miss / np.where(loaded, carried, 1.0), 0.0
+        loaded, miss / np.where(loaded, forces, 1.0), 0.0
     )
     if np.linalg.eigvalsh(flexibility).min() <= 0:
         if model is not None:  # ridges that take each other's load: then each on a spring of its own
-            return _fitted(design, verdict, None)
+            return _fit(design, verdict, None)
         raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
     return Springs(gap, flexibility, model is not None, verdict)
 
 
-def _secant(model: RidgeModel, carried: Array) -> Array:
-    """Flexibility `(n, n)` mm/N of a reduced pad, each ridge's own at the force `carried` `(n,)` N on it."""
+def _secant(model: RidgeModel, forces: Array) -> Array:
+    """Flexibility `(n, n)` mm/N of a reduced pad, each ridge's own at its force in `forces` `(n,)` N."""
     per_force = model.unit / model.scale
-    found = model.coupling * per_force
-    for i, force in enumerate(carried):
+    flexibility = model.coupling * per_force
+    for i, force in enumerate(forces):
         at = max(force / model.scale, model.force[1])
-        found[i, i] = np.interp(at, model.force, model.indentation[i]) / at * per_force
-    return np.asarray((found + found.T) / 2)
+        flexibility[i, i] = np.interp(at, model.force, model.indentation[i]) / at * per_force
+    return np.asarray((flexibility + flexibility.T) / 2)
 
 
-def _elsewhere(design: Design, found: Springs, force: float, progress: Progress | None) -> Elsewhere:
-    approach, shares = pressed(found, force)
-    other = check(design, force=force, tier=found.verdict.tier, progress=progress)
+def _compare_at(design: Design, model: Springs, force: float, progress: Progress | None) -> Elsewhere:
+    approach, shares = plate_response(model, force)
+    other = check(design, force=force, tier=model.verdict.tier, progress=progress)
     return Elsewhere(
         force,
         approach,
         float(other.approach),
         tuple(shares.tolist()),
-        tuple(float(each) for each in other.ridge_force),
+        tuple(float(share) for share in other.ridge_force),
     )

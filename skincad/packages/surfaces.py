@@ -16,7 +16,7 @@ from skincad.solids.roles import PartRole
 from skincad.solids.skin import along_skin, skin_part
 
 CHORD = 1e-3  # of the pitch: visual
-FINE = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach is 100 um
+CONTACT_CHORD = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach is 100 um
 
 
 def visual(design: Design) -> dict[str, trimesh.Trimesh]:
@@ -27,7 +27,7 @@ def visual(design: Design) -> dict[str, trimesh.Trimesh]:
 
 def collision(design: Design) -> dict[str, trimesh.Trimesh]:
     """Return the convex hulls of each ridge, the base and the carrier; ridges within FINE of a pitch."""
-    chord, fine = CHORD * design.ridge.spacing, FINE * design.ridge.spacing
+    chord, fine = CHORD * design.ridge.spacing, CONTACT_CHORD * design.ridge.spacing
     base = Part("base-hull", PartRole.SKIN, along_skin(design, base_loop(design), ()))
     hulls = {part.name: mesh(part, fine).convex_hull for part in ridge_parts(design)}
     hulls["base-hull"] = mesh(base, chord).convex_hull

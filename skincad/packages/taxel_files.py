@@ -47,19 +47,19 @@ def write_taxels(places: Taxels, path: Path) -> None:
     )
 
 
-def charges(design: Design, felt: FilmResponse) -> tuple[Array, Array]:
+def charges(design: Design, response: FilmResponse) -> tuple[Array, Array]:
     """Return charge per N `(2, ridges, strips)` pC/N and its error `(2, ridges)`, of normal and tangential
     force; the film's draw axis lies along y."""
     film = design.film
     assert film is not None
-    both = np.stack([felt.normal, felt.tangential])
+    both = np.stack([response.normal, response.tangential])
     coefficients, area = (film.d31, film.d32, film.d33), electrode(design)
-    found = charge(both[..., 0], both[..., 2], both[..., 1], area=area, coefficients=coefficients) * 1e12
+    values = charge(both[..., 0], both[..., 2], both[..., 1], area=area, coefficients=coefficients) * 1e12
     size = np.abs([film.d33, film.d32, film.d31])
-    return found, area * felt.error @ size
+    return values, area * response.error @ size
 
 
-def response_csv(design: Design, felt: FilmResponse) -> str:
+def response_csv(design: Design, response: FilmResponse) -> str:
     """Return a row for each force on a ridge and strip: stress and charge per N, error and range."""
     stress = [f"{part}_MPa_per_N" for part in PARTS]
     columns = ["force_on_ridge", "direction", "strip", *stress, *(f"{name}_error" for name in stress)]
@@ -68,38 +68,39 @@ def response_csv(design: Design, felt: FilmResponse) -> str:
     comments = [
         "mean stress in a strip, tension positive, and its charge, per N of force on one ridge alone;",
         "normal: in compression; tangential: what the plate does to the skin, to +x; add up ridges",
-        f"contact as at {felt.force:g} N on the skin; change: how much differs where it is that of another",
+        f"contact as at {response.force:g} N on the skin; change: how much differs where it is that of "
+        "another",
     ]
-    return csv_text([columns, *_rows(design, felt)], comments)
+    return csv_text([columns, *_rows(design, response)], comments)
 
 
-def _rows(design: Design, felt: FilmResponse) -> Iterator[list[Cell]]:
-    charged, charge_error = charges(design, felt)
-    for w, (way, found) in enumerate(zip(WAYS, (felt.normal, felt.tangential), strict=True)):
-        for r in range(len(found)):
-            beside = [*felt.error[w, r], *felt.elsewhere[:, w, r].ravel()]
-            for s, (ridge, side) in enumerate(felt.strips):
-                values = [*found[r, s], *beside, charged[w, r, s], charge_error[w, r]]
+def _rows(design: Design, response: FilmResponse) -> Iterator[list[Cell]]:
+    strip_charge, charge_error = charges(design, response)
+    for w, (way, stress) in enumerate(zip(WAYS, (response.normal, response.tangential), strict=True)):
+        for r in range(len(stress)):
+            errors = [*response.error[w, r], *response.elsewhere[:, w, r].ravel()]
+            for s, (ridge, side) in enumerate(response.strips):
+                values = [*stress[r, s], *errors, strip_charge[w, r, s], charge_error[w, r]]
                 yield [str(r + 1), way, f"ridge-{ridge}-{side}", *(f"{v:.9g}" for v in values)]
 
 
-def write_response(design: Design, felt: FilmResponse, path: Path) -> None:
+def write_response(design: Design, response: FilmResponse, path: Path) -> None:
     """Write the same as NPZ: `stress` (2, ridges, strips, 3) MPa/N, `charge` (2, ridges, strips) pC/N, their
     errors, and the ridges' forces `pressed` (ridges,) N and `pulled` (2, ridges) of 1 N."""
-    charged, charge_error = charges(design, felt)
+    strip_charge, charge_error = charges(design, response)
     about = "axis 0: normal, tangential; last of stress: through the film, along it in the section, along y"
     np.savez(
         path,
-        stress=np.stack([felt.normal, felt.tangential]),
-        stress_error=felt.error,
-        change=felt.elsewhere,
+        stress=np.stack([response.normal, response.tangential]),
+        stress_error=response.error,
+        change=response.elsewhere,
         spans=np.array(SPANS),
-        charge=charged,
+        charge=strip_charge,
         charge_error=charge_error,
-        strips=np.array([f"ridge-{ridge}-{side}" for ridge, side in felt.strips]),
-        force=np.array(felt.force),
-        contact=felt.contact,
-        pressed=felt.pressed,
-        pulled=felt.pulled,
+        strips=np.array([f"ridge-{ridge}-{side}" for ridge, side in response.strips]),
+        force=np.array(response.force),
+        contact=response.contact,
+        pressed=response.pressed,
+        pulled=response.pulled,
         about=np.array(about),
     )

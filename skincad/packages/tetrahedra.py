@@ -1,8 +1,8 @@
 """The skin as second-order tetrahedra: the section's triangles, swept along y, each prism cut in three.
 
 Regions `skin` and `film` share their nodes. Edges are straight, so an element's Jacobian is that of its
-corners: none is turned inside out that a corner's sign would not tell. What straight edges leave of the exact
-volume is told. Slots that are voids are voids of the mesh; elsewhere silicone or film fills them.
+corners: the sign of its volume shows whether it is inside out. The volume that straight edges
+miss is reported. Slots that are voids are voids of the mesh; elsewhere silicone or film fills them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,10 @@ EDGES = tuple(combinations(range(4), 2))  # of a tetrahedron, in the order below
 # node of each edge in the order 01 12 02 03 13 23 that VTK and CalculiX have
 MIDDLES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 CUTS = ((0, 1, 2, 5), (0, 1, 4, 5), (0, 3, 4, 5))  # of a prism, corners below 0 1 2, above 3 4 5, ascending
-LAST, GROWTH = 0.15, 1.6  # of the height, the outermost layer; of each layer against the one outside it
+OUTER_LAYER, GROWTH = (
+    0.15,
+    1.6,
+)  # of the height, the outermost layer; of each layer against the one outside it
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,25 +55,25 @@ def tetrahedra(design: Design, fineness: float = 1.0) -> Tetrahedra:
     """Return the mesh of a design; twice the fineness halves the section's edges."""
     pad = pad_of(design.with_(skin={"curvature_radius_y": None}))
     flat = plain_mesh(pad, section_sizes(pad, fineness))
-    half = graded(design.skin.length / 2, LAST * height_of(pad) / fineness, GROWTH)
+    half = graded(design.skin.length / 2, OUTER_LAYER * height_of(pad) / fineness, GROWTH)
     levels = np.concatenate([-half[:0:-1], half])
-    corners, count = _swept(design, flat, levels), len(flat.points)
+    corners, count = _sweep(design, flat, levels), len(flat.points)
     cut = _cut(flat.corners, len(levels) - 1, count)
-    cut = _upright(corners, cut)
+    cut = _outward(corners, cut)
     film = np.tile(np.repeat(flat.film, len(CUTS)), len(levels) - 1)
     regions = {"skin": cut[~film], "film": cut[film]}
     faces = {_surface(name): _walls(edges, len(levels) - 1, count) for name, edges in flat.edges.items()}
     faces = {name: walls for name, walls in faces.items() if name}
     nodes, edge_of = _middles(corners, cut)
     volumes = {
-        name: (float(signed_volumes(corners, own).sum()), exact)
-        for (name, own), exact in zip(regions.items(), _exact(design, pad), strict=True)
-        if len(own)
+        name: (float(signed_volumes(corners, cells).sum()), exact)
+        for (name, cells), exact in zip(regions.items(), _exact(design, pad), strict=True)
+        if len(cells)
     }
     return Tetrahedra(
         nodes,
         {name: _second_order(regions[name], edge_of, MIDDLES) for name in volumes},
-        {name: _second_order(own, edge_of, MIDDLES[:3]) for name, own in sorted(faces.items())},
+        {name: _second_order(cells, edge_of, MIDDLES[:3]) for name, cells in sorted(faces.items())},
         volumes,
     )
 
@@ -94,13 +97,13 @@ def signed_volumes(nodes: Array, elements: Index) -> Array:
     return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6)
 
 
-def _swept(design: Design, flat: PlainMesh, levels: Array) -> Array:
+def _sweep(design: Design, flat: PlainMesh, levels: Array) -> Array:
     """Corners `(levels * p, 3)` mm, level by level; of a doubly curved skin turned about its axis."""
     radius = design.skin.curvature_radius_y
     if radius is None:
         return np.concatenate([np.insert(flat.points, 1, level, axis=1) for level in levels])
-    turned = Revolved((), design.skin.thickness - radius, 0.0, 0.0)
-    return np.concatenate([turned.placed(flat.points, level / radius) for level in levels])
+    body = Revolved((), design.skin.thickness - radius, 0.0, 0.0)
+    return np.concatenate([body.placed(flat.points, level / radius) for level in levels])
 
 
 def _cut(triangles: Index, layers: int, count: int) -> Index:
@@ -111,11 +114,12 @@ def _cut(triangles: Index, layers: int, count: int) -> Index:
     return np.concatenate([one + layer * count for layer in range(layers)])
 
 
-def _upright(corners: Array, cut: Index) -> Index:
-    found = cut.copy()
+def _outward(corners: Array, cut: Index) -> Index:
+    """The tetrahedra, those that were inside out with two corners swapped."""
+    elements = cut.copy()
     turned = signed_volumes(corners, cut) < 0
-    found[turned] = found[turned][:, [1, 0, 2, 3]]
-    return found
+    elements[turned] = elements[turned][:, [1, 0, 2, 3]]
+    return elements
 
 
 def _walls(edges: Index, layers: int, count: int) -> Index:
@@ -145,8 +149,8 @@ def _second_order(
     corners: Index, edge_of: dict[tuple[int, int], int], middles: tuple[tuple[int, int], ...]
 ) -> Index:
     ends = np.sort(corners[:, np.array(middles)], axis=2)
-    found = [[edge_of[a, b] for a, b in row] for row in ends.tolist()]
-    return np.hstack([corners, np.array(found, dtype=np.int64).reshape(len(corners), len(middles))])
+    nodes = [[edge_of[a, b] for a, b in row] for row in ends.tolist()]
+    return np.hstack([corners, np.array(nodes, dtype=np.int64).reshape(len(corners), len(middles))])
 
 
 def _exact(design: Design, pad: Pad) -> tuple[float, float]:

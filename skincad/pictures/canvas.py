@@ -88,7 +88,7 @@ __all__ = [
     "svg",
     "to_rgb",
 ]
-# Told apart by colour-blind people: Okabe and Ito, Color Universal Design, 2008; vermilion a little darker,
+# Distinct for colour-blind people: Okabe and Ito, Color Universal Design, 2008; vermilion a little darker,
 # for thin lines on white
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK = (
     "#0072b2",
@@ -176,7 +176,7 @@ def png(figure: Picture) -> bytes:
 
 
 def svg(figure: Picture) -> bytes:
-    """Return a figure as SVG, the same bytes for the same figure; letters are drawn, so no font is asked."""
+    """Return a figure as SVG, the same bytes for the same figure; letters are paths, so no font is needed."""
     written = BytesIO()
     with own_style(), rc_context({"svg.hashsalt": "skincad"}):
         figure.savefig(written, metadata={"Date": None, "Creator": "skincad"}, format="svg")

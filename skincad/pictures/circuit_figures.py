@@ -14,7 +14,7 @@ PAPER_DROP = 9000.0  # Hz; paper, section 3.2
 SIZE, DPI = (9.0, 5.6), 100
 
 
-def gain_figure(found: CircuitGain) -> Picture:
+def gain_figure(circuit_gain: CircuitGain) -> Picture:
     """Return a figure of the gain in dB re 1 V/N, its fitted lines, the paper's statements and measured data;
     of a circuit with a rig also the film's own gain.
 
@@ -22,44 +22,48 @@ def gain_figure(found: CircuitGain) -> Picture:
     """
     with sheet(SIZE, DPI, 255) as figure:
         axes = figure.add_subplot()
-        if found.measured:
-            given = found.measured
-            shifted = given.gain - given.calibration.offset
-            label = f"measured, {-given.calibration.offset:+.4g} dB"
-            axes.semilogx(given.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
-        name = "network and rig, by the measured load" if found.own else "network"
-        axes.semilogx(found.frequency, found.gain, color=BLUE, linewidth=1.6, label=name)
-        if found.own:
+        if circuit_gain.measured:
+            measurement = circuit_gain.measured
+            shifted = measurement.gain - measurement.calibration.offset
+            label = f"measured, {-measurement.calibration.offset:+.4g} dB"
+            axes.semilogx(measurement.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
+        name = "network and rig, by the measured load" if circuit_gain.own else "network"
+        axes.semilogx(circuit_gain.frequency, circuit_gain.gain, color=BLUE, linewidth=1.6, label=name)
+        if circuit_gain.own:
             label = "network alone: the film's signal in use"
-            axes.semilogx(found.frequency, found.own.gain, color=GREEN, linewidth=1.2, label=label)
-        _draw_fit(axes, found)
-        if constants(found.circuit) in [constants(load_circuit(name)) for name in PAPERS]:
-            _draw_paper(axes, found)
+            axes.semilogx(
+                circuit_gain.frequency, circuit_gain.own.gain, color=GREEN, linewidth=1.2, label=label
+            )
+        _draw_fit(axes, circuit_gain)
+        if constants(circuit_gain.circuit) in [constants(load_circuit(name)) for name in PAPERS]:
+            _draw_paper(axes, circuit_gain)
         axes.set_xlabel("frequency, Hz")
         axes.set_ylabel("gain, dB re 1 V/N")
         axes.grid(which="both")
         legend(axes, 2)
-        figure.suptitle(f"{found.name}: gain of film and amplifier")
+        figure.suptitle(f"{circuit_gain.name}: gain of film and amplifier")
     return figure
 
 
-def _draw_fit(axes: Axes, found: CircuitGain) -> None:
-    slopes = found.slopes
+def _draw_fit(axes: Axes, circuit_gain: CircuitGain) -> None:
+    slopes = circuit_gain.slopes
     if slopes.cutoff.value is None:
         label = f"fitted: {slopes.below}, no cut-off"
     else:
         label = f"fitted: {slopes.below}, {slopes.above}, cut-off {slopes.cutoff}"
-    ends = np.array([found.frequency[0], _corner(found), found.circuit.sweep.fit_high])
-    values = _lines(ends, _corner(found), slopes.level, slopes.below.value or 0.0, slopes.above.value or 0.0)
+    ends = np.array([circuit_gain.frequency[0], _corner(circuit_gain), circuit_gain.circuit.sweep.fit_high])
+    values = _lines(
+        ends, _corner(circuit_gain), slopes.level, slopes.below.value or 0.0, slopes.above.value or 0.0
+    )
     axes.semilogx(ends, values, color=VERMILION, linewidth=1.0, linestyle="--", label=label)
 
 
-def _draw_paper(axes: Axes, found: CircuitGain) -> None:
+def _draw_paper(axes: Axes, circuit_gain: CircuitGain) -> None:
     """The paper's statements: two slopes that meet at 1.2 kHz, and the drop at 9 kHz."""
     ends = np.array([PAPER_LOW, PAPER_CUTOFF, PAPER_HIGH])
-    inside = found.frequency <= PAPER_HIGH
-    shape = _lines(found.frequency[inside], PAPER_CUTOFF, 0.0, PAPER_BELOW, PAPER_ABOVE)
-    level = float(np.mean(found.gain[inside] - shape))
+    inside = circuit_gain.frequency <= PAPER_HIGH
+    shape = _lines(circuit_gain.frequency[inside], PAPER_CUTOFF, 0.0, PAPER_BELOW, PAPER_ABOVE)
+    level = float(np.mean(circuit_gain.gain[inside] - shape))
     values = _lines(ends, PAPER_CUTOFF, level, PAPER_BELOW, PAPER_ABOVE)
     label = "paper: 20 dB/dec up to 1.2 kHz, 60 above; any level"
     axes.semilogx(ends, values, color=GREY, linewidth=2.4, alpha=0.45, label=label)
@@ -67,10 +71,10 @@ def _draw_paper(axes: Axes, found: CircuitGain) -> None:
     axes.axvline(PAPER_DROP, color=GREY, linewidth=0.8, linestyle="-.", label="paper: drop at 9 kHz")
 
 
-def _corner(found: CircuitGain) -> float:
+def _corner(circuit_gain: CircuitGain) -> float:
     """The fitted cut-off, or the fitted range's middle where there is none, Hz."""
-    sweep = found.circuit.sweep
-    return found.slopes.cutoff.value or float(np.sqrt(sweep.low * sweep.fit_high))
+    sweep = circuit_gain.circuit.sweep
+    return circuit_gain.slopes.cutoff.value or float(np.sqrt(sweep.low * sweep.fit_high))
 
 
 def _lines(frequency: np.ndarray, corner: float, level: float, below: float, above: float) -> np.ndarray:

@@ -8,7 +8,7 @@ import trimesh
 from skincad.fabrication.meshes import upright
 from skincad.inputs.design import Design
 from skincad.pictures.canvas import Axes, Picture, sheet
-from skincad.pictures.exploded import apart
+from skincad.pictures.exploded import explosion_offset
 from skincad.pictures.render import shaded, view
 from skincad.shape.curves import polygon
 from skincad.shape.skin import section
@@ -37,8 +37,8 @@ def _show(axes: Axes, title: str) -> None:
 
 def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     shown = upright(skin)
-    seen = view([shown], 32.0, 28.0, (720, 350))
-    axes.imshow(shaded([shown], [PartRole.SKIN.colour], seen))
+    camera = view([shown], 32.0, 28.0, (720, 350))
+    axes.imshow(shaded([shown], [PartRole.SKIN.colour], camera))
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
     _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
 
@@ -63,19 +63,19 @@ def _draw_ridge(axes: Axes, design: Design) -> None:
 
 
 def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> None:
-    placed, colours, labels = [], [], []
+    exploded, colours, labels = [], [], []
     for part in closed.parts:
         if part.name not in meshes:
             continue
-        moved = meshes[part.name].copy()
-        moved.vertices = moved.vertices + apart(part, closed)
-        placed.append(moved)
+        mesh = meshes[part.name].copy()
+        mesh.vertices = mesh.vertices + explosion_offset(part, closed)
+        exploded.append(mesh)
         colours.append(part.colour)
         if part.made != "bought":
-            labels.append((part.name, moved))
-    seen = view(placed, 38.0, 30.0, _PIXELS)
-    axes.imshow(shaded(placed, colours, seen))
-    anchors = [(seen.pixel(_right_edge(shape)), name) for name, shape in labels]
+            labels.append((part.name, mesh))
+    camera = view(exploded, 38.0, 30.0, _PIXELS)
+    axes.imshow(shaded(exploded, colours, camera))
+    anchors = [(camera.pixel(_right_edge(shape)), name) for name, shape in labels]
     free = 0.0
     for (x, y), name in sorted(anchors, key=lambda anchor: anchor[0][1]):
         free = max(free, y)

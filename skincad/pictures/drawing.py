@@ -94,7 +94,7 @@ def _ridge_view(design: Design) -> list[str]:
     """The middle ridge, or the one beside the middle, upright and enlarged."""
     ridge, number = design.ridge, (design.ridge.count + 1) // 2
     height = design.heights[number - 1]
-    own = frame(design, number)
+    ridge_frame = frame(design, number)
     shape = section(design)
     reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
     scale = min(38.0 / (2 * reach), 24.0 / (1.5 * height))
@@ -103,14 +103,16 @@ def _ridge_view(design: Design) -> list[str]:
     low = -0.8 * height
     window = shapely.box(-reach, low, reach, 2 * height)
 
-    def shown(outline: Loop, kind: str) -> str:
-        points = polygon(outline, CHORD / 10) - np.array(own.origin)
-        turned = np.column_stack([points @ np.array(own.tangent), points @ np.array(own.normal)])
-        part = shapely.Polygon(turned).intersection(window)
+    def clip(outline: Loop, kind: str) -> str:
+        points = polygon(outline, CHORD / 10) - np.array(ridge_frame.origin)
+        local = np.column_stack(
+            [points @ np.array(ridge_frame.tangent), points @ np.array(ridge_frame.normal)]
+        )
+        part = shapely.Polygon(local).intersection(window)
         return view.ring(shapely.get_coordinates(part), kind)
 
-    rows = [shown(shape.outline, "skin")]
-    rows += [shown(s.loop(), "slot") for s in shape.slots if s.ridge == number]
+    rows = [clip(shape.outline, "skin")]
+    rows += [clip(s.loop(), "slot") for s in shape.slots if s.ridge == number]
     crest, foot = view.at(0.0, height)[1], view.at(0.0, 0.0)[1]
     left, right = view.at(-ridge.root_width / 2, 0.0)[0], view.at(ridge.root_width / 2, 0.0)[0]
     rows += _across(left, right, view.at(0.0, low)[1] + 5.0, f"root {ridge.root_width:g}", foot)
@@ -207,10 +209,10 @@ def _side(part: Part) -> Array:
         angles = body.grid.angles(body.low, body.high, CHORD)
         arcs = [[body.placed(np.array([[0.0, end]]), a)[0, 1:] for a in angles] for end in (z.min(), z.max())]
         return np.array([*arcs[0], *arcs[1][::-1]])
-    own = body.body if isinstance(body, Turned) else body
-    if not isinstance(own, Prism):
+    prism = body.body if isinstance(body, Turned) else body
+    if not isinstance(prism, Prism):
         raise ValueError(f"{part.name}: no pin is drawn from the side")
-    (_, y0, z0), (_, y1, z1) = _extent(own)
+    (_, y0, z0), (_, y1, z1) = _extent(prism)
     ring = np.array([[0.0, y, z] for y, z in ((y0, z0), (y1, z0), (y1, z1), (y0, z1))])
     if isinstance(body, Turned):
         ring = body.placed(ring)
@@ -234,12 +236,12 @@ def _across(x0: float, x1: float, y: float, text: str, start: float) -> list[str
 def _upright(x: float, y0: float, y1: float, text: str, start: float) -> list[str]:
     ends = [_line(start, y, x, y) for y in (y0, y1)]
     anchor = "start" if x > start else "end"
-    aside = 1.2 if x > start else -1.2
+    offset = 1.2 if x > start else -1.2
     return [
         *ends,
         _line(x, y0, x, y1),
         *_ticks((x, y0), (x, y1)),
-        _text(x + aside, (y0 + y1) / 2 + 1.0, text, anchor),
+        _text(x + offset, (y0 + y1) / 2 + 1.0, text, anchor),
     ]
 
 

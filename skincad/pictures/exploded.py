@@ -1,4 +1,4 @@
-"""Where a mold's parts are drawn when it is taken apart."""
+"""Positions of a mold's parts in the exploded view."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 
 
-def apart(part: Part, closed: ClosedMold) -> Array:
+def explosion_offset(part: Part, closed: ClosedMold) -> Array:
     """Return where a part is drawn, relative to the closed mold, `(3,)` mm."""
     high, side, body = _height(closed), 1.1 * closed.length, part.body
     if part.end is not None:

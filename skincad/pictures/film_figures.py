@@ -24,7 +24,7 @@ from skincad.pictures.canvas import (
 )
 
 SERIES = (("S1", BLUE, "o", -0.15), ("S2", VERMILION, "s", 0.15), ("S1 - S2", BLACK, "D", 0.0))
-SHOWN = 0.97  # share of the silicone's drawn area whose stress lies within the colours
+AREA_IN_SCALE = 0.97  # share of the silicone's drawn area whose stress lies within the colours
 MAP = "RdBu_r"
 WINDOW = 0.27  # of the field's extent, each way from the films
 FILM = "#111111"
@@ -40,10 +40,10 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
     S1, S2 and their difference by ridge with error bars; below, the stress in the deformed section of the
     ridges that both carry as fields.
     """
-    shown = [r for r in (v.ridge for v in normal.fields) if r in {v.ridge for v in both.fields}][:2]
-    with sheet(SIZE if shown else (SIZE[0], 4.0), DPI, 255) as figure:
-        columns = 2 * max(1, len(shown))
-        grid = figure.add_gridspec(2 if shown else 1, columns, height_ratios=[1.0, 0.8] if shown else None)
+    ridges = [r for r in (v.ridge for v in normal.fields) if r in {v.ridge for v in both.fields}][:2]
+    with sheet(SIZE if ridges else (SIZE[0], 4.0), DPI, 255) as figure:
+        columns = 2 * max(1, len(ridges))
+        grid = figure.add_gridspec(2 if ridges else 1, columns, height_ratios=[1.0, 0.8] if ridges else None)
         left = figure.add_subplot(grid[0, : columns // 2])
         right = figure.add_subplot(grid[0, columns // 2 :], sharey=left)
         _draw_ridges(left, normal, f"(a) normal force {normal.force:g} N")
@@ -52,19 +52,19 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
         figure.legend(
             handles=left.get_legend_handles_labels()[0], loc="outside upper right", ncols=3, frameon=False
         )
-        if shown:
-            states = [[v for v in each.fields if v.ridge in shown] for each in (normal, both)]
+        if ridges:
+            states = [[v for v in stress.fields if v.ridge in ridges] for stress in (normal, both)]
             _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
         figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
         figure.suptitle(f"{normal.name}: stress in the ridges")
     return figure
 
 
-def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:
-    ridges = np.arange(1, found.ridges + 1)
+def _draw_ridges(axes: Axes, stress: FilmStress, title: str) -> None:
+    ridges = np.arange(1, stress.ridges + 1)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    for (label, colour, marker, aside), estimates in zip(
-        SERIES, (found.s1, found.s2, found.differential), strict=True
+    for (label, colour, marker, offset), estimates in zip(
+        SERIES, (stress.s1, stress.s2, stress.differential), strict=True
     ):
         values, errors = _numbers(estimates)
         style: dict[str, Any] = {
@@ -74,10 +74,10 @@ def _draw_ridges(axes: Axes, found: FilmStress, title: str) -> None:
             "capsize": 3,
             "linewidth": 1.0,
         }
-        axes.errorbar(ridges + aside, values, errors, label=label, linestyle="none", **style)
+        axes.errorbar(ridges + offset, values, errors, label=label, linestyle="none", **style)
     axes.set_title(title)
     axes.set_xlabel("ridge")
-    if found.ridges <= 20:
+    if stress.ridges <= 20:
         axes.set_xticks(ridges)
     axes.grid(visible=False, axis="x")
 
@@ -89,7 +89,7 @@ def _numbers(estimates: tuple[Estimate, ...]) -> tuple[list[float], list[float]]
 def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeField]]) -> None:
     """Draw the fields of both states on one scale of colours, deformed as they are."""
     fields = [field for state in states for field in state]
-    limit = max(usual(field.place, field.triangles[~field.film], field.stress) for field in fields)
+    limit = max(colour_limit(field.place, field.triangles[~field.film], field.stress) for field in fields)
     for axes, field in zip(places, fields, strict=True):
         points = field.place + field.shift
         triangles = field.triangles
@@ -114,7 +114,7 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeFiel
     bar.ax.tick_params(labelsize=7)
 
 
-def usual(place: Array, triangles: Index, values: Array) -> float:
+def colour_limit(place: Array, triangles: Index, values: Array) -> float:
     """Return the size below which SHOWN of the triangles' area lies; at films' corners a stress has no bound.
 
     `place` `(p, 2)` and `values` `(p,)` of points, `triangles` `(t, 3)` of them.
@@ -123,7 +123,7 @@ def usual(place: Array, triangles: Index, values: Array) -> float:
     area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
     size = np.abs(values[triangles].mean(axis=1))
     order = np.argsort(size)
-    below = np.searchsorted(np.cumsum(area[order]), SHOWN * area.sum())
+    below = np.searchsorted(np.cumsum(area[order]), AREA_IN_SCALE * area.sum())
     return float(size[order][min(below, size.size - 1)])
 
 

@@ -19,40 +19,45 @@ from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
 
 SIZE = 2.0  # mm of paper, height of capitals
-WIDE, BESIDE, OVER = 110.0, 10.0, 14.0  # mm of paper: a section, and the room beside and over it
+SECTION_WIDTH = 110.0  # mm of paper
+ROOM_BESIDE, ROOM_OVER = 10.0, 14.0  # mm of paper, beside and over a section
 
 
 def section_margin(design: Design) -> tuple[float, float]:
     """Return the room beside and over a section that its dimensions have, mm."""
-    return max(1.0, design.skin.width * BESIDE / WIDE), max(1.0, design.skin.width * OVER / WIDE)
+    beside = design.skin.width * ROOM_BESIDE / SECTION_WIDTH
+    over = design.skin.width * ROOM_OVER / SECTION_WIDTH
+    return max(1.0, beside), max(1.0, over)
 
 
 def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
     """Return the section's dimensions, within its margin, and their paper's scale: width and thickness,
     height to the crest, pitch, and a ridge's height, root and tip before fillets."""
-    skin, scale, top = design.skin, WIDE / design.skin.width, section(design).top
+    skin, scale, top = design.skin, SECTION_WIDTH / design.skin.width, section(design).top
     half = skin.width / 2
 
-    def on(x: float, z: float) -> Place:
+    def on_paper(x: float, z: float) -> Place:
         return scale * x, scale * z
 
     rows = [
-        linear((on(-half, 0.0), on(half, 0.0)), -6.0, True, scale, number(skin.width), SIZE),
+        linear((on_paper(-half, 0.0), on_paper(half, 0.0)), -6.0, True, scale, number(skin.width), SIZE),
         linear(
-            (on(-half, 0.0), on(-half, skin.thickness)),
+            (on_paper(-half, 0.0), on_paper(-half, skin.thickness)),
             -scale * half - 4.0,
             False,
             scale,
             number(skin.thickness),
             SIZE,
         ),
-        linear((on(half, 0.0), on(half, top)), scale * half + 5.0, False, scale, number(top), SIZE),
+        linear(
+            (on_paper(half, 0.0), on_paper(half, top)), scale * half + 5.0, False, scale, number(top), SIZE
+        ),
     ]
     return [*rows, *_ridge(design, scale)], scale
 
 
 def section_notes(design: Design) -> list[str]:
-    """Return what is said under the section: it is the skin, and what a mold is cut by."""
+    """Return the notes under the section: it is the cured skin; a mold is cut by other files."""
     larger = 1 / (1 - shrinkage(design))
     by = f"{larger:.6g} times as large, for the silicone's shrinkage" if larger > 1 else "as large"
     bent = design.skin.curvature_radius_y is not None
@@ -79,7 +84,7 @@ def _ridge(design: Design, scale: float) -> list[Dimension]:
     height of the first ridge, beside which there is room."""
     ridge, middle = design.ridge, (design.ridge.count + 1) // 2
 
-    def on(number_: int, t: float, n: float) -> Place:
+    def on_paper(number_: int, t: float, n: float) -> Place:
         point = frame(design, number_).at(t, n)
         return scale * point.x, scale * point.z
 
@@ -87,13 +92,25 @@ def _ridge(design: Design, scale: float) -> list[Dimension]:
     root, tip = ridge.root_width / 2, ridge.tip_width / 2
     rows = [
         aligned(
-            (on(middle, -root, 0.0), on(middle, root, 0.0)), -3.2, scale, f"root {number(2 * root)}", SIZE
+            (on_paper(middle, -root, 0.0), on_paper(middle, root, 0.0)),
+            -3.2,
+            scale,
+            f"root {number(2 * root)}",
+            SIZE,
         ),
-        aligned((on(middle, -tip, high), on(middle, tip, high)), 2.8, scale, f"tip {number(2 * tip)}", SIZE),
-        aligned((on(1, 0.0, 0.0), on(1, 0.0, first)), scale * root + 3.0, scale, number(first), SIZE),
+        aligned(
+            (on_paper(middle, -tip, high), on_paper(middle, tip, high)),
+            2.8,
+            scale,
+            f"tip {number(2 * tip)}",
+            SIZE,
+        ),
+        aligned(
+            (on_paper(1, 0.0, 0.0), on_paper(1, 0.0, first)), scale * root + 3.0, scale, number(first), SIZE
+        ),
     ]
     if middle > 1:
-        ends = on(middle - 1, 0.0, design.heights[middle - 2]), on(middle, 0.0, high)
+        ends = on_paper(middle - 1, 0.0, design.heights[middle - 2]), on_paper(middle, 0.0, high)
         words = f"{number(math.dist(*ends) / scale)} (pitch {number(ridge.spacing)})"
         rows.append(aligned(ends, 6.6, scale, words, SIZE))
     return rows
@@ -109,8 +126,8 @@ def strip_dimensions(strips: list[StripPattern]) -> tuple[list[Dimension], float
 
     def over(a: float, b: float, level: int, words: str) -> None:
         (a, b), top = sorted((a, b)), high + 6.0 + 6.0 * level
-        said = f"{words} {number((b - a) / scale)}".strip()
-        rows.append(linear(((a, high), (b, high)), top, True, scale, said, SIZE))
+        label = f"{words} {number((b - a) / scale)}".strip()
+        rows.append(linear(((a, high), (b, high)), top, True, scale, label, SIZE))
 
     sensed, pad, other = ([scale * v for v in _extent(o)] for o in (strip.overlap, *strip.pads))
     cuts = [scale * line.start.x for line in strip.cut_off]
@@ -120,9 +137,9 @@ def strip_dimensions(strips: list[StripPattern]) -> tuple[list[Dimension], float
     over(cuts[0], right if wired_a else left, 2, "cut off")
     over(left, right, 3, "")
     centres = [((p[0] + p[2]) / 2, (p[1] + p[3]) / 2) for p in (other, pad)]
-    aside = left - 6.0 if wired_a else right + 6.0
+    line_x = left - 6.0 if wired_a else right + 6.0
     words = f"pads {number((centres[1][1] - centres[0][1]) / scale)}"
-    rows.append(linear((centres[0], centres[1]), aside, False, scale, words, SIZE))
+    rows.append(linear((centres[0], centres[1]), line_x, False, scale, words, SIZE))
     line = strip.cut_off[0]
     x, (_, z0), (_, z1) = cuts[0] + 5.0, *(tuple(scale * v for v in point) for point in line)
     wide = abs(z1 - z0)
@@ -133,8 +150,8 @@ def strip_dimensions(strips: list[StripPattern]) -> tuple[list[Dimension], float
     for hole in strip.holes[:1]:
         a, b, c, d = (scale * v for v in _extent(hole))
         text = f"{len(strip.holes)}x Ø{number((c - a) / scale)}"
-        said = Words(text, (c + 1.0, high + 1.0), SIZE, "DIMENSIONS")
-        rows.append(diameter(((a + c) / 2, (b + d) / 2), (c - a) / 2, math.radians(45), scale, said))
+        label = Words(text, (c + 1.0, high + 1.0), SIZE, "DIMENSIONS")
+        rows.append(diameter(((a + c) / 2, (b + d) / 2), (c - a) / 2, math.radians(45), scale, label))
     return rows, scale
 
 

@@ -1,4 +1,4 @@
-"""Which hidden edges are drawn: on paper, those that would run together are one."""
+"""Hidden edges on paper: of edges that would run together, only one is drawn."""
 
 from __future__ import annotations
 
@@ -7,25 +7,30 @@ from collections.abc import Iterable
 
 from skincad.solids.projection import Polyline, Stroke
 
-NEAR = 0.6  # mm, assumption: parallel hidden edges nearer than this are one on paper
+MIN_SPACING = 0.6  # mm, assumption: parallel hidden edges nearer than this are one on paper
 
 
 def thinned(hidden: Iterable[Stroke], visible: Iterable[Stroke]) -> list[Stroke]:
-    """Return hidden edges without those that would run together on paper: nearer than `NEAR` mm to a parallel
-    one that is drawn, all along."""
-    kept: list[Stroke] = []
-    taken: list[tuple[float, float, float, float, float]] = []  # direction, offset, from, to
+    """Return hidden edges without those that would run together on paper: nearer than `MIN_SPACING` mm to
+    a parallel one that is drawn, all along."""
+    strokes: list[Stroke] = []
+    lines: list[tuple[float, float, float, float, float]] = []  # direction, offset, from, to
 
     def covered(chain: Polyline) -> bool:
         angle, offset, low, high = _straight(chain)
-        for other, at, start, end in ((t[0], t[1], t[2], t[3]) for t in taken):
+        for other, at, start, end in ((t[0], t[1], t[2], t[3]) for t in lines):
             turn = abs((angle - other + math.pi / 2) % math.pi - math.pi / 2)
-            if turn < 0.05 and abs(at - offset) < NEAR and start - NEAR < low and high < end + NEAR:
+            if (
+                turn < 0.05
+                and abs(at - offset) < MIN_SPACING
+                and start - MIN_SPACING < low
+                and high < end + MIN_SPACING
+            ):
                 return True
         return False
 
     def take(chain: Polyline) -> None:
-        taken.append((*_straight(chain), 0.0))
+        lines.append((*_straight(chain), 0.0))
 
     for stroke in visible:
         if isinstance(stroke, Polyline) and len(stroke.points) == 2:
@@ -35,10 +40,10 @@ def thinned(hidden: Iterable[Stroke], visible: Iterable[Stroke]) -> list[Stroke]
             if covered(stroke):
                 continue
             take(stroke)
-        elif isinstance(stroke, Polyline) and _long(stroke) < NEAR:
+        elif isinstance(stroke, Polyline) and _long(stroke) < MIN_SPACING:
             continue
-        kept.append(stroke)
-    return kept
+        strokes.append(stroke)
+    return strokes
 
 
 def _straight(chain: Polyline) -> tuple[float, float, float, float]:

@@ -28,71 +28,73 @@ PANELS = 2  # measures that are drawn: the first with two errors to show
 SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
 # trials above the reference's own error, and the ratio of the longest of their times to the shortest
 LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
-TIGHT = 12.0  # an axis has at least this ratio between its ends
+MIN_AXIS_RATIO = 12.0  # an axis has at least this ratio between its ends
 HEADROOM = 0.3  # of the errors' decades
-WIDEST, HIGHEST = 56, 52  # letters of a line: a title's, an error axis's
+TITLE_LETTERS, LABEL_LETTERS = 56, 52  # letters of a line: a title's, an error axis's
 
 
 def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
     """Return a figure of the ladder's first measures; without anything to draw, one that says so."""
-    shown = [m for m in ladder.measures if len({r.errors[m.name] for r in _seen(ladder, m)}) > 1][:PANELS]
+    measures = [m for m in ladder.measures if len({r.errors[m.name] for r in _drawable(ladder, m)}) > 1][
+        :PANELS
+    ]
     with sheet(SIZE, DPI, 255) as figure:
         figure.suptitle(ladder.title)
-        places = figure.subplots(1, max(1, len(shown)), squeeze=False)[0]
-        models = list(dict.fromkeys(trial.model for trial in ladder.trials))
+        places = figure.subplots(1, max(1, len(measures)), squeeze=False)[0]
+        models = list(dict.fromkeys(point.model for point in ladder.trials))
         style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
-        for axes, measure in zip(places, shown, strict=False):
+        for axes, measure in zip(places, measures, strict=False):
             _panel(axes, ladder, measure, style)
-        if not shown:
+        if not measures:
             places[0].text(0.5, 0.5, "no trial can be judged on this design", ha="center")
             places[0].set_axis_off()
-        filled = "; filled: none is both faster and more exact" if ladder.lines and shown else ""
+        filled = "; filled: none is both faster and more exact" if ladder.lines and measures else ""
         where = f"{machine['processor']}, {machine['cores']} cores; medians"
         words = f"{where}, bars from the shortest to the longest run{filled}"
         figure.supxlabel(words, fontsize=8, color="#555555")
     return figure
 
 
-def _seen(ladder: Ladder, measure: ErrorMeasure) -> list[Trial]:
-    return [trial for trial in ladder.trials if trial.errors.get(measure.name, 0.0) > 0]
+def _drawable(ladder: Ladder, measure: ErrorMeasure) -> list[Trial]:
+    return [point for point in ladder.trials if point.errors.get(measure.name, 0.0) > 0]
 
 
 def _panel(axes: Axes, ladder: Ladder, measure: ErrorMeasure, style: dict[str, tuple[str, str, Any]]) -> None:
-    trials = _seen(ladder, measure)
+    trials = _drawable(ladder, measure)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    best = [trial for trial in ladder.best(measure) if trial in trials]
+    best = [point for point in ladder.best(measure) if point in trials]
     if measure.compares and best:
         x, y = [r.seconds for r in best], [r.errors[measure.name] for r in best]
-        wide: dict[str, Any] = {"color": FRONT, "linewidth": 5.0, "zorder": 0.5}
-        axes.plot(x, y, drawstyle="steps-post", label="Pareto front", **wide)
+        band: dict[str, Any] = {"color": FRONT, "linewidth": 5.0, "zorder": 0.5}
+        axes.plot(x, y, drawstyle="steps-post", label="Pareto front", **band)
     for model, (colour, marker, dashes) in style.items():
-        mine = [trial for trial in trials if trial.model == model]
-        if not mine:
+        model_points = [point for point in trials if point.model == model]
+        if not model_points:
             continue
         if ladder.lines:
-            path = sorted((r.seconds, r.errors[measure.name]) for r in mine)
+            path = sorted((r.seconds, r.errors[measure.name]) for r in model_points)
             axes.plot(*zip(*path, strict=True), color=colour, linestyle=dashes, linewidth=1.3)
-        for trial in mine:
-            error = trial.errors[measure.name]
-            runs = trial.instead or trial.runs
+        for point in model_points:
+            error = point.errors[measure.name]
+            runs = point.instead or point.runs
             axes.hlines(error, min(runs), max(runs), color=colour, linewidth=0.8)
             look: dict[str, Any] = {"marker": marker, "color": colour, "markersize": 6, "linestyle": ""}
-            filled = trial in best or not ladder.lines
+            filled = point in best or not ladder.lines
             axes.plot(median(runs), error, markerfacecolor=colour if filled else "white", **look)
-        label = model + (_slope(mine, measure) if ladder.lines else "")
+        label = model + (_slope(model_points, measure) if ladder.lines else "")
         axes.plot([], [], color=colour, marker=marker, linestyle=dashes if ladder.lines else "", label=label)
     _words(axes, measure, "time, s" if ladder.lines else "time of the scene with the effect, s")
 
 
 def _slope(trials: list[Trial], measure: ErrorMeasure) -> str:
     """The exponent of error against time in words, of the trials above the reference's own error."""
-    told = [trial for trial in trials if trial.errors[measure.name] > measure.floor]
-    found = slope([r.seconds for r in told], [r.errors[measure.name] for r in told])
-    times = [r.seconds for r in told]
-    if found is None or len(told) < LEAST_FOR_SLOPE or max(times) < SPREAD_FOR_SLOPE * min(times):
+    points = [point for point in trials if point.errors[measure.name] > measure.floor]
+    exponent = slope([r.seconds for r in points], [r.errors[measure.name] for r in points])
+    times = [r.seconds for r in points]
+    if exponent is None or len(points) < LEAST_FOR_SLOPE or max(times) < SPREAD_FOR_SLOPE * min(times):
         return ""
-    return f", slope {round(found, 1) + 0.0:g}"
+    return f", slope {round(exponent, 1) + 0.0:g}"
 
 
 def _words(axes: Axes, measure: ErrorMeasure, time: str) -> None:
@@ -102,16 +104,16 @@ def _words(axes: Axes, measure: ErrorMeasure, time: str) -> None:
         axes.axhspan(low, measure.floor, color=FLOOR, zorder=0, label="reference's own error")
         axes.set_ylim(low, high)
     for ends, set_ends in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
-        if ends[1] < TIGHT * ends[0]:  # no power of ten may lie within: room for one
+        if ends[1] < MIN_AXIS_RATIO * ends[0]:  # no power of ten may lie within: room for one
             middle = math.sqrt(ends[0] * ends[1])
-            set_ends(middle / math.sqrt(TIGHT), middle * math.sqrt(TIGHT))
+            set_ends(middle / math.sqrt(MIN_AXIS_RATIO), middle * math.sqrt(MIN_AXIS_RATIO))
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** HEADROOM)  # for the legend
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(time)
     unit = ", relative" if measure.unit == "1" else f", {measure.unit}"
-    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, HIGHEST))
+    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, LABEL_LETTERS))
     against = measure.reference.partition(":")[0].partition(",")[0]
-    axes.set_title(fill(f"against {against}", WIDEST), fontsize=9)
+    axes.set_title(fill(f"against {against}", TITLE_LETTERS), fontsize=9)
     axes.legend(fontsize=7.5, loc="best", framealpha=0.9)

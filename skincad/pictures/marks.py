@@ -1,7 +1,7 @@
-"""What a drawing sheet is made of, plain data in mm of paper, y up: strokes, fills, words, dimensions.
+"""Marks of a drawing sheet, plain data in mm of paper, y up: strokes, fills, words, dimensions.
 
-A dimension knows its points and what it says, and what of it is drawn: so each format draws it alike, and
-one that has dimensions of its own (DXF) keeps them as such.
+A dimension has its points, its words and the strokes that draw it. So each format draws it alike, and DXF,
+which has dimensions of its own, keeps it as one.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def linear(
     """Return a dimension along x (`level`) or y, its line at y or x = `away` mm."""
     (x0, y0), (x1, y1) = ends
     feet = ((x0, away), (x1, away)) if level else ((away, y0), (away, y1))
-    return _lined(ends, feet, scale, words, height, 0.0 if level else 90.0)
+    return _linear_dimension(ends, feet, scale, words, height, 0.0 if level else 90.0)
 
 
 def aligned(
@@ -156,10 +156,10 @@ def aligned(
     turn = math.degrees(along)
     if not -89.0 < turn <= 91.0:  # read from below or from the right
         turn, feet, ends = turn - math.copysign(180.0, turn), feet[::-1], ends[::-1]
-    return _lined(ends, feet, scale, words, height, turn)
+    return _linear_dimension(ends, feet, scale, words, height, turn)
 
 
-def _lined(
+def _linear_dimension(
     ends: tuple[Place, Place],
     feet: tuple[Place, Place],
     scale: float,
@@ -180,15 +180,15 @@ def _lined(
     tight = span < inner
     flip = math.pi if tight else 0.0
     marks += [arrow(a, along + math.pi + flip), arrow(b, along + flip)]
-    beyond = 2 * ARROW[0] if tight else 0.0
+    overshoot = 2 * ARROW[0] if tight else 0.0
     u, v = math.cos(along), math.sin(along)
     need = width(words, height)
     outside = need > span - (0.0 if tight else 2 * ARROW[0]) + 1.0
-    far = beyond + (need + 1.5 if outside else 0.0)
-    tail, head = (a[0] - beyond * u, a[1] - beyond * v), (b[0] + far * u, b[1] + far * v)
+    far = overshoot + (need + 1.5 if outside else 0.0)
+    tail, head = (a[0] - overshoot * u, a[1] - overshoot * v), (b[0] + far * u, b[1] + far * v)
     marks.append(line(tail, head, "DIMENSIONS"))
     if outside:
-        middle = b[0] + (beyond + 1.0 + need / 2) * u, b[1] + (beyond + 1.0 + need / 2) * v
+        middle = b[0] + (overshoot + 1.0 + need / 2) * u, b[1] + (overshoot + 1.0 + need / 2) * v
     else:
         middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
     lift = 0.7

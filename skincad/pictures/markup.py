@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from skincad.base.formula import Calculation, Quantity, rounded
-from skincad.pictures.mathml import formula, name, part, put_in
+from skincad.pictures.mathml import formula, formula_with_numbers, name, part
 
-MOST_TERMS = 12  # of a sum that are written out
+MAX_TERMS = 12  # of a sum that are written out
 Cell = str | float | int | None
 
 
@@ -32,7 +32,7 @@ def command_line(command: str, words: str = "By") -> str:
 def table(head: Sequence[str], rows: Iterable[Sequence[Cell]], look: str = "") -> str:
     """Return a table whose head stands on each printed page; numbers stand to the right."""
     kind = f' class="{look}"' if look else ""
-    heads = "".join(f"<th>{escape(each)}</th>" for each in head)
+    heads = "".join(f"<th>{escape(title)}</th>" for title in head)
     body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in rows)
     return f"<table{kind}><thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody></table>\n"
 
@@ -57,28 +57,28 @@ def figure(address: str, caption: str, command: str, look: str = "") -> str:
 def calculation(step: Calculation) -> str:
     """Return formula, numbers put in, result, symbols and source of one step."""
     result = f"{_minus(_value(step.result))}{_unit(step.result.unit)}"
-    numbers = put_in(step)
+    numbers = formula_with_numbers(step)
     if step.sums():
         numbers += " with the ridges' values of the table below"
-    told = "".join(
+    sums = "".join(
         f'<p class="small">{part(call)} = {" + ".join(_minus(rounded(term)) for term in terms)}</p>\n'
         for call, terms in step.sums()
-        if len(terms) <= MOST_TERMS
+        if len(terms) <= MAX_TERMS
     )
     remark = paragraph(step.remark, "small") if step.remark else ""
     return (
         f'<div class="step">\n<h3>{escape(step.title)}</h3>\n'
         f'<p class="formula">{formula(step)}</p>\n<p class="formula">{numbers} '
-        f'<span class="result">= {result}</span></p>\n{told}'
-        f'<p class="small">{"; ".join(_meant(each) for each in step.given)}.<br>'
+        f'<span class="result">= {result}</span></p>\n{sums}'
+        f'<p class="small">{"; ".join(_symbol_meaning(quantity) for quantity in step.given)}.<br>'
         f"Source: {escape(step.source)}.</p>\n{remark}</div>\n"
     )
 
 
 def ridge_table(quantities: Sequence[Quantity]) -> str:
     """Return the table of what differs from ridge to ridge."""
-    columns = [each.value for each in quantities if isinstance(each.value, tuple)]
-    heads = "".join(f"<th>{name(each)}{_unit(each.unit, ', ')}</th>" for each in quantities)
+    columns = [quantity.value for quantity in quantities if isinstance(quantity.value, tuple)]
+    heads = "".join(f"<th>{name(quantity)}{_unit(quantity.unit, ', ')}</th>" for quantity in quantities)
     rows = "".join(
         f'<tr><td class="number">{ridge}</td>{"".join(_cell(value) for value in row)}</tr>\n'
         for ridge, row in enumerate(zip(*columns, strict=True), 1)
@@ -87,11 +87,11 @@ def ridge_table(quantities: Sequence[Quantity]) -> str:
     return f'<table class="small"><thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table>\n'
 
 
-def _meant(given: Quantity) -> str:
+def _symbol_meaning(quantity: Quantity) -> str:
     """A symbol with its meaning, and its number and unit but for those of each ridge."""
-    if isinstance(given.value, tuple):
-        return f"{name(given)} {escape(given.meaning)}"
-    return f"{name(given)} = {_minus(_value(given))}{_unit(given.unit)}, {escape(given.meaning)}"
+    if isinstance(quantity.value, tuple):
+        return f"{name(quantity)} {escape(quantity.meaning)}"
+    return f"{name(quantity)} = {_minus(_value(quantity))}{_unit(quantity.unit)}, {escape(quantity.meaning)}"
 
 
 def _value(quantity: Quantity) -> str:

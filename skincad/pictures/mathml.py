@@ -22,14 +22,18 @@ WHOLE = 5  # of what needs no brackets
 
 def formula(step: Calculation) -> str:
     """Return the formula in symbols: result = ..."""
-    drawn = _Drawn({}).of(_tree(step), 0)
+    drawn = _FormulaWriter({}).of(_tree(step), 0)
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
 
-def put_in(step: Calculation) -> str:
+def formula_with_numbers(step: Calculation) -> str:
     """Return the formula with the numbers put in; those of each ridge stay symbols."""
-    numbers = {each.symbol: number(each.value) for each in step.given if not isinstance(each.value, tuple)}
-    drawn = _Drawn(numbers).of(_tree(step), 0)
+    numbers = {
+        quantity.symbol: number(quantity.value)
+        for quantity in step.given
+        if not isinstance(quantity.value, tuple)
+    }
+    drawn = _FormulaWriter(numbers).of(_tree(step), 0)
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
 
@@ -50,7 +54,7 @@ def symbol(text: str) -> str:
 
 def part(node: ast.expr) -> str:
     """Return a part of a formula in symbols."""
-    return _math(_Drawn({}).of(node, 0))
+    return _math(_FormulaWriter({}).of(node, 0))
 
 
 def number(value: float) -> str:
@@ -70,7 +74,7 @@ def _tree(step: Calculation) -> ast.expr:
     return ast.parse(step.formula, mode="eval").body
 
 
-class _Drawn:
+class _FormulaWriter:
     """Draws parts of a formula, with numbers in the place of some symbols."""
 
     def __init__(self, numbers: dict[str, str]) -> None:
@@ -87,9 +91,9 @@ class _Drawn:
             case ast.Constant(value=value):
                 return f"<mn>{value!r}</mn>", WHOLE
             case ast.Name(id=name):
-                found = self.numbers.get(name)
-                negative = found is not None and found.startswith("<mrow><mn>−")  # noqa: RUF001
-                return found or symbol(name), 1 if negative else WHOLE
+                text = self.numbers.get(name)
+                negative = text is not None and text.startswith("<mrow><mn>−")  # noqa: RUF001
+                return text or symbol(name), 1 if negative else WHOLE
             case ast.UnaryOp(operand=inner):
                 return f"<mo>−</mo>{self.of(inner, 2)}", 1  # noqa: RUF001
             case ast.Call(func=ast.Name(id=name), args=[inner]):

@@ -23,14 +23,14 @@ def document(title: str, body: str, *styles: str) -> str:
 
 def page(markdown: str, drawing: str, title: str) -> str:
     """Return the casting sheet as a page to print: its Markdown and the drawing."""
-    return document(title, f"{rendered(markdown)}<h2>Drawing</h2>\n{drawing}")
+    return document(title, f"{markdown_html(markdown)}<h2>Drawing</h2>\n{drawing}")
 
 
-def rendered(markdown: str) -> str:
+def markdown_html(markdown: str) -> str:
     """Return Markdown as HTML; raw HTML in it is shown, not taken."""
     return str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
 
 
-def inlined(data: bytes, kind: str) -> str:
+def data_url(data: bytes, kind: str) -> str:
     """Return an address that holds the data itself; `kind` as `image/png`."""
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"

@@ -16,14 +16,12 @@ from skincad.shape.curves import Loop
 from skincad.solids.plan import shifted
 
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02)  # source: ISO 5455
-FILED, EDGE = (
-    20.0,
-    10.0,
-)  # mm, source: ISO 5457, the frame's distance from the paper at the left and elsewhere
-APART = 6.0  # mm, between views and column
+BINDING_MARGIN = 20.0  # mm, source: ISO 5457, the frame's distance from the paper's left edge
+EDGE_MARGIN = 10.0  # mm, source: ISO 5457, its distance from the other edges
+VIEW_GAP = 6.0  # mm, between views and column
 TAGS, CAPTION = 12.0, 8.0  # mm, between the view from above and a detail to its right; under the left view
-ROOM = 7.0  # mm, assumption: between neighbouring holes on paper, for their tags
-READ = 45.0  # mm, assumption: a view's larger side on paper is at least so long
+HOLE_SPACING = 7.0  # mm, assumption: between neighbouring holes on paper, for their tags
+MIN_VIEW_SIZE = 45.0  # mm, assumption: a view's larger side on paper is at least so long
 
 
 class Paper(NamedTuple):
@@ -41,7 +39,7 @@ class Paper(NamedTuple):
     @property
     def frame(self) -> Box:
         """The frame, mm."""
-        return FILED, EDGE, self.size[0] - EDGE, self.size[1] - EDGE
+        return BINDING_MARGIN, EDGE_MARGIN, self.size[0] - EDGE_MARGIN, self.size[1] - EDGE_MARGIN
 
 
 PAPERS = (
@@ -68,35 +66,40 @@ class Arranged(NamedTuple):
 
 
 def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
-    """Return the sheet of a part; `date` is "" where it is omitted."""
-    paper, found = _choice(drawing)
+    """Return the sheet of a part; `date` is "" where it is left out."""
+    paper, arrangement = _choice(drawing)
     _, low, right, _ = paper.frame
     area, detail = _area(drawing, paper), detail_size(drawing, paper.window)
-    titled = Titled(scale_words(found.scale), paper.name, version, date)
-    aside = (area[2] - area[0] - found.size[0]) / 2
-    spare = (area[3] - area[1] - found.size[1]) / (2 if found.in_corner else 3)
-    views = area[0] + aside, area[1], area[2], area[3] - spare
-    placed = places(drawing, found.scale, views)
-    if found.in_corner:
-        corner = area[0] + aside + found.size[0] - detail[0], area[3] - spare - found.size[1]
+    title_block = Titled(scale_words(arrangement.scale), paper.name, version, date)
+    side_margin = (area[2] - area[0] - arrangement.size[0]) / 2
+    spare = (area[3] - area[1] - arrangement.size[1]) / (2 if arrangement.in_corner else 3)
+    views = area[0] + side_margin, area[1], area[2], area[3] - spare
+    placements = places(drawing, arrangement.scale, views)
+    if arrangement.in_corner:
+        corner = (
+            area[0] + side_margin + arrangement.size[0] - detail[0],
+            area[3] - spare - arrangement.size[1],
+        )
     else:
-        corner = area[0] + aside, area[1] + spare
-    taken = (*corner, corner[0] + detail[0], corner[1] + detail[1])
+        corner = area[0] + side_margin, area[1] + spare
+    detail_box = (*corner, corner[0] + detail[0], corner[1] + detail[1])
     marks: list[Mark] = [
         rectangle(paper.frame, "FRAME"),
-        *column(drawing, titled, right - COLUMN, low),
-        *view_marks(drawing, placed, views, taken),
-        *detail_marks(drawing, placed[FRONT], corner, paper.window),
+        *column(drawing, title_block, right - COLUMN, low),
+        *view_marks(drawing, placements, views, detail_box),
+        *detail_marks(drawing, placements[FRONT], corner, paper.window),
     ]
     title = f"{drawing.design}: {drawing.name}"
-    return Sheet(title, paper.size, found.scale, tuple(marks), _cut(drawing, placed), drawing.cut_notes)
+    return Sheet(
+        title, paper.size, arrangement.scale, tuple(marks), _cut(drawing, placements), drawing.cut_notes
+    )
 
 
-def _cut(drawing: PartDrawing, placed: dict[str, Placed]) -> tuple[tuple[str, Loop], ...]:
+def _cut(drawing: PartDrawing, placements: dict[str, Placed]) -> tuple[tuple[str, Loop], ...]:
     """What is cut through, where its view lies, mm of the part."""
     if drawing.cut is None:
         return ()
-    (x, y), scale = placed[drawing.cut.view].origin, placed[drawing.cut.view].scale
+    (x, y), scale = placements[drawing.cut.view].origin, placements[drawing.cut.view].scale
     return tuple(("CUT", shifted(loop, x / scale, y / scale)) for loop in drawing.cut.loops)
 
 
@@ -104,8 +107,8 @@ def _area(drawing: PartDrawing, paper: Paper) -> Box:
     """Where views and detail have room, mm: left of the column, or over it."""
     left, low, right, high = paper.frame
     if paper.beside:
-        return left, low, right - COLUMN - APART, high
-    return left, low + column_height(drawing) + APART, right, high
+        return left, low, right - COLUMN - VIEW_GAP, high
+    return left, low + column_height(drawing) + VIEW_GAP, right, high
 
 
 def _choice(drawing: PartDrawing) -> tuple[Paper, Arranged]:
@@ -114,21 +117,21 @@ def _choice(drawing: PartDrawing) -> tuple[Paper, Arranged]:
     for paper in PAPERS:
         if paper.beside and column_height(drawing) > paper.frame[3] - paper.frame[1]:
             continue
-        fitting = (_fitting(drawing, paper, scale) for scale in SCALES)
-        found = next((one for one in fitting if one is not None), None)
-        if found is None:
+        options = (_arrangement(drawing, paper, scale) for scale in SCALES)
+        arrangement = next((one for one in options if one is not None), None)
+        if arrangement is None:
             continue
-        if best is None or found.scale > best[1].scale:
-            best = paper, found
-        if found.scale * _wanted(drawing) >= 1:
+        if best is None or arrangement.scale > best[1].scale:
+            best = paper, arrangement
+        if arrangement.scale * _legibility(drawing) >= 1:
             break
-    return best or (PAPERS[-1], _arranged(drawing, PAPERS[-1], SCALES[-1])[-1])
+    return best or (PAPERS[-1], _arrangements(drawing, PAPERS[-1], SCALES[-1])[-1])
 
 
-def _wanted(drawing: PartDrawing) -> float:
-    """How much room the part has at 1:1 by what it needs to be read."""
+def _legibility(drawing: PartDrawing) -> float:
+    """The part's size at 1:1 over the size at which it can be read."""
     (left, low), (right, high) = drawing.views[FRONT].box()
-    return min(max(right - left, high - low) / READ, _spacing(drawing) / ROOM)
+    return min(max(right - left, high - low) / MIN_VIEW_SIZE, _spacing(drawing) / HOLE_SPACING)
 
 
 def _spacing(drawing: PartDrawing) -> float:
@@ -137,23 +140,23 @@ def _spacing(drawing: PartDrawing) -> float:
     for group in drawing.holes:
         views.setdefault(group.view, []).extend(hole.at for hole in group.holes)
     pairs = (math.dist(a, b) for ats in views.values() for i, a in enumerate(ats) for b in ats[:i])
-    return min((apart for apart in pairs if apart > 1e-6), default=math.inf)
+    return min((distance for distance in pairs if distance > 1e-6), default=math.inf)
 
 
-def _fitting(drawing: PartDrawing, paper: Paper, scale: float) -> Arranged | None:
+def _arrangement(drawing: PartDrawing, paper: Paper, scale: float) -> Arranged | None:
     """How all of it fits on a paper at a scale; None where it does not."""
     left, low, right, high = _area(drawing, paper)
     wide, tall = right - left - 4.0, high - low - 4.0
-    rows = _arranged(drawing, paper, scale)
+    rows = _arrangements(drawing, paper, scale)
     return next((one for one in rows if one.size[0] <= wide and one.size[1] <= tall), None)
 
 
-def _arranged(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arranged, ...]:
+def _arrangements(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arranged, ...]:
     """The ways to lay out views and detail, the most even one first."""
     views, corner = size_of(drawing, scale), corner_of(drawing, scale)
     wide, tall = detail_size(drawing, paper.window)
     if not wide:
         return (Arranged(scale, views, False),)
-    aside = max(views[0], corner[0] + TAGS + wide), max(views[1], corner[1] + CAPTION + tall)
+    beside = max(views[0], corner[0] + TAGS + wide), max(views[1], corner[1] + CAPTION + tall)
     under = max(views[0], wide), views[1] + tall
-    return Arranged(scale, aside, True), Arranged(scale, under, False)
+    return Arranged(scale, beside, True), Arranged(scale, under, False)

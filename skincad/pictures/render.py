@@ -30,9 +30,9 @@ class Camera:
 
     def pixel(self, point: Array) -> tuple[float, float]:
         """Return where a point of the scene lies in the picture, pixels from its upper left."""
-        across = (float(point @ self.right) - self.centre[0]) * self.per_mm + self.size[0] / 2
-        down = self.size[1] / 2 - (float(point @ self.up) - self.centre[1]) * self.per_mm
-        return across, down
+        column = (float(point @ self.right) - self.centre[0]) * self.per_mm + self.size[0] / 2
+        row = self.size[1] / 2 - (float(point @ self.up) - self.centre[1]) * self.per_mm
+        return column, row
 
 
 def view(meshes: list[trimesh.Trimesh], azimuth: float, height: float, size: tuple[int, int]) -> Camera:
@@ -49,43 +49,43 @@ def view(meshes: list[trimesh.Trimesh], azimuth: float, height: float, size: tup
     return Camera(right, up, towards, (low + high) / 2, per_mm, size)
 
 
-def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], seen: Camera) -> Image:
+def shaded(meshes: list[trimesh.Trimesh], colours: list[Colour], camera: Camera) -> Image:
     """Return the picture, `(height, width, 3)` from 0 to 1: matt surfaces on white, edges drawn dark."""
     whole = trimesh.util.concatenate(meshes)
     owner = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
-    hit = _hit(whole, seen)
+    hit = _hit(whole, camera)
     normals = np.asarray(whole.face_normals)
     brightness = 0.45 + 0.55 * np.clip(normals @ _LIGHT, 0, 1)
     paint = np.array(colours)[owner] * brightness[:, None]
     image = np.vstack([paint, np.ones(3)])[hit]  # -1, the last: white
     image[_edges(hit, owner, normals)] *= 0.35
-    blocks = image.reshape(seen.size[1], _OVERSAMPLE, seen.size[0], _OVERSAMPLE, 3)
+    blocks = image.reshape(camera.size[1], _OVERSAMPLE, camera.size[0], _OVERSAMPLE, 3)
     return np.asarray(blocks.mean(axis=(1, 3)))
 
 
-def _hit(whole: trimesh.Trimesh, seen: Camera) -> Index:
+def _hit(whole: trimesh.Trimesh, camera: Camera) -> Index:
     """Return which face is seen at each of `_OVERSAMPLE` squared points of each pixel, -1 for none; a pixel
-    in a face that fills its neighbours too is asked once."""
+    whose neighbours all show the same face is sampled once."""
     caster = RayMeshIntersector(whole)
-    far = float(np.abs(whole.bounds).max()) * 4 * seen.towards
+    far = float(np.abs(whole.bounds).max()) * 4 * camera.towards
 
-    def cast(across: Array, down: Array) -> Index:
+    def cast(column: Array, row: Array) -> Index:
         """Faces seen at places in the picture, pixels from its upper left."""
-        x = seen.centre[0] + (across - seen.size[0] / 2) / seen.per_mm
-        y = seen.centre[1] - (down - seen.size[1] / 2) / seen.per_mm
-        origins = x[:, None] * seen.right + y[:, None] * seen.up + far
-        return np.asarray(caster.intersects_first(origins, np.broadcast_to(-seen.towards, origins.shape)))
+        x = camera.centre[0] + (column - camera.size[0] / 2) / camera.per_mm
+        y = camera.centre[1] - (row - camera.size[1] / 2) / camera.per_mm
+        origins = x[:, None] * camera.right + y[:, None] * camera.up + far
+        return np.asarray(caster.intersects_first(origins, np.broadcast_to(-camera.towards, origins.shape)))
 
-    wide, high = seen.size
-    down, across = np.indices((high, wide)).reshape(2, -1) + 0.5
-    middle = cast(across, down).reshape(high, wide)
+    wide, high = camera.size
+    row, column = np.indices((high, wide)).reshape(2, -1) + 0.5
+    middle = cast(column, row).reshape(high, wide)
     near = np.pad(middle, 1, mode="edge")
     windows = sliding_window_view(near, (3, 3))
     mixed = (windows != middle[:, :, None, None]).any(axis=(2, 3))
     hit = middle.repeat(_OVERSAMPLE, 0).repeat(_OVERSAMPLE, 1)
     fine = mixed.repeat(_OVERSAMPLE, 0).repeat(_OVERSAMPLE, 1)
-    down, across = (np.array(np.nonzero(fine)) + 0.5) / _OVERSAMPLE
-    hit[fine] = cast(across, down)
+    row, column = (np.array(np.nonzero(fine)) + 0.5) / _OVERSAMPLE
+    hit[fine] = cast(column, row)
     return hit
 
 

@@ -24,7 +24,7 @@ from skincad.pictures.canvas import (
     own_style,
     to_rgb,
 )
-from skincad.pictures.film_figures import FILM, MAP, usual
+from skincad.pictures.film_figures import FILM, MAP, colour_limit
 
 Frame = tuple[float, float, float, float]
 PLATE, AROUND = "#9a9a9a", "#d7e3d0"  # a tint that no stress has: unstressed skin is white
@@ -45,7 +45,7 @@ class Moment:
 def section_picture(moment: Moment, path: Path) -> None:
     """Write a PNG of a section, coloured by the stress across the ridges."""
     with own_style():
-        picture = _sheet([moment]).drawn(moment)
+        picture = _sheet([moment]).image(moment)
     _few_colours(picture, 255).save(path, format="PNG", optimize=True)
 
 
@@ -53,7 +53,7 @@ def section_figure(moment: Moment) -> Picture:
     """Return the figure that `section_picture` writes."""
     with own_style():
         sheet = _sheet([moment])
-        sheet.drawn(moment)
+        sheet.image(moment)
     return sheet.figure
 
 
@@ -63,7 +63,7 @@ def section_animation(moments: Sequence[Moment], path: Path) -> None:
     with own_style():
         sheet = _sheet(moments)
         for moment in moments:
-            picture = sheet.drawn(moment)
+            picture = sheet.image(moment)
             height = round(picture.height * FRAME_WIDTH / picture.width)
             small = picture.resize((FRAME_WIDTH, height), Image.Resampling.LANCZOS)
             pictures.append(_few_colours(small, COLOURS))
@@ -85,7 +85,7 @@ def _few_colours(picture: Image.Image, count: int) -> Image.Image:
 def _limit(moments: Sequence[Moment]) -> float:
     """Largest stress of the colours, MPa: that below which nearly all silicone lies."""
     every = (m.shown for m in moments)
-    return max(usual(s.place, s.triangles[~s.film], s.stress[:, 0]) for s in every) or 1e-6
+    return max(colour_limit(s.place, s.triangles[~s.film], s.stress[:, 0]) for s in every) or 1e-6
 
 
 def _frame(moments: Sequence[Moment]) -> Frame:
@@ -105,7 +105,7 @@ class _Sheet:
     limit: float
     frame: Frame
 
-    def drawn(self, moment: Moment) -> Image.Image:
+    def image(self, moment: Moment) -> Image.Image:
         self.axes.clear()
         _draw_section(self.axes, moment.shown, self.limit, self.frame)
         self.axes.set_title(moment.title)

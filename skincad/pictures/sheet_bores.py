@@ -10,7 +10,7 @@ from skincad.fabrication.bore_table import Aside, HoleGroup
 from skincad.pictures.marks import Box, Ink, Mark, line
 from skincad.solids.projection import Arc, Place, Polyline, Projection, Stroke
 
-BEYOND = 1.0  # mm of paper, of a centre line beyond the bore
+OVERSHOOT = 1.0  # mm of paper, of a centre line beyond the bore
 THREE_QUARTERS = math.radians(100.0), math.radians(270.0)  # start and sweep of a thread's circle
 
 
@@ -30,39 +30,42 @@ class Placed(NamedTuple):
             return Arc(self.at(stroke.centre), self.scale * stroke.radius, stroke.start, stroke.sweep)
         return Polyline(tuple(self.at(point) for point in stroke.points))
 
-    def box(self, seen: Projection) -> Box:
+    def box(self, projection: Projection) -> Box:
         """Return the rectangle of a view on paper, mm."""
-        low, high = seen.box()
+        low, high = projection.box()
         return (*self.at(low), *self.at(high))
 
 
-def bore_marks(holes: tuple[HoleGroup, ...], placed: dict[str, Placed]) -> list[Mark]:
+def bore_marks(holes: tuple[HoleGroup, ...], placements: dict[str, Placed]) -> list[Mark]:
     """Return the bores' centre lines, from their ends and sides, and their threads."""
     marks: list[Mark] = []
     for group in holes:
-        place, wide = placed[group.view], major(group.thread)
+        place, wide = placements[group.view], major(group.thread)
         for hole in group.holes:
             centre = place.at(hole.at)
             marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
             if wide is not None:
                 marks.append(Ink(Arc(centre, place.scale * wide / 2, *THREE_QUARTERS), "THREAD"))
-        for aside in group.side_views:
-            marks += _along(aside, placed[aside.view], wide and wide / 2, group)
+        for side_view in group.side_views:
+            marks += _along(side_view, placements[side_view.view], wide and wide / 2, group)
     return marks
 
 
 def _cross(centre: Place, radius: float) -> list[Mark]:
-    out, (x, y) = radius + BEYOND, centre
+    out, (x, y) = radius + OVERSHOOT, centre
     return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]
 
 
-def _along(aside: Aside, place: Placed, radius: float | None, group: HoleGroup) -> list[Mark]:
+def _along(side_view: Aside, place: Placed, radius: float | None, group: HoleGroup) -> list[Mark]:
     """A bore's centre line from the side, and its thread's lines: hidden, so broken. Where the thread ends
     before the bore does, a line across says so."""
-    start, end = place.at(aside.start), place.at(aside.end)
+    start, end = place.at(side_view.start), place.at(side_view.end)
     long = math.dist(start, end)
     u, v = (end[0] - start[0]) / long, (end[1] - start[1]) / long
-    tail, head = (start[0] - BEYOND * u, start[1] - BEYOND * v), (end[0] + BEYOND * u, end[1] + BEYOND * v)
+    tail, head = (
+        (start[0] - OVERSHOOT * u, start[1] - OVERSHOOT * v),
+        (end[0] + OVERSHOOT * u, end[1] + OVERSHOOT * v),
+    )
     marks: list[Mark] = [line(tail, head, "CENTRE")]
     if radius is None:
         return marks

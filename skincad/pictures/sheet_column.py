@@ -23,7 +23,7 @@ class Titled(NamedTuple):
     scale: str
     paper: str
     version: str
-    date: str  # "" where it is omitted
+    date: str  # "" where it is left out
 
 
 def column_height(drawing: PartDrawing) -> float:
@@ -31,14 +31,14 @@ def column_height(drawing: PartDrawing) -> float:
     return TITLE + GAP + _notes_height(drawing) + sum(GAP + _table_height(t) for t in drawing.tables)
 
 
-def column(drawing: PartDrawing, titled: Titled, left: float, low: float) -> list[Mark]:
+def column(drawing: PartDrawing, title_block: Titled, left: float, low: float) -> list[Mark]:
     """Return the column's marks, its lower left corner there."""
-    marks = _title(drawing, titled, left, low)
+    marks = _title(drawing, title_block, left, low)
     high = low + TITLE + GAP + _notes_height(drawing)
     lines = _wrapped(drawing)
     for i, text in enumerate(lines):
-        aside = 1.0 if text.startswith("-") else 2.2
-        marks.append(Words(text, (left + aside, high - (i + 1) * ROW), TEXT, "TEXT"))
+        indent = 1.0 if text.startswith("-") else 2.2
+        marks.append(Words(text, (left + indent, high - (i + 1) * ROW), TEXT, "TEXT"))
     for table in reversed(drawing.tables):
         high += GAP + _table_height(table)
         marks += _table(table, left, high)
@@ -46,10 +46,10 @@ def column(drawing: PartDrawing, titled: Titled, left: float, low: float) -> lis
 
 
 def _wrapped(drawing: PartDrawing) -> list[str]:
-    most = int((COLUMN - 4.0) / width("n", TEXT) * 1.12)  # a text has narrow letters too
+    max_letters = int((COLUMN - 4.0) / width("n", TEXT) * 1.12)  # a text has narrow letters too
     lines = []
     for note in drawing.notes:
-        lines += textwrap.wrap(note, most, initial_indent="- ")
+        lines += textwrap.wrap(note, max_letters, initial_indent="- ")
     return lines
 
 
@@ -105,7 +105,7 @@ def _grid(
     return marks
 
 
-def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> list[Mark]:
+def _title(drawing: PartDrawing, title_block: Titled, left: float, low: float) -> list[Mark]:
     cells: list[tuple[Box, str, str, float]] = [
         ((0, 30, 96, TITLE), "title", f"{drawing.name}", 3.5),
         ((96, 30, 150, TITLE), "design", drawing.design, HEAD),
@@ -116,15 +116,15 @@ def _title(drawing: PartDrawing, titled: Titled, left: float, low: float) -> lis
         ((102, 15, 141, 22.5), "general tolerance", drawing.tolerance, HEAD),
         ((141, 15, 180, 22.5), "all faces, µm (ISO 21920-1)", "" if drawing.surface else "-", HEAD),
         ((0, 7.5, 75, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
-        ((75, 7.5, 125, 15), "drawn by", f"skincad {titled.version}", HEAD),
+        ((75, 7.5, 125, 15), "drawn by", f"skincad {title_block.version}", HEAD),
         ((125, 7.5, 180, 15), "approved by", "", HEAD),
         ((0, 0, 40, 7.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
         ((40, 0, 60, 7.5), "revision", drawing.revision, HEAD),
-        ((60, 0, 75, 7.5), "scale", titled.scale, HEAD),
+        ((60, 0, 75, 7.5), "scale", title_block.scale, HEAD),
         ((75, 0, 92, 7.5), "unit", "mm", HEAD),
-        ((92, 0, 108, 7.5), "paper", titled.paper, HEAD),
+        ((92, 0, 108, 7.5), "paper", title_block.paper, HEAD),
         ((108, 0, 120, 7.5), "sheet", "1/1", HEAD),
-        ((120, 0, 180, 7.5), "date", titled.date, HEAD),
+        ((120, 0, 180, 7.5), "date", title_block.date, HEAD),
     ]
     marks: list[Mark] = []
     for (x0, y0, x1, y1), label, text, height in cells:

@@ -1,6 +1,6 @@
 """A drawing sheet as PDF of its size: lines by layer, words as text that can be searched and copied.
 
-Written directly, in 2 ms: it is lines, filled triangles and words in Helvetica, one of the fonts that every
+A sheet takes 2 ms this way: it is lines, filled triangles and words in Helvetica, one of the fonts that every
 reader of PDF has (ISO 32000-1, 9.6.2.2). matplotlib took 0.1 s a sheet, and `make` writes one for each part.
 No time is written, so the same sheet has the same bytes.
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from skincad.pictures.layers import LAYERS, LINES
 from skincad.pictures.marks import CAP, Fill, Ink, Sheet, Words, width
-from skincad.pictures.sheet_svg import parted
+from skincad.pictures.sheet_svg import primitives
 from skincad.solids.projection import Arc, Place, Stroke
 
 POINT = 72 / 25.4  # points in a millimetre
@@ -55,16 +55,16 @@ def _file(objects: list[bytes]) -> bytes:
 def _content(sheet: Sheet) -> Iterator[str]:
     """The page's operators; lengths are scaled to millimetres at once."""
     yield f"{POINT:.6f} 0 0 {POINT:.6f} 0 0 cm 1 J 1 j"
-    marks = list(parted(sheet.marks))
+    marks = list(primitives(sheet.marks))
     for name, layer in LAYERS.items():
-        own = [mark for mark in marks if mark.layer == name]
-        if not own:
+        layer_marks = [mark for mark in marks if mark.layer == name]
+        if not layer_marks:
             continue
         red, green, blue = (int(layer.ink[i : i + 2], 16) / 255 for i in (1, 3, 5))
         dashes = " ".join(f"{abs(length):g}" for length in LINES[layer.line])
         yield f"{red:.3f} {green:.3f} {blue:.3f} RG {red:.3f} {green:.3f} {blue:.3f} rg"
         yield f"{layer.width:g} w [{dashes}] 0 d"
-        for mark in own:
+        for mark in layer_marks:
             if isinstance(mark, Ink):
                 yield f"{_path(mark.stroke)} S"
             elif isinstance(mark, Fill):

@@ -15,7 +15,7 @@ def sheet_svg(sheet: Sheet) -> str:
     """Return a sheet as an SVG document of its size; groups carry the layers' names."""
     wide, tall = sheet.size
     rows: dict[str, list[str]] = {}
-    for mark in parted(sheet.marks):
+    for mark in primitives(sheet.marks):
         rows.setdefault(mark.layer, []).append(svg_row(mark, tall))
     groups = [
         f'<g id="{name}" {svg_style(name)}>\n' + "\n".join(rows[name]) + "\n</g>"
@@ -30,7 +30,7 @@ def sheet_svg(sheet: Sheet) -> str:
     )
 
 
-def parted(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Words]:
+def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Words]:
     """Yield what is drawn: of a dimension its lines, arrows and words."""
     for mark in marks:
         if isinstance(mark, Dimension):

@@ -25,7 +25,7 @@ from skincad.solids.projection import Projection
 FIRST, NEXT = 9.5, 6.0  # mm, of a dimension's line from the view, and of the next one from it
 BETWEEN, UNDER = 17.0, 22.0  # mm, between front and left view; between front view and that from above
 FOOT, RIGHT = 12.0, 8.0  # mm, under the lowest view, and right of the last
-DRAWN = 6.0  # assumption: what words on a dimension's line cost, by what they do on an edge
+DIMENSION_LINE_COST = 6.0  # assumption: cost of words on a dimension's line, by their cost on an edge
 TAG, SIZE = 1.8, 2.0  # mm, height of capitals
 RIM = 0.2  # mm, of a circle that no tag comes nearer to
 
@@ -44,8 +44,8 @@ def corner_of(drawing: PartDrawing, scale: float) -> tuple[float, float]:
     return left + wide, top + tall
 
 
-def _extent(seen: Projection, scale: float) -> tuple[float, float]:
-    (left, low), (right, high) = seen.box()
+def _extent(projection: Projection, scale: float) -> tuple[float, float]:
+    (left, low), (right, high) = projection.box()
     return scale * (right - left), scale * (high - low)
 
 
@@ -56,26 +56,26 @@ def _margins(drawing: PartDrawing) -> tuple[float, float]:
     return left, top
 
 
-def view_marks(drawing: PartDrawing, placed: dict[str, Placed], area: Box, taken: Box) -> list[Mark]:
+def view_marks(drawing: PartDrawing, placements: dict[str, Placed], area: Box, blocked: Box) -> list[Mark]:
     """Return the views as they lie, with dimensions, datums and tags, all within an area, mm, and none of
-    their tags on what is `taken`."""
+    their tags on the `blocked` rectangle."""
     room, marks = Room(area), list[Mark]()
-    room.block(taken)
-    for name, place in placed.items():
+    room.block(blocked)
+    for name, place in placements.items():
         marks += _strokes(drawing.views[name], place, room)
         box = place.box(drawing.views[name])
         marks.append(_caption(drawing.captions[name], box))
-    marks += _datums(drawing, placed)
-    marks += _lengths(drawing, placed)
+    marks += _datums(drawing, placements)
+    marks += _lengths(drawing, placements)
     for mark in marks:
         if isinstance(mark, Words):
             room.block(mark.box())
         elif isinstance(mark, Dimension):
             room.block(mark.words.box())
-            for drawn in mark.drawn:
-                if isinstance(drawn, Ink):
-                    room.cross(drawn.stroke, DRAWN)
-    return [*marks, *bore_marks(drawing.holes, placed), *_tags(drawing, placed, room)]
+            for part in mark.drawn:
+                if isinstance(part, Ink):
+                    room.cross(part.stroke, DIMENSION_LINE_COST)
+    return [*marks, *bore_marks(drawing.holes, placements), *_tags(drawing, placements, room)]
 
 
 def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, Placed]:
@@ -88,18 +88,18 @@ def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, Placed]:
     (_, _), (_, a1) = drawing.views[ABOVE].box()
     (l0, _), _ = drawing.views[LEFT].box()
     above = Placed((front.origin[0], low - UNDER - scale * a1), scale)
-    aside = Placed((right + BETWEEN - scale * l0, front.origin[1]), scale)
-    return {FRONT: front, ABOVE: above, LEFT: aside}
+    left_view = Placed((right + BETWEEN - scale * l0, front.origin[1]), scale)
+    return {FRONT: front, ABOVE: above, LEFT: left_view}
 
 
 def _caption(text: str, box: Box) -> Words:
     return Words(text, ((box[0] + box[2]) / 2, box[1] - 4.5), TAG, "TEXT", "middle")
 
 
-def _strokes(seen: Projection, place: Placed, room: Room) -> list[Mark]:
+def _strokes(projection: Projection, place: Placed, room: Room) -> list[Mark]:
     marks: list[Mark] = []
-    visible = [place.stroke(s) for s in seen.visible]
-    hidden = thinned([place.stroke(s) for s in seen.hidden], visible)
+    visible = [place.stroke(s) for s in projection.visible]
+    hidden = thinned([place.stroke(s) for s in projection.hidden], visible)
     for strokes, layer, weight in ((visible, "OUTLINE", 6.0), (hidden, "HIDDEN", 0.6)):
         for stroke in strokes:
             marks.append(Ink(stroke, layer))
@@ -107,18 +107,18 @@ def _strokes(seen: Projection, place: Placed, room: Room) -> list[Mark]:
     return marks
 
 
-def _lengths(drawing: PartDrawing, placed: dict[str, Placed]) -> list[Mark]:
+def _lengths(drawing: PartDrawing, placements: dict[str, Placed]) -> list[Mark]:
     """The dimensions: the longest of a side is outermost."""
     marks: list[Mark] = []
-    for name, place in placed.items():
-        seen = drawing.views[name]
-        left, _, _, high = place.box(seen)
+    for name, place in placements.items():
+        projection = drawing.views[name]
+        left, _, _, high = place.box(projection)
         for way in ("u", "v"):
-            own = sorted(
+            lengths = sorted(
                 (one for one in drawing.lengths if (one.view, one.way) == (name, way)),
                 key=lambda one: one.high - one.low,
             )
-            for i, one in enumerate(own):
+            for i, one in enumerate(lengths):
                 out = FIRST + NEXT * i
                 words = f"{one.words} {number(one.high - one.low)}".strip()
                 if way == "u":
@@ -130,11 +130,11 @@ def _lengths(drawing: PartDrawing, placed: dict[str, Placed]) -> list[Mark]:
     return marks
 
 
-def _datums(drawing: PartDrawing, placed: dict[str, Placed]) -> list[Mark]:
+def _datums(drawing: PartDrawing, placements: dict[str, Placed]) -> list[Mark]:
     """Datum letters in boxes on a triangle (ISO 5459), at the edges at which the faces are seen."""
     marks: list[Mark] = []
     for datum in drawing.datums:
-        left, low, right, high = placed[datum.view].box(drawing.views[datum.view])
+        left, low, right, high = placements[datum.view].box(drawing.views[datum.view])
         x, y, way = {
             "bottom": (left + 0.88 * (right - left), low, (0.0, -1.0)),
             "top": (left + 0.88 * (right - left), high, (0.0, 1.0)),
@@ -154,10 +154,10 @@ def _datums(drawing: PartDrawing, placed: dict[str, Placed]) -> list[Mark]:
     return marks
 
 
-def _tags(drawing: PartDrawing, placed: dict[str, Placed], room: Room) -> list[Mark]:
+def _tags(drawing: PartDrawing, placements: dict[str, Placed], room: Room) -> list[Mark]:
     """Every hole's diameter with its tag; the first of a group says how many there are, and their size."""
     rows = [
-        (placed[group.view], group, hole.at, _said(group, i, hole.tag))
+        (placements[group.view], group, hole.at, _tag_text(group, i, hole.tag))
         for group in drawing.holes
         for i, hole in enumerate(group.holes)
     ]
@@ -172,7 +172,7 @@ def _tags(drawing: PartDrawing, placed: dict[str, Placed], room: Room) -> list[M
         centre, size = place.at(at), (group.diameter, place.scale)
         marks.append(tagged(centre, place.scale * group.diameter / 2, text, size, TAG, room))
     for i, pocket in enumerate(drawing.pockets):
-        place = placed[FRONT]
+        place = placements[FRONT]
         flats = number(pocket.flats)
         text = f"{NUT}{i + 1}" if i else f"{NUT}1 {len(drawing.pockets)}x hexagon {flats}"
         leader = tagged(
@@ -182,7 +182,7 @@ def _tags(drawing: PartDrawing, placed: dict[str, Placed], room: Room) -> list[M
     return marks
 
 
-def _said(group: HoleGroup, index: int, tag: str) -> str:
+def _tag_text(group: HoleGroup, index: int, tag: str) -> str:
     if index:
         return tag
     count = f"{len(group.holes)}x" if len(group.holes) > 1 else ""

@@ -17,7 +17,7 @@ def page(title: str, words: str, data: dict[str, Any]) -> str:
     `x` and `y`, the columns that are plotted first.
     """
     script = (HERE / "study.js").read_text("utf-8")
-    told = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+    data_json = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
     body = f"""<h1>{escape(title)}</h1>
 <pre>{escape(words)}</pre>
 <div class="row">
@@ -33,7 +33,7 @@ def page(title: str, words: str, data: dict[str, Any]) -> str:
 </div>
 <p>Click a column's head to sort by it.</p>
 <div class="table"><table><thead><tr id="head"></tr></thead><tbody id="rows"></tbody></table></div>
-<script type="application/json" id="data">{told}</script>
+<script type="application/json" id="data">{data_json}</script>
 <script>
 {script}</script>
 """

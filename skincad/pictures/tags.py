@@ -14,29 +14,25 @@ from skincad.solids.projection import Place, Polyline, Stroke
 
 ANGLES = tuple(math.radians(a) for a in (45, 135, -45, -135, 20, 160, -20, -160, 70, 110, -70, -110))
 REACHES = (3.2, 4.5, 6.5, 9.0, 12.0, 16.0)  # mm, from a circle's rim to its tag's foot: past the arrow
-LINE, FAR, WORD = (
-    1.0,
-    0.25,
-    40.0,
-)  # assumption: what a crossed line, a millimetre further, a covered word cost
+LINE, FAR, WORD = 1.0, 0.25, 40.0  # assumption: cost of a crossed line, a millimetre further, a covered word
 CLEAR = 0.6  # mm, of a tag from lines and other words
-LEADER = 6  # points of a leader that are asked for what they lie on
+LEADER = 6  # points of a leader that are tested for collisions
 
 
 class Room:
-    """What is taken on a sheet: boxes of words and circles, and strokes; grows as words are placed."""
+    """Occupied places of a sheet: boxes of words and circles, and strokes; grows as words are placed."""
 
     def __init__(self, limits: Box) -> None:
         self.limits = limits
-        self.taken: list[Box] = []
+        self.blocked: list[Box] = []
         self._lines: list[tuple[float, float, float, float, float]] = []
 
     def block(self, box: Box) -> None:
-        """Take a rectangle, mm."""
-        self.taken.append(box)
+        """Add a rectangle that words must not cover, mm."""
+        self.blocked.append(box)
 
     def cross(self, stroke: Stroke, weight: float = 1.0) -> None:
-        """Take a stroke, which words rather don't cross: the less, the more it weighs."""
+        """Add a stroke that words should not cross; `weight` is its cost."""
         points = (
             stroke.points if isinstance(stroke, Polyline) else tuple(stroke.at(i / 12) for i in range(13))
         )
@@ -44,11 +40,11 @@ class Room:
             self._lines.append((min(x, u), min(y, v), max(x, u), max(y, v), weight))
 
     def settle(self) -> None:
-        """Make the strokes ready to be asked for."""
+        """Prepare the strokes for `cost`."""
         self._boxes: Array = np.array(self._lines or [(0.0, 0.0, -1.0, -1.0, 0.0)])
 
     def cost(self, box: Box) -> float:
-        """Return what it costs to put words into a rectangle."""
+        """Return the cost of words in a rectangle."""
         left, low, right, high = self.limits
         if box[0] < left or box[1] < low or box[2] > right or box[3] > high:
             return 10 * WORD
@@ -57,13 +53,13 @@ class Room:
         return LINE * min(30.0, float(b[crossed, 4].sum())) + WORD * self.covered(box)
 
     def covered(self, box: Box) -> int:
-        """Return how many taken rectangles share more than an edge with this one."""
-        return sum(overlap(box, other) for other in self.taken)
+        """Return how many blocked rectangles share more than an edge with this one."""
+        return sum(overlap(box, other) for other in self.blocked)
 
-    def pierced(self, points: list[Place], own: Place) -> int:
-        """Return on how many taken rectangles one of these points lies, without those in which `own` does."""
+    def pierced(self, points: list[Place], centre: Place) -> int:
+        """Return how many blocked rectangles hold one of these points, without those that hold `centre`."""
         return sum(
-            any(_inside(box, point) for point in points) for box in self.taken if not _inside(box, own)
+            any(_inside(box, point) for point in points) for box in self.blocked if not _inside(box, centre)
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from skincad.base.errors import RefusedError
 
-OWN = "var camera,controls,scene,renderer"  # so begins trimesh's own viewer, behind the libraries
+VIEWER_START = "var camera,controls,scene,renderer"  # so begins trimesh's own viewer, behind the libraries
 
 
 def three_js() -> str:
@@ -16,7 +16,7 @@ def three_js() -> str:
 
     packed = util.decompress(resources.get_bytes("templates/viewer.zip"), file_type="zip")
     page = packed["viewer.html.template"].read().decode("utf-8")
-    script = page.partition("<script>")[2].partition(OWN)
+    script = page.partition("<script>")[2].partition(VIEWER_START)
     if not script[1] or "TrackballControls" not in script[0]:
         raise RefusedError("this trimesh carries no three.js for view.html; install trimesh 5.2")
     return str(script[0])

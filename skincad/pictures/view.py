@@ -19,7 +19,7 @@ from skincad.fabrication.opening import opening_steps
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
-from skincad.pictures.exploded import apart
+from skincad.pictures.exploded import explosion_offset
 from skincad.pictures.three import three_js
 from skincad.solids.body import Revolved, Turned
 from skincad.solids.mold import ClosedMold, Move
@@ -48,7 +48,7 @@ def view_page(
         ],
         "load": _load(design, check),
     }
-    told = base64.b64encode(zlib.compress(json.dumps(data, allow_nan=False).encode(), 9)).decode()
+    payload = base64.b64encode(zlib.compress(json.dumps(data, allow_nan=False).encode(), 9)).decode()
     style, script = ((HERE / name).read_text("utf-8") for name in ("view.css", "view.js"))
     body = (HERE / "view_body.html").read_text("utf-8")
     title = escape(display_name(design))
@@ -56,7 +56,7 @@ def view_page(
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
         f"<style>\n{style}</style>\n</head>\n<body>\n"
         + body.replace("$NAME", title).replace("$WORDS", escape(words))
-        + f'<script type="application/octet-stream" id="data">{told}</script>\n'
+        + f'<script type="application/octet-stream" id="data">{payload}</script>\n'
         f"<script>{three_js()}</script>\n<script>\n{script}</script>\n</body>\n</html>\n"
     )
 
@@ -69,7 +69,7 @@ def _part(part: Part, closed: ClosedMold, mesh: trimesh.Trimesh) -> Data:
         "group": part.name if one else f"{part.role.label}s",
         "colour": part.colour,
         "clear": part.role in (PartRole.COVER, PartRole.CARRIER),
-        "apart": apart(part, closed).tolist(),
+        "apart": explosion_offset(part, closed).tolist(),
         "points": _packed(np.asarray(mesh.vertices)),
         "faces": _packed(np.asarray(mesh.faces)),
     }
@@ -137,10 +137,10 @@ def _along(section: Array, length: float) -> Array:
 
 def _joined(points: Array) -> Index:
     """For each point its own index, or on x = 0, where a half meets its image, that of the first there."""
-    found, first = np.arange(len(points)), dict[float, int]()
+    indices, first = np.arange(len(points)), dict[float, int]()
     for i in np.flatnonzero(np.abs(points[:, 0]) < SEAM).tolist():
-        found[i] = first.setdefault(round(float(points[i, 1]), 9), i)
-    return found
+        indices[i] = first.setdefault(round(float(points[i, 1]), 9), i)
+    return indices
 
 
 def _wall(lengths: Iterable[int], joined: Index) -> Index:

@@ -14,7 +14,7 @@ from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import drawing
-from skincad.pictures.exploded import apart
+from skincad.pictures.exploded import explosion_offset
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import bores
 from skincad.solids.roles import CutRole
@@ -39,7 +39,8 @@ def mold_texts(design: Design, closed: ClosedMold) -> Iterator[str]:
     yield casting_sheet(design, closed, findings, "Passes.", True)
     yield drawing(design, closed)
     for part in closed.parts:
-        yield f"{part.name} {part.made} {part.colour} {laid_on_end(design, part)} {apart(part, closed)}"
+        offset = explosion_offset(part, closed)
+        yield f"{part.name} {part.made} {part.colour} {laid_on_end(design, part)} {offset}"
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.base.tables import Table
 from skincad.live.controls import REACH, controls, reach
-from skincad.live.session import begun, moved
+from skincad.live.session import apply_moves, start_session
 
 DESIGNS, SCENES = skincad.template_names(), skincad.template_names("scenes")
 
@@ -42,14 +42,14 @@ def test_every_number_of_a_design_has_a_slider(name: str) -> None:
 
 @pytest.mark.parametrize("name", [*DESIGNS, *SCENES])
 def test_each_control_holds_its_value_and_says_what_it_is(name: str) -> None:
-    found = controls(loaded(name))
-    assert len({control.key for control in found}) == len(found)
-    for control in found:
+    rows = controls(loaded(name))
+    assert len({control.key for control in rows}) == len(rows)
+    for control in rows:
         assert control.hint
         if control.kind == "slider":
             assert control.low < control.high
             assert 0 < control.step <= control.high - control.low
-            value = control.begins if control.value is None else control.value
+            value = control.initial if control.value is None else control.value
             assert isinstance(value, int | float)
             assert control.low <= value <= control.high, control
         elif control.kind == "choice":
@@ -59,10 +59,10 @@ def test_each_control_holds_its_value_and_says_what_it_is(name: str) -> None:
 @pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted", "drop", "rolling"])
 def test_each_control_can_be_set_to_its_own_value(name: str) -> None:
     """A key that a control names is one that a session knows: nothing moves, and nothing is refused."""
-    session = begun(loaded(name))
+    session = start_session(loaded(name))
     for control in controls(session.subject):
         if control.value not in (None, "", True, False):
-            after = moved(session, {control.key: control.value}, 0.0)
+            after = apply_moves(session, {control.key: control.value}, 0.0)
             assert after.refusal is None, control
 
 
@@ -91,6 +91,6 @@ def test_a_slider_reaches_so_far(
 
 
 def test_a_refused_value_is_told_with_its_key() -> None:
-    session = moved(begun(loaded("yamada-2002")), {"ridge.pitch": -1.0}, 0.0)
+    session = apply_moves(start_session(loaded("yamada-2002")), {"ridge.pitch": -1.0}, 0.0)
     assert isinstance(session.refusal, InputError)
     assert session.refusal.key == "ridge.pitch"

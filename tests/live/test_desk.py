@@ -12,7 +12,7 @@ import pytest
 
 import skincad
 from skincad.live.desk import Answers, Desk, Reply, closed_form, findings
-from skincad.live.session import begun, moved
+from skincad.live.session import apply_moves, start_session
 from skincad.live.shapes import view
 from skincad.live.words import best, findings_html, state_html, verdict_html
 
@@ -28,26 +28,26 @@ def seen() -> Counter[str]:
 
 @pytest.fixture
 def desk(seen: Counter[str]) -> Iterator[Desk]:
-    found = Desk(skincad.load("plain-ridges", SMALL), "plain-ridges", lambda kind: seen.update([kind]))
-    yield found
-    found.close()
+    live_desk = Desk(skincad.load("plain-ridges", SMALL), "plain-ridges", lambda kind: seen.update([kind]))
+    yield live_desk
+    live_desk.close()
 
 
 def test_the_last_verdict_is_that_of_check(desk: Desk, seen: Counter[str]) -> None:
     """To the last digit: it is the same function, in another process."""
     desk.begin()
-    assert desk.settled(LONG)
+    assert desk.wait_until_settled(LONG)
     desk.move({"contact.force": 0.4})
-    assert desk.drawn(LONG)
-    assert desk.settled(LONG)
+    assert desk.wait_until_drawn(LONG)
+    assert desk.wait_until_settled(LONG)
     assert desk.answers.verdict is not None
-    assert desk.stands(desk.answers.verdict)
-    found, wanted = desk.answers.verdict.what, skincad.check(desk.session.design)
-    told, said = (json.loads(json.dumps(check.as_json())) for check in (found, wanted))
-    for answer in (told, said):
+    assert desk.is_current(desk.answers.verdict)
+    verdict, wanted = desk.answers.verdict.what, skincad.check(desk.session.design)
+    reply, said = (json.loads(json.dumps(check.as_json())) for check in (verdict, wanted))
+    for answer in (reply, said):
         for key in ("seconds", "cause", "changes", "climbed", "next_tier"):  # times, and advice
             answer.pop(key)
-    assert told == said
+    assert reply == said
     assert desk.answers.better is not None
     assert desk.answers.better.what[0].tier == "linear"
     assert {"session", "view", "closed_form", "findings", "better", "verdict"} <= seen.keys()
@@ -61,16 +61,16 @@ def test_answers_are_older_once_the_design_moves_on_and_fresh_again_after_undo(d
         findings=Reply(design, ()),
         verdict=Reply(design, skincad.check(design, tier="winkler")),
     )
-    assert desk.stands(desk.answers.verdict)
+    assert desk.is_current(desk.answers.verdict)
     assert best(desk) is desk.answers.verdict.what  # type: ignore[union-attr]
     assert "older" not in verdict_html(desk) + findings_html(desk)
-    desk.session = moved(desk.session, {"ridge.height": 0.45}, 0.0)
-    assert not desk.stands(desk.answers.verdict)
+    desk.session = apply_moves(desk.session, {"ridge.height": 0.45}, 0.0)
+    assert not desk.is_current(desk.answers.verdict)
     assert best(desk) is None
     assert "older" in verdict_html(desk)
     assert "older" in findings_html(desk)
     desk.undo()
-    assert desk.stands(desk.answers.verdict)
+    assert desk.is_current(desk.answers.verdict)
 
 
 def test_what_cannot_be_made_says_so_and_the_skin_is_drawn() -> None:
@@ -83,10 +83,12 @@ def test_what_cannot_be_made_says_so_and_the_skin_is_drawn() -> None:
 
 
 def test_the_page_tells_the_designs_own_line_escaped() -> None:
-    session = moved(begun(skincad.load("yamada-2002")), {"material.name": "<b>no such</b>"}, 0.0)
-    told = state_html(session)
-    assert "&lt;b&gt;no such" in told
-    assert "<b>no such" not in told
+    session = apply_moves(
+        start_session(skincad.load("yamada-2002")), {"material.name": "<b>no such</b>"}, 0.0
+    )
+    text = state_html(session)
+    assert "&lt;b&gt;no such" in text
+    assert "<b>no such" not in text
 
 
 def test_saving_keeps_comments_and_never_overwrites(
@@ -105,17 +107,17 @@ def test_saving_keeps_comments_and_never_overwrites(
 
 def test_findings_are_those_of_make_that_need_no_solids() -> None:
     design = skincad.load("nozzle-04")
-    found = findings(view(design))
-    assert found
-    assert [f.severity for f in found] == sorted(
-        (f.severity for f in found), key=("error", "warning", "note").index
+    rows = findings(view(design))
+    assert rows
+    assert [f.severity for f in rows] == sorted(
+        (f.severity for f in rows), key=("error", "warning", "note").index
     )
 
 
 def test_timings_are_told(desk: Desk) -> None:
     desk.begin()
-    assert desk.drawn(LONG)
-    assert desk.settled(LONG)
+    assert desk.wait_until_drawn(LONG)
+    assert desk.wait_until_settled(LONG)
     (first,) = desk.timings
-    assert first.asked <= first.drawn <= first.judged
+    assert first.moved_at <= first.drawn_at <= first.verdict_at
     assert dataclasses.is_dataclass(first)

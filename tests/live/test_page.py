@@ -15,7 +15,7 @@ import skincad
 from skincad.base.arrays import Array
 from skincad.live.page import Page
 from skincad.live.serve import free_port
-from skincad.live.session import Edited
+from skincad.live.session import Editable
 from skincad.live.words import best
 from tests.live.browser import Looking, looking
 
@@ -25,10 +25,10 @@ HOST = "127.0.0.1"
 
 
 @contextmanager
-def served(subject: Edited, source: str) -> Iterator[tuple[Page, str]]:
+def served(subject: Editable, source: str) -> Iterator[tuple[Page, str]]:
     page = Page(subject, source, HOST, free_port(HOST, 0))
     try:
-        assert page.desk.drawn(LONG)
+        assert page.desk.wait_until_drawn(LONG)
         yield page, f"http://{HOST}:{page.server.get_port()}"
     finally:
         page.close()
@@ -36,10 +36,10 @@ def served(subject: Edited, source: str) -> Iterator[tuple[Page, str]]:
 
 def told(page: Page) -> dict[str, object]:
     """The verdict that the page shows, without times, as `skincad check --json` has it."""
-    found = best(page.desk)
-    assert not isinstance(found, str)
-    assert found is not None
-    return without_times(found.as_json())
+    verdict = best(page.desk)
+    assert not isinstance(verdict, str)
+    assert verdict is not None
+    return without_times(verdict.as_json())
 
 
 def without_times(found: dict[str, object]) -> dict[str, object]:
@@ -71,7 +71,7 @@ def test_200_random_moves_two_browsers_and_the_verdict_of_check(capfd: pytest.Ca
                 one.press("Undo")
         assert refused > 10
         assert len(page.desk.session.past) > 50
-        assert page.desk.drawn(LONG)
+        assert page.desk.wait_until_drawn(LONG)
         for _ in range(2 * len(page.desk.session.past) + 1):  # what waits is dropped first
             if page.desk.session.past or page.desk.session.pending:
                 one.press("Undo")
@@ -80,7 +80,7 @@ def test_200_random_moves_two_browsers_and_the_verdict_of_check(capfd: pytest.Ca
         one.write("height, mm", "0.45")
         other.wait_for("1 change")
         assert other.value("height, mm") == "0.45"
-        assert page.desk.settled(LONG)
+        assert page.desk.wait_until_settled(LONG)
         one.wait_for("the verdict of")
         design = page.desk.session.design
         assert design == skincad.load("yamada-2002", ["ridge.height=0.45"])
@@ -158,8 +158,8 @@ def test_a_scenes_history_is_drawn_by_hand(capfd: pytest.CaptureFixture[str]) ->
         served(scene, "yamada-2002-press-and-pull") as (page, address),
         looking(address) as (seen,),
     ):
-        assert page.desk.settled(LONG)
-        assert page.desk.stands(page.desk.answers.signals)
+        assert page.desk.wait_until_settled(LONG)
+        assert page.desk.is_current(page.desk.answers.signals)
         last = len(scene.history.time_s)
         before = scene.history.normal_force_N[-1]
         x, y = on_screen(page, seen, page._drawn._handles["normal_force_N", last - 1].position)
@@ -171,8 +171,8 @@ def test_a_scenes_history_is_drawn_by_hand(capfd: pytest.CaptureFixture[str]) ->
         seen.page.mouse.up()
         seen.wait_for("1 change")
         assert page.desk.session.subject.history.normal_force_N[-1] < before
-        assert page.desk.settled(LONG)
-        assert page.desk.stands(page.desk.answers.signals)
+        assert page.desk.wait_until_settled(LONG)
+        assert page.desk.is_current(page.desk.answers.signals)
         seen.press("Add a point")
         seen.wait_for("2 changes")
         assert len(page.desk.session.subject.history.time_s) == last + 1

@@ -21,10 +21,10 @@ from tests.processes import started
 
 
 def test_a_taken_port_gives_way_to_the_next() -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        port = listener.getsockname()[1]
         assert port < free_port("127.0.0.1", port) <= port + serve.TRIES
 
 
@@ -88,7 +88,7 @@ def test_the_page_itself_is_answered(name: str, port: int) -> None:
 
 def test_other_pages_and_names_that_lead_here_are_refused(port: int) -> None:
     """Pages of other origins, of another port of this machine, of none; names that lead here; two at once."""
-    dice, own = random.Random(19), f"127.0.0.1:{port}"
+    dice, address = random.Random(19), f"127.0.0.1:{port}"
     others = [
         "evil.example",
         "localhost.evil.example",
@@ -102,11 +102,17 @@ def test_other_pages_and_names_that_lead_here_are_refused(port: int) -> None:
     for host in dice.sample(foreign, 12):  # its own origin, as a browser that was misled sends it
         assert status(port, f"Host: {host}", f"Origin: http://{host}", opens=True) == 403
         assert status(port, f"Host: {host}", opens=False) == 403
-    origins = [f"http://{host}" for host in foreign] + [f"https://{own}", f"http://{own}/", "null", "", own]
+    origins = [f"http://{host}" for host in foreign] + [
+        f"https://{address}",
+        f"http://{address}/",
+        "null",
+        "",
+        address,
+    ]
     for origin in [*dice.sample(origins, 12), "null", f"http://localhost:{port}"]:
-        assert status(port, f"Host: {own}", f"Origin: {origin}", opens=True) == 403
-    assert status(port, f"Host: {own}", opens=True) == 403  # a browser says where a page is from
-    good = f"Host: {own}", f"Origin: http://{own}"
+        assert status(port, f"Host: {address}", f"Origin: {origin}", opens=True) == 403
+    assert status(port, f"Host: {address}", opens=True) == 403  # a browser says where a page is from
+    good = f"Host: {address}", f"Origin: http://{address}"
     assert status(port, *good, "Origin: http://evil.example", opens=True) == 403
     assert status(port, *good, "Host: evil.example", opens=True) in (400, 403)
 

@@ -41,23 +41,23 @@ def told() -> Queue[Any]:
 
 @pytest.fixture
 def process(told: Queue[Any]) -> Any:
-    found = Worker(job, lambda *news: told.put(news))
-    yield found
-    found.close()
+    worker = Worker(job, lambda *news: told.put(news))
+    yield worker
+    worker.close()
 
 
 def last(told: Queue[Any], question: str) -> list[tuple[str, Any]]:
     """The news of a question until its last, without stages."""
-    found = []
+    news = []
     while True:
         try:
-            asked, kind, what = told.get(timeout=LONG)
+            news_question, kind, what = told.get(timeout=LONG)
         except Empty:
             pytest.fail(f"nothing was told of {question}")
-        if asked == question and kind != "stage":
-            found.append((kind, what))
+        if news_question == question and kind != "stage":
+            news.append((kind, what))
             if kind in ("done", "refused", "failed"):
-                return found
+                return news
 
 
 def test_answers_come_in_order_and_failures_are_told(process: Worker, told: Queue[Any]) -> None:

@@ -49,16 +49,16 @@ def half_a_digit(value: float) -> float:
 
 def unsure(step: Calculation) -> float:
     """By how much the formula's result may be off because its numbers are rounded: a full step of each."""
-    values = {given.symbol: given.printed for given in step.given}
+    values = {quantity.symbol: quantity.printed for quantity in step.given}
     parts = []
-    for given in step.given:
-        each = given.value if isinstance(given.value, tuple) else (given.value,)
-        by = np.array([half_a_digit(value) for value in each])
+    for quantity in step.given:
+        numbers = quantity.value if isinstance(quantity.value, tuple) else (quantity.value,)
+        by = np.array([half_a_digit(value) for value in numbers])
         for i in np.flatnonzero(by):
-            moved = np.array(np.atleast_1d(values[given.symbol]), dtype=float)
+            moved = np.array(np.atleast_1d(values[quantity.symbol]), dtype=float)
             moved[i] += by[i]
-            changed = moved if isinstance(given.value, tuple) else float(moved[0])
-            parts.append(abs(step.at({**values, given.symbol: changed}) - step.at(values)))
+            changed = moved if isinstance(quantity.value, tuple) else float(moved[0])
+            parts.append(abs(step.at({**values, quantity.symbol: changed}) - step.at(values)))
     return math.fsum(parts)
 
 
@@ -76,35 +76,35 @@ def test_printed_numbers_in_the_printed_formula_give_the_printed_result(name: st
 def test_a_changed_number_is_found(name: str) -> None:
     """The test above can fail: each given number counts in its result."""
     for step in steps(design_of(name)):
-        for given in step.given:
-            values = {each.symbol: each.printed for each in step.given}
-            if np.all(np.asarray(values[given.symbol]) == 0):
+        for quantity in step.given:
+            values = {symbol_quantity.symbol: symbol_quantity.printed for symbol_quantity in step.given}
+            if np.all(np.asarray(values[quantity.symbol]) == 0):
                 continue
-            moved = step.at({**values, given.symbol: np.asarray(values[given.symbol]) * 1.5})
-            assert moved != pytest.approx(step.recomputed(), rel=1e-6), (step.title, given.symbol)
+            moved = step.at({**values, quantity.symbol: np.asarray(values[quantity.symbol]) * 1.5})
+            assert moved != pytest.approx(step.recomputed(), rel=1e-6), (step.title, quantity.symbol)
 
 
 @pytest.mark.parametrize("name", ["yamada-2002", *VARIANTS])
 def test_a_formula_has_its_given_symbols_and_no_other(name: str) -> None:
     for step in steps(design_of(name)):
         names = {node.id for node in ast.walk(ast.parse(step.formula)) if isinstance(node, ast.Name)}
-        assert names - {"sin", "sqrt", "sum", "pi"} == {given.symbol for given in step.given}
+        assert names - {"sin", "sqrt", "sum", "pi"} == {quantity.symbol for quantity in step.given}
         assert step.source
 
 
 def test_one_symbol_means_one_thing_in_the_contact_steps() -> None:
-    found = contact_calculations(skincad.load("yamada-2002"), 0.6)
-    told: dict[str, Quantity] = {}
-    for each in chain.from_iterable((step.result, *step.given) for step in found):
-        assert told.setdefault(each.symbol, each).value == each.value
+    steps = contact_calculations(skincad.load("yamada-2002"), 0.6)
+    quantities: dict[str, Quantity] = {}
+    for quantity in chain.from_iterable((step.result, *step.given) for step in steps):
+        assert quantities.setdefault(quantity.symbol, quantity).value == quantity.value
 
 
 def test_the_steps_end_in_the_closed_forms_verdict() -> None:
     design = skincad.load("yamada-2002")
     check = skincad.check(design, tier="winkler")
-    found = {step.result.symbol: step.result.value for step in contact_calculations(design)}
-    assert found["F"] == check.all_touch_force.value
-    assert found["delta"] == check.approach.value
+    values = {step.result.symbol: step.result.value for step in contact_calculations(design)}
+    assert values["F"] == check.all_touch_force.value
+    assert values["delta"] == check.approach.value
 
 
 def test_no_line_is_written_where_none_holds() -> None:

@@ -80,10 +80,10 @@ def test_the_lines_carry_errors_model_yield_and_notes(passed: ContactCheck) -> N
 
 
 def test_a_yield_is_told_only_with_its_error(passed: ContactCheck) -> None:
-    made = passed.manufacture
-    assert made is not None
+    part_yield = passed.manufacture
+    assert part_yield is not None
     unknown = [Estimate(None, None, ""), Estimate(None, 0.1, ""), Estimate(0.9, None, "")]
-    for other in (None, *(replace(made, passing=each) for each in unknown)):
+    for other in (None, *(replace(part_yield, passing=passing) for passing in unknown)):
         assert not any("yield" in line for line in lines(replace(passed, manufacture=other)))
 
 

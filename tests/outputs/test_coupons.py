@@ -23,14 +23,14 @@ PARTS = {part.name: part for part in coupon("sla").parts}
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a coupon of `sla`."""
     folder = tmp_path_factory.mktemp("coupon")
-    done = run_skincad("coupon", "sla", "--json", cwd=folder)
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    process = run_skincad("coupon", "sla", "--json", cwd=folder)
+    assert process.returncode == 0, process.stderr
+    answer = json.loads(process.stdout)
     out = folder / "out" / "coupon-sla"
-    assert {Path(row["path"]).name for row in told["files"]} == {
+    assert {Path(row["path"]).name for row in answer["files"]} == {
         *(path.name for path in out.iterdir() if path.name != "coupon.json")
     }
-    assert [row["name"] for row in told["parts"]] == [*PARTS]
+    assert [row["name"] for row in answer["parts"]] == [*PARTS]
     return out
 
 
@@ -54,24 +54,24 @@ def test_the_ladder_lies_on_its_face_and_the_steps_stand(made: Path) -> None:
 
 
 def test_all_parts_are_on_one_plate(made: Path) -> None:
-    found, names = read_3mf(made / "coupon.3mf").GetMeshObjects(), []
-    while found.MoveNext():
-        names.append(found.GetCurrentMeshObject().GetName())
+    objects, names = read_3mf(made / "coupon.3mf").GetMeshObjects(), []
+    while objects.MoveNext():
+        names.append(objects.GetCurrentMeshObject().GetName())
     assert names == [*PARTS]
 
 
 def test_filled_in_forms_become_a_printers_file(made: Path, tmp_path: Path) -> None:
     fill(tmp_path)
-    done = run_skincad("coupon", "sla", "--measured", str(tmp_path), "-o", "mine", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "growth         0.0294 ± 0.00" in done.stdout
-    assert f"skincad fit-material {tmp_path / 'tensile.csv'} --gauge-length 20 --area 8" in done.stdout
-    own = tomllib.loads((tmp_path / "mine" / "printer.toml").read_text())
-    assert own["sla"]["growth"] == 0.0294
-    done = run_skincad(
+    process = run_skincad("coupon", "sla", "--measured", str(tmp_path), "-o", "mine", cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    assert "growth         0.0294 ± 0.00" in process.stdout
+    assert f"skincad fit-material {tmp_path / 'tensile.csv'} --gauge-length 20 --area 8" in process.stdout
+    row = tomllib.loads((tmp_path / "mine" / "printer.toml").read_text())
+    assert row["sla"]["growth"] == 0.0294
+    process = run_skincad(
         "make", "lab-bench", "--preview", "--printer", "mine/printer.toml", "--format", "toml", cwd=tmp_path
     )
-    assert "notch of a shim in whole pixels and grown, by sla" in done.stdout
+    assert "notch of a shim in whole pixels and grown, by sla" in process.stdout
 
 
 def test_the_forms_that_were_filled_in_are_kept(tmp_path: Path) -> None:
@@ -79,12 +79,12 @@ def test_the_forms_that_were_filled_in_are_kept(tmp_path: Path) -> None:
     assert run_skincad("coupon", "cnc", "-o", "c", cwd=tmp_path).returncode == 0
     fill(tmp_path / "c", growth=None)
     for _ in range(2):  # again over its own result
-        done = run_skincad("coupon", "cnc", "--measured", "c", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+        process = run_skincad("coupon", "cnc", "--measured", "c", cwd=tmp_path)
+        assert process.returncode == 0, process.stderr
     assert (tmp_path / "c" / "printer.toml").exists()
-    done = run_skincad("coupon", "cnc", "-o", "c", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "was changed since" in done.stderr
+    process = run_skincad("coupon", "cnc", "-o", "c", cwd=tmp_path)
+    assert process.returncode == 2
+    assert "was changed since" in process.stderr
 
 
 @pytest.mark.parametrize(
@@ -106,10 +106,10 @@ def test_bad_input_is_one_line_and_nothing_is_written(
     text = (tmp_path / "forms" / NOTCH_FORM).read_text().splitlines()
     (tmp_path / "forms" / NOTCH_FORM).write_text("\n".join([*text[:2], "2,0.08,,", *text[3:]]))
     before = sorted(tmp_path.rglob("*"))
-    done = run_skincad("coupon", *arguments, cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert words in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    process = run_skincad("coupon", *arguments, cwd=tmp_path)
+    assert (process.returncode, process.stdout) == (2, "")
+    assert words in process.stderr
+    assert len(process.stderr.splitlines()) == 1
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -118,9 +118,9 @@ def test_a_changed_ladder_writes_nothing(tmp_path: Path) -> None:
     text = (tmp_path / NOTCH_FORM).read_text().replace("3,0.10,", "3,0.99,")
     (tmp_path / NOTCH_FORM).write_text(text)
     before = sorted(tmp_path.iterdir())
-    done = run_skincad("coupon", "sla", "--measured", ".", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "")
+    process = run_skincad("coupon", "sla", "--measured", ".", cwd=tmp_path)
+    assert (process.returncode, process.stdout) == (2, "")
     words = "skincad: notches.csv, row 3: drawn_mm of notch 3 must be 0.1, as drawn, got 0.99; restore"
-    assert done.stderr.startswith(words)
-    assert len(done.stderr.splitlines()) == 1
+    assert process.stderr.startswith(words)
+    assert len(process.stderr.splitlines()) == 1
     assert sorted(tmp_path.iterdir()) == before

@@ -92,10 +92,10 @@ def read_3mf(path: Path) -> Any:
 def test_3mf_re_reads_strictly_with_names_and_colours(made: Made) -> None:
     model = read_3mf(made.folder / "mold.3mf")
     assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
-    found = model.GetMeshObjects()
+    objects = model.GetMeshObjects()
     names = []
-    while found.MoveNext():
-        shape = found.GetCurrentMeshObject()
+    while objects.MoveNext():
+        shape = objects.GetCurrentMeshObject()
         assert shape.IsManifoldAndOriented()
         assert shape.GetObjectLevelProperty()[2]
         names.append(shape.GetName())
@@ -104,9 +104,9 @@ def test_3mf_re_reads_strictly_with_names_and_colours(made: Made) -> None:
 
 def test_3mf_parts_lie_side_by_side(made: Made) -> None:
     rows = []
-    found = read_3mf(made.folder / "mold.3mf").GetMeshObjects()
-    while found.MoveNext():
-        along = [corner.Coordinates[1] for corner in found.GetCurrentMeshObject().GetVertices()]
+    objects = read_3mf(made.folder / "mold.3mf").GetMeshObjects()
+    while objects.MoveNext():
+        along = [corner.Coordinates[1] for corner in objects.GetCurrentMeshObject().GetVertices()]
         rows.append((min(along), max(along)))
     rows.sort()
     assert len(rows) == 7

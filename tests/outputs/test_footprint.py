@@ -20,8 +20,8 @@ def read(text: str) -> list[Any]:
         if token == "(":
             stack.append([])
         elif token == ")":
-            done = stack.pop()
-            stack[-1].append(done)
+            expression = stack.pop()
+            stack[-1].append(expression)
         else:
             stack[-1].append(token.strip('"'))
     (whole,) = stack[0]
@@ -32,9 +32,9 @@ def pads(text: str) -> dict[str, tuple[float, float]]:
     rows = [row for row in read(text) if row[0] == "pad"]
     assert all(row[2:4] == ["thru_hole", "circle"] for row in rows)
     assert all(["drill", f"{DRILL:g}"] in row for row in rows)
-    found = {row[1]: (float(row[4][1]), float(row[4][2])) for row in rows}
-    assert len(found) == len(rows)  # no name twice
-    return found
+    places = {row[1]: (float(row[4][1]), float(row[4][2])) for row in rows}
+    assert len(places) == len(rows)  # no name twice
+    return places
 
 
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])

@@ -10,14 +10,14 @@ import pytest
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import KINDS, Kind, template_names
 from skincad.inputs.shipped import table_text
-from skincad.outputs.lists import listed
+from skincad.outputs.lists import listing
 from tests.conftest import run_skincad, skincad_process
 
 EVERY = (*KINDS, "studies", "silicones", "processes")
 
 
 def test_all_kinds_are_listed_with_what_each_is() -> None:
-    data, lines = listed(None)
+    data, lines = listing(None)
     assert tuple(data) == EVERY
     assert [(row.split()[0], row.split()[1]) for row in lines] == [
         ({"processes": "process", "studies": "study"}.get(kind, kind[:-1]), name)
@@ -31,22 +31,22 @@ def test_all_kinds_are_listed_with_what_each_is() -> None:
 
 @pytest.mark.parametrize("kind", EVERY)
 def test_one_kind_has_the_same_names(kind: str) -> None:
-    data, _ = listed(kind)
+    data, _ = listing(kind)
     assert data["kind"] == kind
-    assert list(data["entries"]) == listed(None)[0][kind]
+    assert list(data["entries"]) == listing(None)[0][kind]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_templates_say_what_they_are(kind: Kind) -> None:
-    data, lines = listed(kind)
-    assert lines == [row for row in listed(None)[1] if row.startswith(f"{kind[:-1]} ")]
+    data, lines = listing(kind)
+    assert lines == [row for row in listing(None)[1] if row.startswith(f"{kind[:-1]} ")]
     for row, (name, entry) in zip(lines, data["entries"].items(), strict=True):
         assert name in row
         assert row.endswith(entry["about"])
 
 
 def test_silicones_come_with_values_ranges_and_sources() -> None:
-    data, lines = listed("silicones")
+    data, lines = listing("silicones")
     assert data["entries"] == tomllib.loads(table_text("silicones"))
     assert data["units"]["young_modulus"] == "MPa"
     row = next(i for i, line in enumerate(lines) if line.startswith("dragon-skin-30 "))
@@ -66,7 +66,7 @@ def test_silicones_come_with_values_ranges_and_sources() -> None:
 
 
 def test_processes_come_with_meaning_values_and_sources() -> None:
-    data, lines = listed("processes")
+    data, lines = listing("processes")
     assert data["entries"] == tomllib.loads(table_text("processes"))
     at = lines.index("gap: narrowest groove or slit, mm")
     assert lines[at + 1] == "  fdm  0.4      assumption: one line of a 0.4 mm nozzle"
@@ -81,14 +81,14 @@ def test_processes_come_with_meaning_values_and_sources() -> None:
 
 def test_a_kind_that_is_none_is_told() -> None:
     with pytest.raises(InputError, match=r"^kind: no such kind, got 'silicon'; did you mean 'silicones'\?$"):
-        listed("silicon")
+        listing("silicon")
 
 
 def test_the_command_lists_a_kind(tmp_path: Path) -> None:
-    told = run_skincad("templates", "silicones", cwd=tmp_path)
-    assert told.stdout.splitlines() == listed("silicones")[1]
+    process = run_skincad("templates", "silicones", cwd=tmp_path)
+    assert process.stdout.splitlines() == listing("silicones")[1]
     data = json.loads(run_skincad("templates", "processes", "--json", cwd=tmp_path).stdout)
-    assert data == listed("processes")[0]
+    assert data == listing("processes")[0]
     wrong = run_skincad("templates", "silicon", cwd=tmp_path)
     assert (wrong.returncode, wrong.stdout) == (2, "")
     assert wrong.stderr == "skincad: KIND: no such kind, got 'silicon'; did you mean 'silicones'?\n"
@@ -105,5 +105,5 @@ def test_the_command_lists_a_kind(tmp_path: Path) -> None:
 )
 def test_a_shell_completes_kinds_and_templates(words: str, wanted: list[str], tmp_path: Path) -> None:
     shell = {"_SKINCAD_COMPLETE": "complete_bash", "COMP_WORDS": words}
-    told = skincad_process(cwd=tmp_path, COMP_CWORD=str(len(words.split()) - 1), **shell)
-    assert told.stdout.split() == wanted
+    process = skincad_process(cwd=tmp_path, COMP_CWORD=str(len(words.split()) - 1), **shell)
+    assert process.stdout.split() == wanted

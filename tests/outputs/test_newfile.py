@@ -36,15 +36,15 @@ def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, nam
 
 
 EACH = [(kind, name) for kind in KINDS for name in template_names(kind)]
-each = pytest.mark.parametrize(("kind", "name"), EACH)
+every_template = pytest.mark.parametrize(("kind", "name"), EACH)
 
 
-@each
+@every_template
 def test_the_schema_accepts_every_template(kind: Kind, name: str) -> None:
     jsonschema.validate(tomllib.loads(template_text(name, kind)), json.loads(schema_of(kind)))
 
 
-@each
+@every_template
 def test_a_new_file_says_what_its_template_says(kind: Kind, name: str, tmp_path: Path) -> None:
     path, schema = write_new(tmp_path / "mine.toml", f"{kind}/{name}")
     assert tomllib.loads(path.read_text()) == {**tomllib.loads(template_text(name, kind)), "name": "mine"}
@@ -56,15 +56,15 @@ def test_a_new_file_says_what_its_template_says(kind: Kind, name: str, tmp_path:
 
 def explained(text: str) -> dict[str, str]:
     """The line above each key, by `table.key`; where its value is from may lie between."""
-    found, table, rows = {}, "", text.splitlines()
+    meanings, table, rows = {}, "", text.splitlines()
     for i, row in enumerate(rows):
         bare = row.removeprefix("# ")
         if bare.startswith("["):
             table = bare[1 : bare.index("]")] + "."
         elif key := re.match(r"(# )?(\w+) = ", row):
             above = rows[i - 2] if rows[i - 1].startswith("#   ") else rows[i - 1]
-            found[table + key[2]] = above
-    return found
+            meanings[table + key[2]] = above
+    return meanings
 
 
 def keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, FieldInfo]]:
@@ -81,20 +81,20 @@ def keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, FieldInf
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_key_is_there_with_meaning_unit_and_range(kind: Kind, tmp_path: Path) -> None:
     path, _ = write_new(tmp_path / "mine.toml", f"{kind}/{template_names(kind)[0]}")
-    told = explained(path.read_text())
+    meanings = explained(path.read_text())
     wanted = dict(keys({"designs": Design, "scenes": Scene, "circuits": Circuit}[kind]))
     if kind == "scenes":
         wanted |= {f"effects.{name}.{key}": field for name in EFFECTS for key, field in keys(effect(name))}
-    assert set(told) == set(wanted)
+    assert set(meanings) == set(wanted)
     for key, field in wanted.items():
         assert field.description, key
-        assert told[key].startswith(f"# {field.description}"), key
+        assert meanings[key].startswith(f"# {field.description}"), key
         extra = field.json_schema_extra
         unit = extra.get("unit", "1") if isinstance(extra, dict) else "1"
-        assert unit == "1" or f"[{unit}" in told[key], key
+        assert unit == "1" or f"[{unit}" in meanings[key], key
         for rule in field.metadata:
             for bound in ("gt", "ge", "lt", "le"):
-                assert f"{getattr(rule, bound):.8g}" in told[key] if hasattr(rule, bound) else True, key
+                assert f"{getattr(rule, bound):.8g}" in meanings[key] if hasattr(rule, bound) else True, key
 
 
 def test_a_default_is_shown_in_a_comment(tmp_path: Path) -> None:
@@ -131,11 +131,11 @@ def test_a_scenes_schema_knows_the_effects(text: str) -> None:
 def test_own_silicones_and_processes_are_written_and_load(tmp_path: Path) -> None:
     lab, schema = write_new(tmp_path / "lab.toml", "silicones")
     design = skincad.load("lab-bench", ["material.name=my-silicone"], silicones=lab)
-    own, base = silicones(design.silicones)["my-silicone"], silicones()["dragon-skin-30"]
-    assert own.name == "my-silicone"
-    assert own.source == "assumption"
+    silicone, base = silicones(design.silicones)["my-silicone"], silicones()["dragon-skin-30"]
+    assert silicone.name == "my-silicone"
+    assert silicone.source == "assumption"
     for key in type(base).model_fields.keys() - {"name", "source", "sources"}:
-        assert getattr(own, key) == getattr(base, key), key
+        assert getattr(silicone, key) == getattr(base, key), key
     jsonschema.validate(tomllib.loads(lab.read_text()), json.loads(schema.read_text()))
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({"lab-10": {"viscosty": 1.0}}, json.loads(schema.read_text()))
@@ -164,9 +164,9 @@ def test_own_silicones_and_processes_are_written_and_load(tmp_path: Path) -> Non
     ],
 )  # fmt: skip
 def test_a_template_that_is_none_or_two_is_told(template: str, message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as refusal:
         write_new(tmp_path / "mine.toml", template)
-    assert message in str(told.value)
+    assert message in str(refusal.value)
     assert not list(tmp_path.iterdir())
 
 
@@ -176,8 +176,8 @@ def test_the_command_writes_any_kind(tmp_path: Path) -> None:
         ("transimpedance", "[amplifier]"),
         ("silicones", "[my-silicone]"),
     ):
-        done = run_skincad("new", f"{template}.toml", "--template", template, cwd=tmp_path)
-        assert done.stdout.splitlines() == [f"{template}.toml", f"{template}.schema.json"], done.stderr
+        process = run_skincad("new", f"{template}.toml", "--template", template, cwd=tmp_path)
+        assert process.stdout.splitlines() == [f"{template}.toml", f"{template}.schema.json"], process.stderr
         assert key in (tmp_path / f"{template}.toml").read_text()
     assert run_skincad("new", "mine.toml", cwd=tmp_path).returncode == 0
     assert skincad.load(tmp_path / "mine.toml") == skincad.load("yamada-2002").with_(name="mine")
@@ -220,9 +220,9 @@ def test_a_name_that_is_no_design_name_is_made_one(tmp_path: Path) -> None:
     ['n\nname="evil"\n.toml', "a\rb.toml", "a\x1b[31m.toml", "a\x00.toml", "\u202egnp.toml"],
 )
 def test_a_name_that_no_comment_can_hold_is_refused_and_nothing_is_written(tmp_path: Path, name: str) -> None:
-    with pytest.raises(InputError, match=r"^FILE: must have a name of printable characters") as told:
+    with pytest.raises(InputError, match=r"^FILE: must have a name of printable characters") as refusal:
         write_new(tmp_path / name)
-    assert str(told.value).isprintable()
+    assert str(refusal.value).isprintable()
     assert not list(tmp_path.iterdir())
 
 

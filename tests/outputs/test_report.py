@@ -58,9 +58,11 @@ class Page(HTMLParser):
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.addresses += [given[key] or "" for key in ("src", "href", "data", "action") if key in given]
-        self.ids += [given["id"] or ""] if "id" in given else []
+        attributes = dict(attrs)
+        self.addresses += [
+            attributes[key] or "" for key in ("src", "href", "data", "action") if key in attributes
+        ]
+        self.ids += [attributes["id"] or ""] if "id" in attributes else []
         self.images += tag == "img"
         self.captions += tag == "figcaption"
         if tag not in ("meta", "img", "br", "link", "input"):
@@ -153,9 +155,9 @@ def test_a_copied_check_gives_the_printed_verdict(yamada: Design, tmp_path: Path
     page = Page(page_of(job_of(design, skincad.check(design, tier="winkler"))))
     command = next(c for c in page.commands if c.startswith("skincad check "))
     assert command == "skincad check yamada-2002 --set ridge.height=0.6 --tier winkler"
-    done = run_skincad(*shlex.split(command)[1:], "--no-advice", cwd=tmp_path)
+    process = run_skincad(*shlex.split(command)[1:], "--no-advice", cwd=tmp_path)
     verdict = skincad.check(design, tier="winkler")
-    assert str(verdict.all_touch_force) in done.stdout
+    assert str(verdict.all_touch_force) in process.stdout
 
 
 def test_the_verdict_its_error_and_what_it_rests_on(checked: Job) -> None:
@@ -245,10 +247,10 @@ def test_without_a_scene_it_says_what_adds_one(checked: Job) -> None:
 @pytest.mark.parametrize("name", skincad.template_names())
 def test_a_suggested_scene_takes_the_skin(name: str) -> None:
     design = skincad.load(name)
-    found = suggested_scene(design)
-    assert (found is None) == (design.film is None or name == "fingertip-soft")
-    if found is not None:
-        assert skincad.load_scene(found, skin=design).design == design
+    scene = suggested_scene(design)
+    assert (scene is None) == (design.film is None or name == "fingertip-soft")
+    if scene is not None:
+        assert skincad.load_scene(scene, skin=design).design == design
 
 
 def test_scenes_are_results_of_the_skin_that_is_made(yamada: Design, felt: Simulation) -> None:
@@ -268,15 +270,15 @@ def test_an_amplifier_without_a_gain_is_no_end(felt: Simulation, monkeypatch: py
 
     monkeypatch.setattr(report_scenes, "gain", refused)
     text = report_scenes.scene_part(felt, "design.toml").html
-    assert "Its gain cannot be told: sweep: gives no finite gain." in text
+    assert "Its gain cannot be computed: sweep: gives no finite gain." in text
 
 
 def test_a_preview_has_no_report(yamada: Design, tmp_path: Path) -> None:
     assert "report.html" in makes.names(yamada)
     assert "report.html" not in makes.names(yamada, solids=False, preview=True)
-    done = run_skincad("make", "yamada-2002", "--preview", "--scene", "hold", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "--scene: are for the report, which --preview leaves out" in done.stderr
+    process = run_skincad("make", "yamada-2002", "--preview", "--scene", "hold", cwd=tmp_path)
+    assert process.returncode == 2
+    assert "--scene: are for the report, which --preview leaves out" in process.stderr
 
 
 @pytest.mark.slow
@@ -284,9 +286,9 @@ def test_the_command_runs_a_scene_for_the_report(felt: Simulation, tmp_path: Pat
     (tmp_path / "skin.toml").write_text(felt.scene.design.to_toml())
     (tmp_path / "scene.toml").write_text(felt.scene.to_toml())
     words = ("make", "skin.toml", "--no-check", "--scene", "scene.toml", "--format", "html", "--json")
-    done = run_skincad(*words, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert '"scenes": [{"name": "steady-pull"' in done.stdout
+    process = run_skincad(*words, cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    assert '"scenes": [{"name": "steady-pull"' in process.stdout
     assert "Scene steady-pull" in (tmp_path / "out" / "yamada-2002" / "report.html").read_text("utf-8")
 
 
@@ -305,5 +307,5 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
         assert images.count() > 0
         for image in images.all():
             assert image.evaluate("image => image.complete && image.naturalWidth > 0")
-        assert [asked for asked in seen.requests if not asked.startswith("data:")] == [file.as_uri()]
+        assert [request for request in seen.requests if not request.startswith("data:")] == [file.as_uri()]
         assert seen.complaints == []

@@ -33,7 +33,7 @@ def small(yamada: skincad.Design) -> skincad.Design:
 
 @pytest.fixture(scope="module")
 def results(small: skincad.Design, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
-    made = skincad.make(small, tier="winkler")  # its shape is that of all verdicts
+    result = skincad.make(small, tier="winkler")  # its shape is that of all verdicts
     folder = tmp_path_factory.mktemp("results")
     rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
     (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
@@ -42,8 +42,8 @@ def results(small: skincad.Design, tmp_path_factory: pytest.TempPathFactory) -> 
         patch.setattr(circuit, "PER_PERIOD", circuit.PER_PERIOD[:2])
         accuracy = skincad.accuracy(skincad.load("plain-ridges"), ["circuit"], repeats=1)
     return {
-        "make": made,
-        "check": made.check,
+        "make": result,
+        "check": result.check,
         "gain": skincad.gain(skincad.load_circuit("yamada-2002", ["sweep.points=50"])),
         "simulate": at_level(small_scene(folder, "yamada-2002-press", *few), LEVELS[0]),
         "accuracy": accuracy,

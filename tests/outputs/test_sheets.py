@@ -63,8 +63,8 @@ def sheet_of(design: Design, part: Part, made: cq.Solid) -> Sheet:
 def diameters(path: Path) -> list[dict[str, Any]]:
     """The diameter dimensions of a DXF, as another library than the writer's reads them."""
     read = dxf_parser.parse(path.read_text(encoding="utf-8"))
-    found = [e for e in read["entities"] if e["type"] == "DIMENSION"]
-    return [e for e in found if e["dimensionType"] & 7 == 3]
+    dimensions = [e for e in read["entities"] if e["type"] == "DIMENSION"]
+    return [e for e in dimensions if e["dimensionType"] & 7 == 3]
 
 
 def along(way: tuple[float, float, float], vector: cq.Vector) -> float:
@@ -84,21 +84,21 @@ def cylinders(made: cq.Solid) -> list[tuple[cq.Vector, cq.Vector, float, cq.Face
 @pytest.mark.parametrize("name", NAMES)
 def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
     design = named(name)
-    for part, made in made_parts(design):
-        sheet = sheet_of(design, part, made)
+    for part, shape in made_parts(design):
+        sheet = sheet_of(design, part, shape)
         write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
         write_sheet_pdf(sheet, tmp_path / "part.pdf")
         read = diameters(tmp_path / "part.dxf")
         words = pypdf.PdfReader(tmp_path / "part.pdf").pages[0].extract_text()
-        groups = hole_groups(design, part, made)
+        groups = hole_groups(design, part, shape)
         of_plan = sorted(round(2 * bore.radius, 6) for bore in bores(part))
         twice = [g.diameter for g in groups for _ in g.holes if g.depth is not None and len(g.sides) == 2]
         on_sheet = [round(e["actualMeasurement"], 6) for e in read]
         assert sorted([*on_sheet, *(round(d, 6) for d in twice)]) == of_plan, part.name
         for entity in read:  # what it says is as far as its points are apart
             a, b = entity["anchorPoint"], entity["diameterOrRadiusPoint"]
-            apart = math.dist((a["x"], a["y"]), (b["x"], b["y"]))
-            assert apart == pytest.approx(entity["actualMeasurement"], abs=READ)
+            distance = math.dist((a["x"], a["y"]), (b["x"], b["y"]))
+            assert distance == pytest.approx(entity["actualMeasurement"], abs=READ)
         tags = [e["text"].split()[0] for e in read]
         assert sorted(tags) == sorted(hole.tag for group in groups for hole in group.holes)
         for group in groups:
@@ -116,10 +116,10 @@ def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
 def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
     """The exact solid's cylinders, found on its faces, lie where the drawing has holes, and are as deep."""
     design = named(name)
-    for part, made in made_parts(design):
+    for part, shape in made_parts(design):
         seen = {view.name: view.of_solid for view in views(part)}
-        faces = cylinders(made)
-        for group in hole_groups(design, part, made):
+        faces = cylinders(shape)
+        for group in hole_groups(design, part, shape):
             if group.lean or group.diameter != group.far_diameter:
                 continue
             view = seen[group.view]
@@ -139,8 +139,8 @@ def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_no_words_lie_on_others_and_all_is_inside_the_frame(name: str) -> None:
     design = named(name)
-    for part, made in made_parts(design):
-        sheet = sheet_of(design, part, made)
+    for part, shape in made_parts(design):
+        sheet = sheet_of(design, part, shape)
         words = [mark.words for mark in sheet.marks if isinstance(mark, Dimension)]
         words += [mark for mark in sheet.marks if isinstance(mark, Words)]
         boxes = [(w.text, w.box()) for w in words]
@@ -159,23 +159,23 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
     """The solid's cylinders, projected by themselves: each has its centre line in the other views, and
     each thread of M3 an arc of three quarters, 3 mm wide (ISO 6410-1)."""
     design = named(name)
-    for part, made in made_parts(design):
-        drawing = part_drawing(design, part, made, None)
+    for part, shape in made_parts(design):
+        drawing = part_drawing(design, part, shape, None)
         seen = {view.name: view.of_solid for view in views(part)}
-        faces = cylinders(made)
+        faces = cylinders(shape)
         for group in drawing.holes:
-            for aside in group.side_views:
-                assert aside.view != group.view
-                way = math.atan2(aside.end[1] - aside.start[1], aside.end[0] - aside.start[0])
+            for side_view in group.side_views:
+                assert side_view.view != group.view
+                way = math.atan2(side_view.end[1] - side_view.start[1], side_view.end[0] - side_view.start[0])
                 off = math.inf  # how far the nearest bore's axis passes the centre line's start
                 for direction, at, radius, _ in faces:
-                    (x, y), (u, v) = seen[aside.view].at(at.toTuple()), aside.start
-                    ahead = seen[aside.view].at((at + direction).toTuple())
+                    (x, y), (u, v) = seen[side_view.view].at(at.toTuple()), side_view.start
+                    ahead = seen[side_view.view].at((at + direction).toTuple())
                     turn = math.sin(math.atan2(ahead[1] - y, ahead[0] - x) - way)
                     if abs(2 * radius - group.diameter) < 1e-6 and abs(turn) < 1e-9:
                         off = min(off, abs((u - x) * math.sin(way) - (v - y) * math.cos(way)))
                 if group.diameter == group.far_diameter:
-                    assert off < 1e-5, (part.name, aside)  # the kernel's tolerance is 1e-7
+                    assert off < 1e-5, (part.name, side_view)  # the kernel's tolerance is 1e-7
         sheet = part_sheet(drawing, "0", "")
         arcs = [m.stroke for m in sheet.marks if isinstance(m, Ink) and m.layer == "THREAD"]
         tapped = [hole for group in drawing.holes if group.thread in ("M3", "M3 x 4") for hole in group.holes]
@@ -189,16 +189,16 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
 def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
     """ISO 6410-1: from the mouth, above, 4 mm down, M3 wide; the bore is 6.5 mm deep."""
     design = named("mounted")
-    part, made = next(both for both in made_parts(design) if both[0].name == "carrier")
-    drawing = part_drawing(design, part, made, None)
+    part, shape = next(both for both in made_parts(design) if both[0].name == "carrier")
+    drawing = part_drawing(design, part, shape, None)
     (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
     marks = bore_marks((group,), {view: Placed((0.0, 0.0), 2.0) for view in drawing.views})
     hidden = [m.stroke.points for m in marks if isinstance(m, Ink) and m.layer == "HIDDEN"]
     assert len(hidden) == 3 * len(group.side_views)
     assert group.side_views
-    for aside in group.side_views:
-        (u, v), (x, y) = aside.start, aside.end
-        share = 4.0 / math.dist(aside.start, aside.end)
+    for side_view in group.side_views:
+        (u, v), (x, y) = side_view.start, side_view.end
+        share = 4.0 / math.dist(side_view.start, side_view.end)
         last = 2 * (x + share * (u - x)), 2 * (y + share * (v - y))  # of full thread, on paper
         ends = [points for points in hidden if math.dist(points[0], last) < 3.0 + READ]
         assert sorted(round(math.dist(*points), 6) for points in ends) == [6.0, 8.0, 8.0]
@@ -207,50 +207,50 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -> None:
     design = named(name)
-    for part, made in made_parts(design):
+    for part, shape in made_parts(design):
         if isinstance(part.body, Turned):
             continue  # the solid leans, the notches are told in the plate's own frame
         seen = {view.name: view.of_solid for view in views(part)}
         drawn = notches(part)
         assert len(drawn) == sum(cut.role in (CutRole.PRY, CutRole.MARK) for cut in part.cuts)
-        (left, _), (right, _) = projection(made, seen[FRONT]).box()
-        low, high = projection(made, seen[ABOVE]).box()
+        (left, _), (right, _) = projection(shape, seen[FRONT]).box()
+        low, high = projection(shape, seen[ABOVE]).box()
         for notch in drawn:
             middle, step = (notch.low + notch.high) / 2, 0.3 * notch.leg
             x = left + step if notch.side == "left" else right - step
             depth = (
                 low[1] + step if notch.outer else high[1] - step
             )  # seen from above, the outer face is below
-            up, across = seen[FRONT], seen[ABOVE]
+            up, above = seen[FRONT], seen[ABOVE]
             place = [
-                x * a + middle * b + depth * c for a, b, c in zip(up.right, up.up, across.up, strict=True)
+                x * a + middle * b + depth * c for a, b, c in zip(up.right, up.up, above.up, strict=True)
             ]
-            assert not made.isInside(cq.Vector(*place), 1e-6), (part.name, notch)
+            assert not shape.isInside(cq.Vector(*place), 1e-6), (part.name, notch)
             deep = [
                 p + 0.5 * notch.leg * (-1 if notch.side == "right" else 1) * a
                 for p, a in zip(place, up.right, strict=True)
             ]
-            assert made.isInside(cq.Vector(*deep), 1e-6), (part.name, notch)
+            assert shape.isInside(cq.Vector(*deep), 1e-6), (part.name, notch)
 
 
 def test_places_count_from_level_faces() -> None:
     """A keeper's lower edge is bent: heights count from its upper one, which is datum C."""
     design = skincad.load("yamada-2002")
-    part, made = next(both for both in made_parts(design) if both[0].name == "end-a-keeper")
-    drawing = part_drawing(design, part, made, None)
+    part, shape = next(both for both in made_parts(design) if both[0].name == "end-a-keeper")
+    drawing = part_drawing(design, part, shape, None)
     assert drawing.datums[2].edge == "top"
     assert any("left and upper edge" in note for note in drawing.notes)
-    box = made.BoundingBox(1e-6)
+    box = shape.BoundingBox(1e-6)
     rows = next(table.rows for table in drawing.tables if table.title == "Positions of holes")
-    found = {(x, y) for _, x, y in rows}
-    axes = {(number(at.x - box.xmin), number(box.zmax - at.z)) for _, at, _, _ in cylinders(made)}
-    assert found <= axes
+    texts = {(x, y) for _, x, y in rows}
+    axes = {(number(at.x - box.xmin), number(box.zmax - at.z)) for _, at, _, _ in cylinders(shape)}
+    assert texts <= axes
 
 
 def test_a_ridges_groove_and_slits_lean_alike() -> None:
     """Both by the same sign, seen from the same end: the parts lie on each other."""
     design = skincad.load("yamada-2002")
-    drawn = {part.name: part_drawing(design, part, made, None) for part, made in made_parts(design)}
+    drawn = {part.name: part_drawing(design, part, shape, None) for part, shape in made_parts(design)}
     grooves = {groove.ridge: groove.lean for groove in drawn["cavity"].grooves}
     assert min(grooves.values()) < -1 < 1 < max(grooves.values())
     for slit in drawn["end-a-comb"].slits:
@@ -262,15 +262,15 @@ def test_a_ridges_groove_and_slits_lean_alike() -> None:
 def test_a_right_piece_counts_from_its_level_side() -> None:
     design = skincad.load("steep-fingertip")
     drawn = {
-        part.name: part_drawing(design, part, made, None)
-        for part, made in made_parts(design)
+        part.name: part_drawing(design, part, shape, None)
+        for part, shape in made_parts(design)
         if part.name in ("cavity-left", "cavity-right")
     }
     left, right = drawn["cavity-left"], drawn["cavity-right"]
     assert (left.datums[1].edge, right.datums[1].edge) == ("left", "right")
     assert any("right and lower edge" in note for note in right.notes)
-    tables = [{table.title.split(":")[0]: table.rows for table in each.tables} for each in (left, right)]
-    grooves = [each["Grooves of the ridges"] for each in tables]
+    tables = [{table.title.split(":")[0]: table.rows for table in entry.tables} for entry in (left, right)]
+    grooves = [entry["Grooves of the ridges"] for entry in tables]
     assert [row[1:3] for row in grooves[0]] == [row[1:3] for row in grooves[1]][::-1]  # its mirror image
 
 
@@ -278,26 +278,26 @@ def test_a_right_piece_counts_from_its_level_side() -> None:
 def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
     design = skincad.load("yamada-2002", ["mold.cavities=3"])
     part = mold(design).part(f"end-{end}-comb")
-    made = solid(part)
-    drawing = part_drawing(design, part, made, None)
+    shape = solid(part)
+    drawing = part_drawing(design, part, shape, None)
     note = next(note for note in drawing.notes if note.startswith("Slits: of the skin furthest"))
-    found = re.search(r"are ([\d.]+) and ([\d.]+) to the (left|right) of them", note)
-    assert found is not None
-    way = 1 if found[3] == "right" else -1
+    match = re.search(r"are ([\d.]+) and ([\d.]+) to the (left|right) of them", note)
+    assert match is not None
+    way = 1 if match[3] == "right" else -1
     view = next(view.of_solid for view in views(part) if view.name == FRONT)
-    middle = made.Center().y
+    middle = shape.Center().y
     for slit in drawing.slits:
-        for apart in (0.0, float(found[1]), float(found[2])):
+        for distance in (0.0, float(match[1]), float(match[2])):
             for up, within in ((0.01, False), (-0.01, True)):  # mm: beyond the slit's bottom, and under it
                 x, z = (at + up * out for at, out in zip(slit.at, slit.out, strict=True))
-                place = cq.Vector((x + way * apart) * view.right[0], middle, z)
-                assert made.isInside(place, 1e-6) == within, (slit, apart, up)
+                place = cq.Vector((x + way * distance) * view.right[0], middle, z)
+                assert shape.isInside(place, 1e-6) == within, (slit, distance, up)
 
 
 def test_a_sheet_is_no_larger_than_its_views_need() -> None:
     """A4 holds each part of yamada-2002: the detail stands in the corner that three views leave free."""
     design = skincad.load("yamada-2002")
-    sizes = {part.name: sheet_of(design, part, made).size for part, made in made_parts(design)}
+    sizes = {part.name: sheet_of(design, part, shape).size for part, shape in made_parts(design)}
     assert set(sizes.values()) == {(210.0, 297.0)}, sizes
 
 
@@ -305,8 +305,8 @@ def test_the_same_sheet_has_the_same_bytes_and_no_time(tmp_path: Path) -> None:
     design = skincad.load("yamada-2002")
     written = []
     for again in ("a", "b"):
-        part, made = made_parts(design)[0]
-        sheet = sheet_of(design, part, made)
+        part, shape = made_parts(design)[0]
+        sheet = sheet_of(design, part, shape)
         write_sheet_pdf(sheet, tmp_path / f"{again}.pdf")
         write_dxf(tmp_path / f"{again}.dxf", sheet.marks, sheet.scale)
         written.append([(tmp_path / f"{again}.{kind}").read_bytes() for kind in ("pdf", "dxf")])
@@ -317,14 +317,14 @@ def test_the_same_sheet_has_the_same_bytes_and_no_time(tmp_path: Path) -> None:
 
 def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
     design = skincad.load("yamada-2002")
-    part, made = made_parts(design)[0]
+    part, shape = made_parts(design)[0]
     drops = (0.0123, *(0.05,) * 7, math.inf)
-    drawing = part_drawing(design, part, made, Judged(drops))
+    drawing = part_drawing(design, part, shape, Judged(drops))
     grooves = drawing.tables[-1]
     assert [row[-1] for row in grooves.rows] == ["0.0123", *["0.0500"] * 7, "any"]
     assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)
     assert not any("yield" in note.lower() for note in drawing.notes)  # a shop can do nothing about it
-    unchecked = part_drawing(design, part, made, None)
+    unchecked = part_drawing(design, part, shape, None)
     assert any("made without the check" in note for note in unchecked.notes)
     assert number(drawing.grooves[4].height) == "0.501"
 
@@ -361,10 +361,10 @@ def test_a_cavitys_profile_is_cut_to_the_solids_area(name: str, tmp_path: Path) 
     """What a wire follows: true arcs, and larger than the skin by the shrinkage as the solid is."""
     design = skincad.load(name)
     part = mold(design).part("cavity")
-    made = solid(part)
-    sheet = sheet_of(design, part, made)
+    shape = solid(part)
+    sheet = sheet_of(design, part, shape)
     write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
-    end = min(made.Faces(), key=lambda face: face.Center().y)
+    end = min(shape.Faces(), key=lambda face: face.Center().y)
     whole = cq.Face.makeFromWires(end.outerWire()).Area()
     assert profile_area(tmp_path / "part.dxf") == pytest.approx(whole, rel=1e-6)
 
@@ -373,8 +373,8 @@ def test_a_cavitys_profile_is_cut_to_the_solids_area(name: str, tmp_path: Path) 
 def test_the_symbol_of_texture_has_its_bar_where_material_is_cut_away(name: str, strokes: int) -> None:
     """Wire against resin; the symbol stands in its cell, and says what the process does."""
     design = skincad.load(name)
-    part, made = next((p, m) for p, m in made_parts(design) if p.name == "cavity")
-    marks = sheet_of(design, part, made).marks
+    part, shape = next((p, m) for p, m in made_parts(design) if p.name == "cavity")
+    marks = sheet_of(design, part, shape).marks
     (label,) = (m for m in marks if isinstance(m, Words) and "ISO 21920-1" in m.text)
     (said,) = (m for m in marks if isinstance(m, Words) and m.text.startswith("Ra "))
     left, right, high = label.at[0] - 1.0, label.at[0] + 38.0, label.at[1]

@@ -29,9 +29,9 @@ ROUND = 1e-9  # mm2, sixteen digits of places below 100 mm: a sliver of 1e-14 mm
 def read(design: Design, folder: Path) -> dict[str, list[shapely.Polygon]]:
     """The closed outlines by layer, one strip after the other; a rounded corner as its chord."""
     write_strips_dxf(design, folder / "strips.dxf")
-    found = dxf_parser.parse((folder / "strips.dxf").read_text(encoding="utf-8"))
+    drawing = dxf_parser.parse((folder / "strips.dxf").read_text(encoding="utf-8"))
     layers = defaultdict(list)
-    for entity in (e for e in found["entities"] if e["type"] == "LWPOLYLINE"):
+    for entity in (e for e in drawing["entities"] if e["type"] == "LWPOLYLINE"):
         if len(entity["vertices"]) > 2:  # a hole is two half circles
             layers[entity["layer"]].append(shapely.Polygon([(v["x"], v["y"]) for v in entity["vertices"]]))
     return layers
@@ -83,15 +83,15 @@ def test_a_doubly_curved_skins_strips_too(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_sixty_random_designs_strips_too(tmp_path: Path) -> None:
     designs = (drawn(seed).design for seed in range(1000))
-    found = list(islice((design for design in designs if design.film), 60))
-    assert len(found) == 60
-    for design in found:
+    with_film = list(islice((design for design in designs if design.film), 60))
+    assert len(with_film) == 60
+    for design in with_film:
         check(design, tmp_path)
 
 
 def test_the_layers_say_what_is_cut_kept_and_marked(made: Made) -> None:
-    found = dxf_parser.parse((made.folder / "strips.dxf").read_text(encoding="utf-8"))
-    colours = {name: row["colorIndex"] for name, row in found["tables"]["layer"]["layers"].items()}
+    drawing = dxf_parser.parse((made.folder / "strips.dxf").read_text(encoding="utf-8"))
+    colours = {name: row["colorIndex"] for name, row in drawing["tables"]["layer"]["layers"].items()}
     assert {name: colours[name] for name in ("CUT", "FRONT", "BACK", "ENGRAVE", "MARK", "DIMENSIONS")} == {
         "CUT": 1,
         "ENGRAVE": 2,
@@ -106,9 +106,9 @@ def test_the_layers_say_what_is_cut_kept_and_marked(made: Made) -> None:
 def test_number_and_sign_are_on_what_is_not_cut_off(name: str, tmp_path: Path) -> None:
     """And off the leads, which an engraved mark could cut; a letter is at most 0.8 of its height wide."""
     layers = read(skincad.load(name), tmp_path)
-    found = dxf_parser.parse((tmp_path / "strips.dxf").read_text(encoding="utf-8"))
-    texts = [e for e in found["entities"] if e["type"] == "TEXT" and e["layer"] == "ENGRAVE"]
-    cuts = [e for e in found["entities"] if e["type"] == "LINE" and e["layer"] == "MARK"]
+    drawing = dxf_parser.parse((tmp_path / "strips.dxf").read_text(encoding="utf-8"))
+    texts = [e for e in drawing["entities"] if e["type"] == "TEXT" and e["layer"] == "ENGRAVE"]
+    cuts = [e for e in drawing["entities"] if e["type"] == "LINE" and e["layer"] == "MARK"]
     words = [t for t in texts if t["text"] == "+" or t["text"].endswith(("S1", "S2"))]
     assert len(words) == len(texts) == 2 * len(layers["CUT"])  # nothing else is engraved
     ends = {line["vertices"][0]["x"] for line in cuts}

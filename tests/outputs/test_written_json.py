@@ -93,7 +93,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tupl
         str(folder / "scene.toml"),
         "--set",
         "skin=small.toml",
-        *(t for each in THIRDS for t in ("--set", each)),
+        *(t for third in THIRDS for t in ("--set", third)),
     )
     said = {}
     with pytest.MonkeyPatch.context() as patch:

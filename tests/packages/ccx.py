@@ -32,12 +32,12 @@ def pressed(design: Design, mesh: Tetrahedra, down: float) -> float:
     crests = np.concatenate([rows for name, rows in mesh.surfaces.items() if name != "back"])
     gap = mesh.nodes[crests].max(axis=(0, 1))[2] - mesh.nodes[:, 2]
     middles = np.unique(crests[:, 3:])
-    held = middles[gap[middles] < down]
+    touching = middles[gap[middles] < down]
     for _ in range(ROUNDS):
-        bears = _solved(design, mesh, held, gap[held] - down)
+        bears = _solved(design, mesh, touching, gap[touching] - down)
         if (bears >= 0).all():
             return float(bears.sum())
-        held = held[bears > 0]
+        touching = touching[bears > 0]
     raise RuntimeError("the contact does not settle")
 
 
@@ -62,6 +62,6 @@ def _solved(design: Design, mesh: Tetrahedra, held: np.ndarray, moved: np.ndarra
         subprocess.run(
             ["ccx", "-i", "a"], cwd=folder, env=alone, capture_output=True, check=True, timeout=600
         )
-        told = (Path(folder) / "a.dat").read_text()
-    found = {int(n): -float(z) for n, z in re.findall(r"^\s+(\d+)\s+\S+\s+\S+\s+(\S+)\s*$", told, re.M)}
-    return np.array([found[n + 1] for n in held.tolist()])
+        text = (Path(folder) / "a.dat").read_text()
+    heights = {int(n): -float(z) for n, z in re.findall(r"^\s+(\d+)\s+\S+\s+\S+\s+(\S+)\s*$", text, re.M)}
+    return np.array([heights[n + 1] for n in held.tolist()])

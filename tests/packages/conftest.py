@@ -17,16 +17,16 @@ DESIGNS = {
 }
 
 
-class Written:
+class PackageFolder:
     """A package and the folder that it was written to."""
 
-    def __init__(self, found: Package, folder: Path) -> None:
-        self.found, self.folder = found, folder
-        skincad.write(found, folder)
+    def __init__(self, package: Package, folder: Path) -> None:
+        self.package, self.folder = package, folder
+        skincad.write(package, folder)
 
 
 @pytest.fixture(scope="session", params=DESIGNS)
-def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Written:
+def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> PackageFolder:
     """Each design for MuJoCo and URDF."""
-    found = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
-    return Written(found, tmp_path_factory.mktemp("package") / "p")
+    package = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
+    return PackageFolder(package, tmp_path_factory.mktemp("package") / "p")

@@ -33,8 +33,8 @@ def test_mujoco_reads_it() -> None:
 def test_a_urdf_reader_reads_it(tmp_path: Path) -> None:
     design = skincad.load_design("steep-fingertip")
     (tmp_path / "a.urdf").write_text(skin_urdf(design, Links(LOPSIDED, LOPSIDED, (), None)))
-    found = yourdfpy.URDF.load(str(tmp_path / "a.urdf"), load_meshes=False, build_scene_graph=False)
-    inertial = found.link_map["carrier"].inertial
+    robot = yourdfpy.URDF.load(str(tmp_path / "a.urdf"), load_meshes=False, build_scene_graph=False)
+    inertial = robot.link_map["carrier"].inertial
     assert inertial.mass * 1e3 == pytest.approx(LOPSIDED.mass)
     assert inertial.origin[:3, 3] * 1e3 == pytest.approx(LOPSIDED.centre)
     assert inertial.inertia * 1e9 == pytest.approx(LOPSIDED.inertia)

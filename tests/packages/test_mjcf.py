@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from skincad.packages.mjcf import SPEED
-from tests.packages.conftest import Written
+from tests.packages.conftest import PackageFolder
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("packages")]
 
@@ -15,10 +15,10 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("packages")]
 class Run:
     """A scene from one of its keyframes on."""
 
-    def __init__(self, written: Written, key: str) -> None:
+    def __init__(self, written: PackageFolder, key: str) -> None:
         self.model = mujoco.MjModel.from_xml_path(str(written.folder / "scene.xml"))
         self.data = mujoco.MjData(self.model)
-        self.ridges = written.found.design.ridge.count
+        self.ridges = written.package.design.ridge.count
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(key).id)
 
     def after(self, seconds: float) -> Run:
@@ -34,30 +34,30 @@ class Run:
         return float(self.data.joint(joint).qpos[0] * 1e3)
 
 
-def test_a_pressed_skin_is_that_of_its_check_for_ten_seconds(simulated: Written) -> None:
+def test_a_pressed_skin_is_that_of_its_check_for_ten_seconds(simulated: PackageFolder) -> None:
     """The tolerances are the issue's; measured 0.04 %, 1.5 % and 0.4 %."""
-    run, verdict = Run(simulated, "press"), simulated.found.springs.verdict
+    run, verdict = Run(simulated, "press"), simulated.package.springs.verdict
     assert run.model.opt.timestep == 0.002
     before = run.after(5.0).at("plate-z")
     run.after(5.0)
     assert run.at("plate-z") == pytest.approx(before, rel=1e-4)  # it stands
     assert all(warning.number == 0 for warning in run.data.warning)
-    force, wanted = run.forces()[:, 0], np.array([float(each) for each in verdict.ridge_force])
+    force, wanted = run.forces()[:, 0], np.array([float(share) for share in verdict.ridge_force])
     assert force.sum() == pytest.approx(verdict.force, rel=0.01)
     assert (force > 0).all()
     assert force == pytest.approx(wanted, rel=0.1)
     assert run.at("plate-z") == pytest.approx(float(verdict.approach), rel=0.1)
 
 
-def test_below_the_friction_limit_nothing_slides_and_above_it_does(simulated: Written) -> None:
-    approach = float(simulated.found.springs.verdict.approach)
+def test_below_the_friction_limit_nothing_slides_and_above_it_does(simulated: PackageFolder) -> None:
+    approach = float(simulated.package.springs.verdict.approach)
     stuck, slid = Run(simulated, "pull").after(0.5), Run(simulated, "slide").after(0.1)
     settled, began = stuck.at("plate-x"), slid.at("plate-x")
     assert abs(stuck.after(1.0).at("plate-x") - settled) < 1e-3 * approach
     assert slid.after(0.1).at("plate-x") - began > 0.5 * SPEED * approach * 0.1
 
 
-def test_the_force_sensors_tell_what_each_ridge_does_to_the_plate(simulated: Written) -> None:
+def test_the_force_sensors_tell_what_each_ridge_does_to_the_plate(simulated: PackageFolder) -> None:
     """In the design's axes, so they balance the plate's own forces; 1 %: the plate has not quite stopped."""
     run = Run(simulated, "pull").after(1.0)
     force = run.forces("force").sum(axis=0)
@@ -66,9 +66,9 @@ def test_the_force_sensors_tell_what_each_ridge_does_to_the_plate(simulated: Wri
     assert force[0] == pytest.approx(-pull, rel=0.01)
 
 
-def test_mass_and_inertia_are_those_of_the_links(simulated: Written) -> None:
+def test_mass_and_inertia_are_those_of_the_links(simulated: PackageFolder) -> None:
     """MuJoCo's own sum over the bodies: mass, centre and rotational inertia about the origin."""
-    run, weighs = Run(simulated, "press"), simulated.found.weighs
+    run, weighs = Run(simulated, "press"), simulated.package.weighs
     model, data = run.model, run.data
     data.qpos[:] = 0
     mujoco.mj_forward(model, data)

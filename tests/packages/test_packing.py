@@ -23,19 +23,19 @@ pytestmark = pytest.mark.xdist_group("package command")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
     """A whole package by the command, in its usual folder, and what `--json` says of it."""
     folder = tmp_path_factory.mktemp("work")
-    done = run_skincad("package", *FAST, "--json", cwd=folder)
-    assert done.returncode == 0, done.stderr
-    return folder / "out" / "steep-fingertip" / "package", json.loads(done.stdout)
+    process = run_skincad("package", *FAST, "--json", cwd=folder)
+    assert process.returncode == 0, process.stderr
+    return folder / "out" / "steep-fingertip" / "package", json.loads(process.stdout)
 
 
 def test_json_and_card_say_what_is_there(made: tuple[Path, dict]) -> None:
-    folder, told = made
+    folder, answer = made
     card = json.loads((folder / "package.json").read_text())
-    assert told["taxels"] == 9
-    assert told["mass_g"] == pytest.approx(card["mass_g"])
-    assert {row["path"].rpartition("/")[2] for row in told["files"]} == {p.name for p in folder.iterdir()} - {
-        "package.json"
-    }
+    assert answer["taxels"] == 9
+    assert answer["mass_g"] == pytest.approx(card["mass_g"])
+    assert {row["path"].rpartition("/")[2] for row in answer["files"]} == {
+        p.name for p in folder.iterdir()
+    } - {"package.json"}
     assert card["licence"] is None
     assert {*card["numbers"][0]} == {"what", "rests_on", "holds"}
     text = (folder / "package.md").read_text()
@@ -59,8 +59,8 @@ def test_taxels_and_response_read_alike_from_csv_and_npz(made: tuple[Path, dict]
             assert (arrays[key][:, :, 2] == out).all()
         else:
             assert arrays[key].shape == (2, 3, 6, 3)
-            found = np.array([float(row["through_film_MPa_per_N"]) for row in rows]).reshape(2, 3, 6)
-            assert found == pytest.approx(arrays[key][..., 0], rel=1e-8)
+            stress = np.array([float(row["through_film_MPa_per_N"]) for row in rows]).reshape(2, 3, 6)
+            assert stress == pytest.approx(arrays[key][..., 0], rel=1e-8)
             charge = np.array([float(row["charge_pC_per_N"]) for row in rows]).reshape(2, 3, 6)
             assert charge == pytest.approx(arrays["charge"], rel=1e-8)
 
@@ -99,17 +99,17 @@ def test_heights_are_those_of_rays_on_the_mesh(bent: float | None) -> None:
     plain = skincad.load_design("steep-fingertip")
     heights = [plain.ridge.height * share for share in (0.8, 1.0, 0.9)]  # left is not right
     design = plain.with_(skin={"curvature_radius_y": bent}, ridge={"heights": heights})
-    found, shape = height_map(design), mesh(skin_part(design), 1e-4)
+    image, shape = height_map(design), mesh(skin_part(design), 1e-4)
     rng = np.random.default_rng(7)
-    rows, columns = found.height.shape
+    rows, columns = image.height.shape
     at = np.column_stack([rng.integers(2, rows - 2, 200), rng.integers(2, columns - 2, 200)])
-    x = found.corner[0] + at[:, 1] * found.pixel
-    y = found.corner[1] - at[:, 0] * found.pixel
+    x = image.corner[0] + at[:, 1] * image.pixel
+    y = image.corner[1] - at[:, 0] * image.pixel
     above = np.column_stack([x, y, np.full(200, 100.0)])
     places, ray, _ = shape.ray.intersects_location(above, np.tile([0.0, 0.0, -1.0], (200, 1)))
     top = np.full(200, np.nan)
     np.fmax.at(top, ray, places[:, 2])
-    mine = found.height[at[:, 0], at[:, 1]]
+    mine = image.height[at[:, 0], at[:, 1]]
     both = ~np.isnan(mine) & ~np.isnan(top)
     assert both.sum() > 150
     assert np.quantile(np.abs(mine - top)[both], 0.98) < 1e-3  # a steep flank within a chord's width
@@ -120,9 +120,9 @@ def test_the_image_of_heights_reads_back(made: tuple[Path, dict]) -> None:
     about = json.loads((folder / "heights.json").read_text())
     with Image.open(folder / "heights.png") as image:
         levels = np.asarray(image)
-    found = height_map(skincad.load_design("steep-fingertip"))
+    heights = height_map(skincad.load_design("steep-fingertip"))
     assert levels.dtype == np.uint16
-    assert levels * about["scale_mm"] == pytest.approx(found.height, abs=0.51 * about["scale_mm"])
+    assert levels * about["scale_mm"] == pytest.approx(heights.height, abs=0.51 * about["scale_mm"])
     assert levels.max() == 65535
 
 
@@ -138,8 +138,8 @@ def test_make_takes_a_folder_that_holds_a_package(made: tuple[Path, dict]) -> No
     """Either may come first; each leaves the other's files alone."""
     folder, _ = made
     work = folder.parents[2]
-    done = run_skincad("make", "steep-fingertip", "--preview", "--format", "stl", cwd=work)
-    assert (folder.parent / "make.json").is_file(), done.stderr
+    process = run_skincad("make", "steep-fingertip", "--preview", "--format", "stl", cwd=work)
+    assert (folder.parent / "make.json").is_file(), process.stderr
     assert (folder / "scene.xml").is_file()
     assert run_skincad("package", *FAST, "--for", "urdf", cwd=work).returncode == 0
     assert not (folder / "scene.xml").exists()
@@ -152,10 +152,10 @@ def test_one_kind_alone_has_its_files() -> None:
 
 
 def test_a_skin_without_slots_says_that_its_films_do_not_feel() -> None:
-    found = skincad.package(skincad.load_design("plain-ridges"), ["taxels"])
-    assert found.response is None
-    assert "taxels         0 film strips, 9 crests" in str(found)
-    assert "no film that is bonded" in str(found)
+    package = skincad.package(skincad.load_design("plain-ridges"), ["taxels"])
+    assert package.response is None
+    assert "taxels         0 film strips, 9 crests" in str(package)
+    assert "no film that is bonded" in str(package)
     bent = skincad.load_design("yamada-2002").with_(skin={"curvature_radius_y": 100.0})
     assert "straight along y" in str(skincad.package(bent, ["taxels"]))
 
@@ -174,19 +174,19 @@ def test_a_skin_without_slots_says_that_its_films_do_not_feel() -> None:
 def test_what_cannot_be_exported_is_refused_in_one_line(
     arguments: tuple[str, ...], words: str, tmp_path: Path
 ) -> None:
-    done = run_skincad("package", "yamada-2002", *arguments, cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.startswith(f"skincad: {words}")
-    assert done.stderr.count("\n") == 1
+    process = run_skincad("package", "yamada-2002", *arguments, cwd=tmp_path)
+    assert process.returncode == 2
+    assert process.stderr.startswith(f"skincad: {words}")
+    assert process.stderr.count("\n") == 1
     assert [*tmp_path.iterdir()] == []
 
 
 def test_progress_tells_each_check_of_the_springs() -> None:
-    told: list[tuple[str, float | None]] = []
+    stages: list[tuple[str, float | None]] = []
     design = skincad.load("steep-fingertip")
     skincad.package(
-        design, "mujoco", tier="winkler", progress=lambda stage, left=None, /: told.append((stage, left))
+        design, "mujoco", tier="winkler", progress=lambda stage, left=None, /: stages.append((stage, left))
     )
-    assert told[0] == ("springs", None)
-    assert sum(stage.startswith("springs: winkler tier") for stage, _ in told) == 3  # at half and twice too
-    assert {left for _, left in told} == {None}  # of one check, not of the package
+    assert stages[0] == ("springs", None)
+    assert sum(stage.startswith("springs: winkler tier") for stage, _ in stages) == 3  # at half and twice too
+    assert {left for _, left in stages} == {None}  # of one check, not of the package

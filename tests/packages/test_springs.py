@@ -8,7 +8,7 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.packages import springs as room
-from skincad.packages.springs import Springs, pressed, springs
+from skincad.packages.springs import Springs, plate_response, springs
 
 
 def plain(gap: list[float], flexibility: np.ndarray) -> Springs:
@@ -16,9 +16,9 @@ def plain(gap: list[float], flexibility: np.ndarray) -> Springs:
 
 
 def test_two_springs_of_their_own_close_one_after_the_other() -> None:
-    found = plain([0.0, 0.3], np.diag([0.5, 0.25]))
-    assert pressed(found, 0.4)[0] == pytest.approx(0.2)
-    approach, forces = pressed(found, 2.0)  # d / 0.5 + (d - 0.3) / 0.25 = 2
+    fit = plain([0.0, 0.3], np.diag([0.5, 0.25]))
+    assert plate_response(fit, 0.4)[0] == pytest.approx(0.2)
+    approach, forces = plate_response(fit, 2.0)  # d / 0.5 + (d - 0.3) / 0.25 = 2
     assert approach == pytest.approx(3.2 / 6)
     assert forces == pytest.approx([2 * approach, 4 * (approach - 0.3)])
 
@@ -26,9 +26,9 @@ def test_two_springs_of_their_own_close_one_after_the_other() -> None:
 def test_rows_squared_are_the_stiffness() -> None:
     rng = np.random.default_rng(3)
     factor = rng.normal(size=(5, 5))
-    found = plain([0.0] * 5, factor @ factor.T + np.eye(5))
-    assert found.rows.T @ found.rows == pytest.approx(found.stiffness)
-    assert np.tril(found.rows, -1) == pytest.approx(np.zeros((5, 5)))
+    fit = plain([0.0] * 5, factor @ factor.T + np.eye(5))
+    assert fit.rows.T @ fit.rows == pytest.approx(fit.stiffness)
+    assert np.tril(fit.rows, -1) == pytest.approx(np.zeros((5, 5)))
 
 
 @pytest.mark.parametrize(
@@ -38,18 +38,18 @@ def test_at_the_checks_load_they_are_the_check(
     changes: dict[str, object], coupled: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(room, "SPANS", ())
-    found = springs(skincad.load_design("plain-ridges").with_(**changes), "winkler")
-    approach, forces = pressed(found, found.verdict.force)
-    assert found.coupled is coupled
-    assert approach == pytest.approx(float(found.verdict.approach), rel=1e-6)
-    assert forces == pytest.approx([float(each) for each in found.verdict.ridge_force], abs=1e-6)
+    fit = springs(skincad.load_design("plain-ridges").with_(**changes), "winkler")
+    approach, forces = plate_response(fit, fit.verdict.force)
+    assert fit.coupled is coupled
+    assert approach == pytest.approx(float(fit.verdict.approach), rel=1e-6)
+    assert forces == pytest.approx([float(share) for share in fit.verdict.ridge_force], abs=1e-6)
 
 
 @pytest.mark.slow
 def test_at_other_loads_they_are_near_the_check() -> None:
     """Measured 3 % and 5 %, of the shares 5.5 % and 13 % of the mean one: what a secant leaves."""
-    found = springs(skincad.load_design("yamada-2002"), "corrected")
-    half, twice = found.elsewhere
+    fit = springs(skincad.load_design("yamada-2002"), "corrected")
+    half, twice = fit.elsewhere
     assert (half.force, twice.force) == (2.0, 8.0)
     assert max(half.approach_off, twice.approach_off) < 0.07
     assert max(half.shares_off, twice.shares_off) < 0.2

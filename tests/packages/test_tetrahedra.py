@@ -38,91 +38,93 @@ def mesh(request: pytest.FixtureRequest) -> tuple[skincad.Design, Tetrahedra]:
 
 def test_none_is_inside_out_and_volumes_are_the_solids(mesh: tuple[skincad.Design, Tetrahedra]) -> None:
     """Of all regions together the stated deviation."""
-    design, found = mesh
+    design, tets = mesh
     total = 0.0
-    for own in found.elements.values():
-        volumes = signed_volumes(found.nodes, own)
+    for elements in tets.elements.values():
+        volumes = signed_volumes(tets.nodes, elements)
         assert volumes.min() > 0
         total += float(volumes.sum())
     whole = along_skin(design, skincad.section(design).outline, ()).volume
-    assert total == pytest.approx(whole, rel=1.001 * found.deviation)
-    assert found.deviation < 2e-3
+    assert total == pytest.approx(whole, rel=1.001 * tets.deviation)
+    assert tets.deviation < 2e-3
     film = 2 * design.ridge.count * design.film.thickness * design.slot.depth * design.skin.length
-    assert found.volumes["film"][0] == pytest.approx(film, rel=1e-2)  # a doubly curved one is shorter below
+    assert tets.volumes["film"][0] == pytest.approx(film, rel=1e-2)  # a doubly curved one is shorter below
 
 
 def test_it_is_one_piece_without_gaps(mesh: tuple[skincad.Design, Tetrahedra]) -> None:
     """Every face has two elements or lies on the boundary; middles lie in the middle."""
-    _, found = mesh
-    cells = np.concatenate(list(found.elements.values()))
+    _, tets = mesh
+    cells = np.concatenate(list(tets.elements.values()))
     faces = np.sort(cells[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3), axis=1)
     unique, count = np.unique(faces, axis=0, return_counts=True)
     assert count.max() == 2
     boundary = {tuple(row) for row in unique[count == 1].tolist()}
-    for rows in found.surfaces.values():
+    for rows in tets.surfaces.values():
         assert all(tuple(sorted(row[:3])) in boundary for row in rows.tolist())
-    middles = found.nodes[cells[:, 4:]]
+    middles = tets.nodes[cells[:, 4:]]
     for k, (a, b) in enumerate(((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))):
-        assert middles[:, k] == pytest.approx((found.nodes[cells[:, a]] + found.nodes[cells[:, b]]) / 2)
+        assert middles[:, k] == pytest.approx((tets.nodes[cells[:, a]] + tets.nodes[cells[:, b]]) / 2)
 
 
 def test_surfaces_lie_where_they_say(mesh: tuple[skincad.Design, Tetrahedra]) -> None:
-    design, found = mesh
-    assert {*found.surfaces} == {"back", *(f"crest-{i}" for i in range(1, design.ridge.count + 1))}
-    top = found.nodes[:, 2].max()
+    design, tets = mesh
+    assert {*tets.surfaces} == {"back", *(f"crest-{i}" for i in range(1, design.ridge.count + 1))}
+    top = tets.nodes[:, 2].max()
     middle = (design.ridge.count + 1) // 2
-    assert found.nodes[found.surfaces[f"crest-{middle}"]][..., 2].max() == top
+    assert tets.nodes[tets.surfaces[f"crest-{middle}"]][..., 2].max() == top
     assert top == pytest.approx(skincad.section(design).top, abs=1e-9)
     if design.skin.curvature_radius_y is None:
-        assert (found.nodes[found.surfaces["back"]][..., 2] == 0).all()
+        assert (tets.nodes[tets.surfaces["back"]][..., 2] == 0).all()
 
 
 def test_meshio_reads_the_same_from_both_files(tmp_path: Path) -> None:
-    found = tetrahedra(SMALL)
-    (tmp_path / "skin.msh").write_text(msh(found))
-    (tmp_path / "skin.vtu").write_text(vtu(found))
-    cells = np.concatenate(list(found.elements.values()))
+    mesh_of_design = tetrahedra(SMALL)
+    (tmp_path / "skin.msh").write_text(msh(mesh_of_design))
+    (tmp_path / "skin.vtu").write_text(vtu(mesh_of_design))
+    cells = np.concatenate(list(mesh_of_design.elements.values()))
     one, other = meshio.read(tmp_path / "skin.msh"), meshio.read(tmp_path / "skin.vtu")
     for read in (one, other):
-        assert (read.points == found.nodes).all()
+        assert (read.points == mesh_of_design.nodes).all()
         tets = np.concatenate([block.data for block in read.cells if block.type == "tetra10"])
         assert (tets == cells).all()  # meshio has VTK's order, and turns Gmsh's into it
-    assert {*one.field_data} == {"skin", "film", *found.surfaces}
-    assert (other.cell_data["region"][0] == 2).sum() == len(found.elements["film"])
+    assert {*one.field_data} == {"skin", "film", *mesh_of_design.surfaces}
+    assert (other.cell_data["region"][0] == 2).sum() == len(mesh_of_design.elements["film"])
 
 
 @pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
 def test_gmsh_finds_positive_jacobians_and_the_volume(tmp_path: Path) -> None:
-    found = tetrahedra(SMALL)
-    (tmp_path / "skin.msh").write_text(msh(found))
+    tets = tetrahedra(SMALL)
+    (tmp_path / "skin.msh").write_text(msh(tets))
     (tmp_path / "ask.geo").write_text(ASK)
-    done = subprocess.run(
+    process = subprocess.run(
         ["gmsh", "ask.geo", "-"], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300
     )
-    told = done.stdout + done.stderr
-    assert "Error" not in told
-    least, evenness = (float(re.search(rf"{what}\s+=\s+(\S+?),", told)[1]) for what in ("minJ", "minJ/maxJ"))
+    output = process.stdout + process.stderr
+    assert "Error" not in output
+    least, evenness = (
+        float(re.search(rf"{what}\s+=\s+(\S+?),", output)[1]) for what in ("minJ", "minJ/maxJ")
+    )
     assert least > 0
     assert evenness == 1.0  # edges are straight
-    volume = float(re.search(r"Mesh volume .*: (\S+)", told)[1])
-    assert volume == pytest.approx(sum(pair[0] for pair in found.volumes.values()), rel=1e-5)
+    volume = float(re.search(r"Mesh volume .*: (\S+)", output)[1])
+    assert volume == pytest.approx(sum(pair[0] for pair in tets.volumes.values()), rel=1e-5)
 
 
 def test_materials_say_what_each_region_is() -> None:
-    found = tetrahedra(SMALL)
-    told = materials(SMALL, found)
-    assert told["units"]["young_modulus"] == "MPa"
-    assert told["film"]["young_modulus"] == SMALL.film.young_modulus
-    assert told["skin"]["density"] == 1030.0
-    assert told["volume_deviation"] == found.deviation
+    tets = tetrahedra(SMALL)
+    data = materials(SMALL, tets)
+    assert data["units"]["young_modulus"] == "MPa"
+    assert data["film"]["young_modulus"] == SMALL.film.young_modulus
+    assert data["skin"]["density"] == 1030.0
+    assert data["volume_deviation"] == tets.deviation
 
 
 def test_empty_slots_are_voids() -> None:
     loose = SMALL.with_(contact={"film": "loose"})
     void = 2 * SMALL.ridge.count * SMALL.slot.thickness * SMALL.slot.depth * SMALL.skin.length
-    found, full = tetrahedra(loose), tetrahedra(SMALL)
-    assert {*found.elements} == {"skin"}
-    more = sum(pair[0] for pair in full.volumes.values()) - found.volumes["skin"][0]
+    tets, full = tetrahedra(loose), tetrahedra(SMALL)
+    assert {*tets.elements} == {"skin"}
+    more = sum(pair[0] for pair in full.volumes.values()) - tets.volumes["skin"][0]
     assert more == pytest.approx(void, rel=1e-6)
 
 

@@ -6,12 +6,12 @@ import mujoco
 import pytest
 import yourdfpy
 
-from tests.packages.conftest import Written
+from tests.packages.conftest import PackageFolder
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("packages")]
 
 
-def test_a_strict_reader_takes_it(simulated: Written) -> None:
+def test_a_strict_reader_takes_it(simulated: PackageFolder) -> None:
     robot = yourdfpy.URDF.load(
         str(simulated.folder / "skin.urdf"),
         build_collision_scene_graph=True,
@@ -20,7 +20,7 @@ def test_a_strict_reader_takes_it(simulated: Written) -> None:
     )
     assert robot.validate()
     assert robot.errors == []
-    design, weighs = simulated.found.design, simulated.found.weighs
+    design, weighs = simulated.package.design, simulated.package.weighs
     ridges = {f"ridge-{i}" for i in range(1, design.ridge.count + 1)}
     assert {*robot.link_map} == {"carrier", "skin", "filling", *ridges}
     assert robot.base_link == "carrier"
@@ -29,5 +29,5 @@ def test_a_strict_reader_takes_it(simulated: Written) -> None:
     model = mujoco.MjModel.from_xml_path(str(simulated.folder / "skin.urdf"))  # another strict reader
     assert model.ngeom == 2 + design.ridge.count
     low, high = robot.collision_scene.bounds * 1e3
-    assert high[2] == pytest.approx(simulated.found.surfaces["skin"].bounds[1, 2], abs=1e-3)
-    assert high[0] - low[0] == pytest.approx(simulated.found.surfaces["carrier"].extents[0], rel=0.2)
+    assert high[2] == pytest.approx(simulated.package.surfaces["skin"].bounds[1, 2], abs=1e-3)
+    assert high[0] - low[0] == pytest.approx(simulated.package.surfaces["carrier"].extents[0], rel=0.2)

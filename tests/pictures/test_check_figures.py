@@ -15,20 +15,20 @@ from skincad.pictures.check_figures import ridge_force_figure
 
 
 def test_each_ridge_has_its_bar_and_the_mean_is_a_line(yamada: Design) -> None:
-    found = check(yamada, tier="winkler")
-    figure = ridge_force_figure(found)
+    result = check(yamada, tier="winkler")
+    figure = ridge_force_figure(result)
     (axes,) = figure.axes
     bars = axes.patches
     assert [bar.get_x() + bar.get_width() / 2 for bar in bars] == pytest.approx(range(1, 10))
-    assert [bar.get_height() for bar in bars] == pytest.approx([f.value for f in found.ridge_force])
+    assert [bar.get_height() for bar in bars] == pytest.approx([f.value for f in result.ridge_force])
     (errors,) = axes.collections
-    half = [float(np.ptp(each[:, 1])) / 2 for each in errors.get_segments()]
-    assert half == pytest.approx([f.error for f in found.ridge_force])
+    half = [float(np.ptp(segment[:, 1])) / 2 for segment in errors.get_segments()]
+    assert half == pytest.approx([f.error for f in result.ridge_force])
     mean = next(line for line in axes.lines if line.get_label() == "mean")
     assert list(mean.get_ydata()) == pytest.approx([4.0 / 9] * 2)
     assert list(axes.get_xticks()) == list(range(1, 10))
     assert (
-        figure.get_suptitle() == f"yamada-2002: 9 of 9 touch at 4 N; all touch from {found.all_touch_force}"
+        figure.get_suptitle() == f"yamada-2002: 9 of 9 touch at 4 N; all touch from {result.all_touch_force}"
     )
 
 

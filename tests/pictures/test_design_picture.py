@@ -9,7 +9,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.meshes import manifold
-from skincad.pictures.exploded import apart
+from skincad.pictures.exploded import explosion_offset
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PINS, PartRole
 from tests.bent_skin import three_ridges
@@ -18,7 +18,7 @@ from tests.bent_skin import three_ridges
 def boxes(closed: ClosedMold) -> dict[str, np.ndarray]:
     """Lowest and highest corner of each part that is drawn apart, `(2, 3)` mm."""
     return {
-        part.name: np.reshape(manifold(part, 0.2).bounding_box(), (2, 3)) + apart(part, closed)
+        part.name: np.reshape(manifold(part, 0.2).bounding_box(), (2, 3)) + explosion_offset(part, closed)
         for part in closed.parts
     }
 
@@ -45,13 +45,15 @@ def test_parts_lie_clear_of_each_other_in_the_order_of_opening(name: str) -> Non
         if f"end-{end}-comb" in placed:
             assert placed[f"end-{end}-keeper"][0, 2] > placed[f"end-{end}-comb"][0, 2]
     if name != "bent":
-        drawn = [apart(part, closed) for part in shown if part.end and part.role is not PartRole.KEEPER]
+        drawn = [
+            explosion_offset(part, closed) for part in shown if part.end and part.role is not PartRole.KEEPER
+        ]
         assert all((shift[0], shift[2]) == (0.0, 0.0) for shift in drawn)  # straight out
 
 
 def test_pins_stay_where_they_are_pressed_in() -> None:
     closed = mold(skincad.load("steep-fingertip"))
-    at = {part.name: apart(part, closed) for part in closed.parts}
+    at = {part.name: explosion_offset(part, closed) for part in closed.parts}
     for name, shift in at.items():
         if name.startswith("pin-cover"):
             assert (shift == at["cover"]).all()

@@ -40,21 +40,21 @@ class Page:
     def dimension(self, words: str) -> Ends:
         """The line that a text stands at, found by its place: over its middle, or beside it."""
         x, y, anchor = self.texts[words]
-        found = []
+        boxes = []
         for (x0, y0), (x1, y1) in self.lines:
             over = abs((x0 + x1) / 2 - x) < DIGITS and y0 == y1 and abs(y0 - y - 0.9) < DIGITS
-            aside = x - x0 if anchor == "start" else x0 - x
-            beside = x0 == x1 and abs(aside - 1.2) < DIGITS and abs((y0 + y1) / 2 + 1 - y) < DIGITS
+            offset = x - x0 if anchor == "start" else x0 - x
+            beside = x0 == x1 and abs(offset - 1.2) < DIGITS and abs((y0 + y1) / 2 + 1 - y) < DIGITS
             if over or beside:
-                found.append(((x0, y0), (x1, y1)))
-        (line,) = found
+                boxes.append(((x0, y0), (x1, y1)))
+        (line,) = boxes
         return line
 
     def scale(self, begin: str) -> float:
         (words,) = (text for text in self.texts if text.startswith(begin))
-        found = re.search(r"scale (\S+) : 1", words)
-        assert found
-        return float(found[1])
+        match = re.search(r"scale (\S+) : 1", words)
+        assert match
+        return float(match[1])
 
 
 def wide_skin() -> Design:
@@ -64,8 +64,8 @@ def wide_skin() -> Design:
 
 @cache
 def page(name: str) -> Page:
-    own = {"bent": three_ridges, "wide": wide_skin}
-    design = own[name]() if name in own else skincad.load(name)
+    designs = {"bent": three_ridges, "wide": wide_skin}
+    design = designs[name]() if name in designs else skincad.load(name)
     closed = mold(design)
     root = ET.fromstring(drawing(design, closed))
     lines = [
@@ -78,7 +78,7 @@ def page(name: str) -> Page:
     }
     outlines: dict[str, list[np.ndarray]] = {}
     for n in root.iter(f"{SVG}polygon"):
-        points = [tuple(map(float, each.split(","))) for each in n.attrib["points"].split()]
+        points = [tuple(map(float, pair.split(","))) for pair in n.attrib["points"].split()]
         outlines.setdefault(n.attrib["class"], []).append(np.array(points))
     for n in root.iter(f"{SVG}rect"):
         x, y, wide, high = (float(n.attrib[key]) for key in ("x", "y", "width", "height"))
@@ -235,11 +235,13 @@ def test_views_and_words_lie_apart_each_caption_under_its_view(name: str) -> Non
     size = np.ptp(boxes[0], axis=0)
     assert size == pytest.approx([120.0, 45.0], abs=0.02) or (size <= (120.02, 45.02)).all()
     assert (size >= (119.9, 44.9)).any()  # as large as the page has room
-    own = np.ptp(boxes[1], axis=0)
-    assert own[0] == pytest.approx(38.0, abs=0.02) or own[1] == pytest.approx(24.0 * 1.2, rel=0.03)
+    view_size = np.ptp(boxes[1], axis=0)
+    assert view_size[0] == pytest.approx(38.0, abs=0.02) or view_size[1] == pytest.approx(
+        24.0 * 1.2, rel=0.03
+    )
     root = seen.design.ridge.root_width * seen.scale("ridge")
-    assert own[0] > 1.2 * root  # some of the base on either side
-    assert (own <= (38.02, 29.5)).all()
+    assert view_size[0] > 1.2 * root  # some of the base on either side
+    assert (view_size <= (38.02, 29.5)).all()
 
 
 @pytest.mark.parametrize("name", NAMES)

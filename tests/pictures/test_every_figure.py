@@ -97,17 +97,17 @@ def result(name: str, folder: Path) -> Result:
 @cache
 def figures_of(name: str, folder: Path) -> dict[str, Picture]:
     """The figures of a result, laid out and drawn."""
-    found = dict(result(name, folder).figures()) if name in RESULTS else {name: OTHERS[name]()}
+    figures = dict(result(name, folder).figures()) if name in RESULTS else {name: OTHERS[name]()}
     with own_style():
-        for figure in found.values():
+        for figure in figures.values():
             figure.canvas.draw()
-    return found
+    return figures
 
 
 def design(name: str) -> Picture:
-    found = skincad.load(name)
-    closed = mold(found)
-    return design_figure(found, closed, {part.name: mesh(part, 0.05) for part in closed.parts})
+    subject = skincad.load(name)
+    closed = mold(subject)
+    return design_figure(subject, closed, {part.name: mesh(part, 0.05) for part in closed.parts})
 
 
 def ladder() -> Picture:
@@ -128,19 +128,19 @@ def ladder() -> Picture:
 def many_signals() -> Picture:
     """All of nine ridges told, each with an error, and each slips."""
     with TemporaryDirectory() as folder:
-        found = small("steady-pull", Path(folder), *FEW, "readout.ridges=[1, 2, 3]")
-    one = found.signals[3]  # type: ignore[attr-defined]
-    told = {"signals": dict.fromkeys(range(1, 10), one), "error": dict.fromkeys(range(1, 10), 2.5e-4)}
-    return scene_figure(replace(found, **told, slip_steps=[2 * i for i in range(1, 10)]))  # type: ignore[type-var]
+        simulation = small("steady-pull", Path(folder), *FEW, "readout.ridges=[1, 2, 3]")
+    one = simulation.signals[3]  # type: ignore[attr-defined]
+    signals = {"signals": dict.fromkeys(range(1, 10), one), "error": dict.fromkeys(range(1, 10), 2.5e-4)}
+    return scene_figure(replace(simulation, **signals, slip_steps=[2 * i for i in range(1, 10)]))  # type: ignore[type-var]
 
 
 def measured_gain() -> Picture:
-    found = skincad.gain(skincad.load_circuit("yamada-2002"))
+    circuit_gain = skincad.gain(skincad.load_circuit("yamada-2002"))
     calibration = SimpleNamespace(offset=-12.5)
     points = SimpleNamespace(
-        frequency=found.frequency[::9], gain=found.gain[::9] - 12.0, calibration=calibration
+        frequency=circuit_gain.frequency[::9], gain=circuit_gain.gain[::9] - 12.0, calibration=calibration
     )
-    return gain_figure(type(found)(**{**vars(found), "measured": points}))
+    return gain_figure(type(circuit_gain)(**{**vars(circuit_gain), "measured": points}))
 
 
 DESIGNS = ("yamada-2002", "plain-ridges", "steep-fingertip")
@@ -168,9 +168,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(params=EVERY)
 def drawn(request: pytest.FixtureRequest, folder: Path) -> dict[str, Picture]:
-    found = figures_of(request.param, folder)
-    assert found
-    return found
+    figures = figures_of(request.param, folder)
+    assert figures
+    return figures
 
 
 def points(axes: Axes) -> Iterator[np.ndarray]:
@@ -183,8 +183,8 @@ def points(axes: Axes) -> Iterator[np.ndarray]:
             between = (a + (b - a) * np.linspace(0, 1, 9)[1:, None] for a, b in pairwise(at))
             yield np.vstack([at[:1], *between])
         yield at
-    for each in axes.collections:
-        yield axes.transData.transform(np.asarray(each.get_offsets(), float).reshape(-1, 2))
+    for collection in axes.collections:
+        yield axes.transData.transform(np.asarray(collection.get_offsets(), float).reshape(-1, 2))
     for patch in axes.patches:
         box = patch.get_window_extent()
         yield np.array([[x, y] for x in (box.x0, box.x1) for y in (box.y0, box.y1)])
@@ -238,7 +238,7 @@ def test_what_is_looked_for_is_found() -> None:
 
 def test_titles_and_legends_lie_clear_of_each_other(drawn: dict[str, Picture]) -> None:
     for name, figure in drawn.items():
-        boxes = [each.get_window_extent() for each in figure.legends]
+        boxes = [legend.get_window_extent() for legend in figure.legends]
         boxes += [axes.get_legend().get_window_extent() for axes in figure.axes if axes.get_legend()]
         titles = [axes.title for axes in figure.axes if axes.title.get_text()]
         titles += [text for text in figure.texts if text.get_text() == figure.get_suptitle() != ""]
@@ -282,19 +282,19 @@ def test_figures_are_there_of_each_kind_of_result() -> None:
 
 def test_dashed_lines_mark_the_slip_of_many_ridges(folder: Path) -> None:
     """Three told ridges: it was left out from three on."""
-    found = result("pull", folder)
+    simulation = result("pull", folder)
     figure = figures_of("pull", folder)["signals.png"]
-    slips = [step for step in found.slip_steps if step is not None]  # type: ignore[attr-defined]
+    slips = [step for step in simulation.slip_steps if step is not None]  # type: ignore[attr-defined]
     (value, *_) = figure.axes[1:-1]
     marks = [line.get_xdata()[0] for line in value.lines if line.get_transform() != value.transData]
     assert marks == slips
 
 
 def test_the_differential_stress_is_drawn_with_its_error(folder: Path) -> None:
-    found = result("pull", folder)
+    simulation = result("pull", folder)
     axes = figures_of("pull", folder)["signals.png"].axes[1]
     assert "differential stress" in axes.get_ylabel()
-    for line, signal in zip(axes.lines, found.signals.values(), strict=False):  # type: ignore[attr-defined]
+    for line, signal in zip(axes.lines, simulation.signals.values(), strict=False):  # type: ignore[attr-defined]
         assert np.array_equal(line.get_ydata(), signal.value)
         break
     assert all("±" in line.get_label() for line in axes.lines if str(line.get_label()).startswith("ridge"))

@@ -52,11 +52,11 @@ def test_picture_is_900_wide_and_not_blank(written: tuple[Path, list[Axes], str]
 
 def test_both_panels_hold_the_numbers(written: tuple[Path, list[Axes], str]) -> None:
     for axes, state in zip(written[1][:2], states(), strict=True):
-        for bars, told in zip(axes.containers, (state.s1, state.s2, state.differential), strict=True):
+        for bars, estimates in zip(axes.containers, (state.s1, state.s2, state.differential), strict=True):
             points, _, (spans,) = bars
-            assert points.get_ydata() == pytest.approx([e.value for e in told], rel=1e-12)
+            assert points.get_ydata() == pytest.approx([e.value for e in estimates], rel=1e-12)
             half = [float(np.ptp(s[:, 1])) / 2 for s in spans.get_segments()]
-            assert half == pytest.approx([e.error for e in told], rel=1e-9)
+            assert half == pytest.approx([e.error for e in estimates], rel=1e-9)
     titles = [axes.get_title() for axes in written[1][:6]]
     assert titles[:2] == ["(a) normal force 2 N", "(b) normal 2 N, tangential 0.5 N to +x"]
     assert titles[2:] == ["ridge 2", "ridge 3"] * 2
@@ -93,4 +93,4 @@ def test_the_colours_end_where_the_largest_part_of_the_area_lies() -> None:
     place = np.concatenate([corners * math.sqrt(area) for area in (96.0, 2.0, 2.0)])
     triangles = np.arange(9).reshape(3, 3)
     values = np.repeat([-1.0, 2.0, 5.0], 3)
-    assert film_figures.usual(place, triangles, values) == 2.0
+    assert film_figures.colour_limit(place, triangles, values) == 2.0

@@ -27,14 +27,14 @@ def scene(rate: float = 1300.0, sampling: float | None = 650.0, **changes: Any) 
         "signal_to_noise_dB": {"3": 20.0},
     }
     half = int(rate / 2)
-    found = {
+    fields = {
         "read": read,
         "march": SimpleNamespace(time=time, column=lambda _: np.maximum(time - 0.2, 0.0)),
         "scene": SimpleNamespace(name="made-up", readout=SimpleNamespace(bandwidth_Hz=160.0)),
         "slip_steps": [None, half - 100, half, *6 * [None]],
         "gross_slip_step": half + 200,
     }
-    return SimpleNamespace(**{**found, **changes})
+    return SimpleNamespace(**{**fields, **changes})
 
 
 def test_it_is_ridge_3_at_the_recorders_rate_without_what_would_fold_back() -> None:
@@ -73,25 +73,25 @@ def test_the_phases_are_the_papers() -> None:
 
 
 def test_the_caption_says_what_is_not_seen() -> None:
-    found = scene()
-    seen = recording(found)
+    simulation = scene()
+    seen = recording(simulation)
     assert seen is not None
-    text = caption(found, seen)
+    text = caption(simulation, seen)
     assert "True up to 160 Hz: neither the cut-off at 1.2 kHz" in text
     assert "Samples are 1.54 ms apart: no shorter lead time is claimed." in text
     assert "20 dB" in text
     assert "of the signal's power lies above 260 Hz" in text
     wide = scene(rate=20000.0, sampling=10000.0)
     wide.scene.readout.bandwidth_Hz = 2000.0
-    beyond = recording(wide)
-    assert beyond is not None
-    assert "1.2 kHz" not in caption(wide, beyond)
+    record = recording(wide)
+    assert record is not None
+    assert "1.2 kHz" not in caption(wide, record)
 
 
 def test_the_picture_is_drawn(tmp_path: Path) -> None:
-    found = scene()
-    seen = recording(found)
+    simulation = scene()
+    seen = recording(simulation)
     assert seen is not None
-    save(recording_figure(found, seen), tmp_path / "one.png")
+    save(recording_figure(simulation, seen), tmp_path / "one.png")
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
     save(recording_figure(scene(gross_slip_step=None, slip_steps=9 * [None]), seen), tmp_path / "other.png")

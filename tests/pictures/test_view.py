@@ -36,9 +36,9 @@ def page_of(name: str, folder: Path) -> Path:
     template, settings = DESIGNS[name]
     tier = "winkler" if name == "bent" else "linear"
     design = skincad.load(template, settings)
-    found = skincad.make(design, preview=True)
-    job = found.built()
-    judged = replace(found, job=replace(job, check=skincad.check(design, tier=tier)))
+    result = skincad.make(design, preview=True)
+    job = result.built()
+    judged = replace(result, job=replace(job, check=skincad.check(design, tier=tier)))
     skincad.write(judged, folder, formats="html")
     return folder / "view.html"
 
@@ -120,7 +120,7 @@ def test_a_solid_under_load_is_closed(yamada_page: Path) -> None:
 
 def test_a_trimesh_without_the_library_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "SPDX-License-Identifier: MIT" in three_js()
-    monkeypatch.setattr(three, "OWN", "no such words")
+    monkeypatch.setattr(three, "VIEWER_START", "no such words")
     with pytest.raises(RefusedError, match="trimesh"):
         three_js()
 
@@ -143,8 +143,8 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
         page.fill("#apart", "1")
         assert rim(seen.picture()).min() > 250  # nothing leaves the picture
         page.click("#fit")
-        apart = seen.picture()
-        assert np.abs(apart - closed).max() > 50
+        opened = seen.picture()
+        assert np.abs(opened - closed).max() > 50
         page.fill("#apart", "0")
         page.click("#fit")
         assert np.abs(seen.picture() - closed).max() < 50  # back again, but for the antialiasing
@@ -179,9 +179,9 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
             assert page.is_visible("#unloaded")
         else:
             page.click("#skin")
-            pressed = seen.picture()
-            assert (np.ptp(pressed, axis=2) > 90).sum() > 100  # the bright colours of the pressure
+            deformed = seen.picture()
+            assert (np.ptp(deformed, axis=2) > 90).sum() > 100  # the bright colours of the pressure
             page.fill("#load", "0")
-            assert np.abs(seen.picture() - pressed).max() > 50
+            assert np.abs(seen.picture() - deformed).max() > 50
         assert seen.requests == [file.as_uri()]
         assert seen.complaints == []

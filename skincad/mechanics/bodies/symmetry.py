@@ -9,8 +9,8 @@ import numpy as np
 from scipy import optimize, spatial
 
 from skincad.mechanics.problem import Pad
-from skincad.shape.cross_section import Section
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section
 
 SAME = 1e-9  # of the outline's extent; mirrored points agree to that
 
