@@ -30,7 +30,7 @@ DRAWS = 200  # until the design's own rules let one pass
 
 
 @dataclass(frozen=True)
-class Judged:
+class CrestAllowance:
     """A seed's verdicts; forces and lengths in N and mm, None where a model has none."""
 
     seed: int
@@ -93,7 +93,7 @@ def verdict(found: ContactCheck) -> str:
     return "fails" if decided(found) else "open"
 
 
-def judged(seed: int, friction: float | None = None) -> Judged:
+def judged(seed: int, friction: float | None = None) -> CrestAllowance:
     """Return a seed's verdicts; `auto` is told this `friction`, the best model that there is none."""
     design, clock, said = drawn(seed), [perf_counter()], ""
     found: list[ContactCheck | None] = []
@@ -111,7 +111,7 @@ def judged(seed: int, friction: float | None = None) -> Judged:
         return (None, None) if of is None else (getattr(of, name).value, getattr(of, name).error)
 
     words = [verdict(of) if of else "none" for of in found]
-    return Judged(
+    return CrestAllowance(
         seed,
         auto.tier if auto else "",
         words[0],
@@ -126,7 +126,7 @@ def judged(seed: int, friction: float | None = None) -> Judged:
     )
 
 
-def summary(rows: list[Judged]) -> list[str]:
+def summary(rows: list[CrestAllowance]) -> list[str]:
     """Return what `rows` show, a line each."""
     outcomes = Counter((row.verdict, row.best) for row in rows)
     lines = [f"auto {ours:7} best {theirs:7} {n:4}" for (ours, theirs), n in sorted(outcomes.items())]

@@ -27,7 +27,7 @@ import typer
 import skincad
 from skincad.fabrication.making import MakeResult, PartReport
 from skincad.inputs.design import Design
-from skincad.outputs.delivery import Written
+from skincad.outputs.delivery import Delivery
 from tests.processes import LIMIT
 
 
@@ -78,7 +78,7 @@ class Made:
     """A design as made, and what was written of it; no solids and meshes where another process made it."""
 
     result: MakeResult
-    written: Written
+    written: Delivery
 
     @property
     def folder(self) -> Path:

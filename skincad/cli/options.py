@@ -16,7 +16,7 @@ from skincad.base.strictjson import strict_json
 
 if TYPE_CHECKING:
     from skincad.base.result import Result
-    from skincad.outputs.delivery import Written
+    from skincad.outputs.delivery import Delivery
 
 
 def completes(names: Any) -> Any:
@@ -151,7 +151,7 @@ def _print_result(data: dict[str, Any], as_json: bool, text: str) -> None:
         _print_lines(text)
 
 
-def deliver(result: Result, as_json: bool, written: Written | None = None) -> None:
+def deliver(result: Result, as_json: bool, written: Delivery | None = None) -> None:
     """Print a result, and what was written of it."""
     data = result.as_json()
     if written is None:

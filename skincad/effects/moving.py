@@ -12,7 +12,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.mechanics.contact.grip import Cone, Grip
-from skincad.mechanics.dynamics.state import Moved, at_rest_on
+from skincad.mechanics.dynamics.state import DynamicState, at_rest_on
 from skincad.mechanics.dynamics.steps import Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 
@@ -59,11 +59,11 @@ class MovingPad:
         """Number of free unknowns."""
         return self.dynamics.pad.unknowns
 
-    def start(self) -> Moved:
+    def start(self) -> DynamicState:
         """The unloaded state, at rest."""
         return at_rest_on(self.dynamics.pad)
 
-    def advanced(self, state: Moved, step: Step, shares: Sequence[Share]) -> Moved:
+    def advanced(self, state: DynamicState, step: Step, shares: Sequence[Share]) -> DynamicState:
         """Return the converged state at the step's end."""
         if any(share.more for share in shares):
             raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
@@ -71,11 +71,11 @@ class MovingPad:
         begun, length = replace(state, drive=step.before), step.end - step.start
         return self.dynamics.step(begun, step.after, length, cone, matter_of(step, shares))
 
-    def grip(self, state: Moved) -> Grip:
+    def grip(self, state: DynamicState) -> Grip:
         """Return the contact of a state."""
         return state.grip
 
-    def fault(self, state: Moved) -> str | None:
+    def fault(self, state: DynamicState) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
         is known to."""
         body = self.dynamics.pad.body
@@ -88,7 +88,7 @@ class MovingPad:
         plate = self.piece.whole.top - state.grip.approach
         return collision(self.piece, body, on_sides(list(moved.T)), plate, 0.0)
 
-    def reading(self, before: Moved, state: Moved) -> Reading:  # noqa: ARG002
+    def reading(self, before: DynamicState, state: DynamicState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
         dynamics = self.dynamics
         return Reading.of(

@@ -9,7 +9,7 @@ from skincad.fabrication.fasteners import Screws
 from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Revolved
+from skincad.solids.body import RevolvedBody
 from skincad.solids.inserts import GRIP
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
@@ -62,7 +62,7 @@ def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
 
 def arc_length(closed: ClosedMold) -> float:
     """Return how long the longest shim of a doubly curved mold is along its outer edge, mm."""
-    arcs = [part.body for part in closed.of(PartRole.SHIM) if isinstance(part.body, Revolved)]
+    arcs = [part.body for part in closed.of(PartRole.SHIM) if isinstance(part.body, RevolvedBody)]
     return max((arc.high - arc.low) * (arc.centre - min(s.start.z for s in arc.outline)) for arc in arcs)
 
 

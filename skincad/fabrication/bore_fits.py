@@ -11,7 +11,7 @@ from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import fits, lid_process
 from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, CutRole, PartRole
-from skincad.solids.threads import METRIC, Blind, blind_thread
+from skincad.solids.threads import METRIC, BlindThread, blind_thread
 
 
 class Screw(NamedTuple):
@@ -59,7 +59,7 @@ def is_pressed(part: Part, role: CutRole) -> bool:
     } or (part.role in CAVITIES and role is CutRole.END_PIN)
 
 
-def mount_thread(design: Design) -> Blind | None:
+def mount_thread(design: Design) -> BlindThread | None:
     """Return the blind threads of a design's mount; None where it has no screws."""
     name = design.mount and design.mount.thread
     return blind_thread(name, lid_process(design)) if name else None

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from skincad.fabrication.bore_fits import full_thread, limits, purpose, thread
-from skincad.fabrication.drawing_views import DrawnFrom, views
+from skincad.fabrication.drawing_views import PartView, views
 from skincad.inputs.design import Design
-from skincad.solids.body import Body, Bore, Reaching, Turned, Vector
+from skincad.solids.body import Body, Bore, ExtendedCut, RotatedBody, Vector
 from skincad.solids.plan import Part
 from skincad.solids.projection import Place
 from skincad.solids.roles import CutRole
@@ -37,7 +37,7 @@ class Hole(NamedTuple):
     at: Place
 
 
-class Aside(NamedTuple):
+class SideView(NamedTuple):
     """A bore seen from its side: in which view, and where its axis starts and ends there, mm."""
 
     view: str
@@ -65,7 +65,7 @@ class HoleGroup:
     sides: tuple[str, ...]
     lean: float
     holes: tuple[Hole, ...]
-    side_views: tuple[Aside, ...]
+    side_views: tuple[SideView, ...]
     full: float | None = None  # depth of its full thread, where that is not all of it
 
     @property
@@ -86,7 +86,7 @@ def number(value: float) -> str:
     return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
 
 
-class _Drilled(NamedTuple):
+class _DrilledBore(NamedTuple):
     bore: Bore
     role: CutRole
     opens: tuple[bool, bool]  # at its start, at its end
@@ -114,14 +114,14 @@ class _Drilled(NamedTuple):
 
 def hole_groups(design: Design, part: Part, shape: cq.Solid) -> list[HoleGroup]:
     """Return all bores of a made part, `made` its solid in the mold, in groups of a letter each."""
-    drilled, seen = sorted(_drilled_bores(part, shape), key=_Drilled.like), views(part)
-    alike = [list(group) for _, group in groupby(drilled, key=_Drilled.like)]
+    drilled, seen = sorted(_drilled_bores(part, shape), key=_DrilledBore.like), views(part)
+    alike = [list(group) for _, group in groupby(drilled, key=_DrilledBore.like)]
     letters = [*LETTERS, *(f"{a}{b}" for a in LETTERS for b in LETTERS)]
     return [_group(design, part, letter, group, seen) for letter, group in zip(letters, alike, strict=False)]
 
 
 def _group(
-    design: Design, part: Part, letter: str, alike: list[_Drilled], seen: list[DrawnFrom]
+    design: Design, part: Part, letter: str, alike: list[_DrilledBore], seen: list[PartView]
 ) -> HoleGroup:
     first = alike[0]
     view = max(seen, key=lambda s: abs(_dot(s.of_part.towards, first.axis)))
@@ -150,20 +150,20 @@ def _group(
     )
 
 
-def _side_views(alike: list[_Drilled], seen: list[DrawnFrom]) -> list[Aside]:
+def _side_views(alike: list[_DrilledBore], seen: list[PartView]) -> list[SideView]:
     """Bores from their sides, those that lie behind others once."""
     rows = [
-        Aside(view.name, view.of_part.at(one.start), view.of_part.at(one.end))
+        SideView(view.name, view.of_part.at(one.start), view.of_part.at(one.end))
         for view in seen
         for one in alike
     ]
     return list({(row.view, *np.round([*row.start, *row.end], 6).tolist()): row for row in rows}.values())
 
 
-def _drilled_bores(part: Part, shape: cq.Solid) -> list[_Drilled]:
+def _drilled_bores(part: Part, shape: cq.Solid) -> list[_DrilledBore]:
     """The bores of a part. Whether they open at their ends is asked of the solid once for all that differ by
     their place alone."""
-    rows: list[_Drilled] = []
+    rows: list[_DrilledBore] = []
     known: dict[tuple[object, ...], tuple[bool, bool]] = {}
     for cut in part.cuts:
         bore, turned = _bore(cut)
@@ -176,16 +176,16 @@ def _drilled_bores(part: Part, shape: cq.Solid) -> list[_Drilled]:
             low, high = (not shape.isInside(_placed(turned, p), 1e-6) for p in _ends(bore, PROBE_DISTANCE))
             known[kind] = low, high
         opens, lean = known[kind], 0.0
-        if turned is not None and not isinstance(part.body, Turned):
+        if turned is not None and not isinstance(part.body, RotatedBody):
             start, end, lean = _placed(turned, start), _placed(turned, end), turned.angle
-        rows.append(_Drilled(bore, bore.role, opens, lean, start, end))
+        rows.append(_DrilledBore(bore, bore.role, opens, lean, start, end))
     return rows
 
 
-def _bore(cut: Body) -> tuple[Bore | None, Turned | None]:
+def _bore(cut: Body) -> tuple[Bore | None, RotatedBody | None]:
     """A cut's bore in its own frame, and how it is turned; None if it is none."""
-    counts = cut.counts if isinstance(cut, Reaching) else cut
-    body, turned = (counts.body, counts) if isinstance(counts, Turned) else (counts, None)
+    counts = cut.counts if isinstance(cut, ExtendedCut) else cut
+    body, turned = (counts.body, counts) if isinstance(counts, RotatedBody) else (counts, None)
     return (body, turned) if isinstance(body, Bore) else (None, None)
 
 
@@ -197,7 +197,7 @@ def _ends(bore: Bore, extra: float) -> tuple[Vector, Vector]:
     return (x, y, z - extra), (x, y, z + bore.length + extra)
 
 
-def _placed(turned: Turned | None, point: Vector) -> Vector:
+def _placed(turned: RotatedBody | None, point: Vector) -> Vector:
     if turned is None:
         return point
     x, y, z = turned.placed(np.array([point]))[0].tolist()

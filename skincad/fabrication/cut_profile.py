@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from skincad.fabrication.bore_fits import process_of
-from skincad.fabrication.drawing_views import DrawnFrom, views
+from skincad.fabrication.drawing_views import PartView, views
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, area
 from skincad.solids.body import Axis, Body, Bore, Prism, Vector
@@ -58,7 +58,7 @@ def cut_words(design: Design, part: Part) -> str:
     return f"Layer CUT: profile and through holes (of a cone the narrow end) at nominal size, {kerf}."
 
 
-def _along(part: Part, axis: Axis) -> DrawnFrom:
+def _along(part: Part, axis: Axis) -> PartView:
     index = AXES.index(axis)
     return next(view for view in views(part) if abs(view.of_part.towards[index]) == 1.0)
 

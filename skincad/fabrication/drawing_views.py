@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.solids.body import Turned, Vector
+from skincad.solids.body import RotatedBody, Vector
 from skincad.solids.plan import Part
 from skincad.solids.projection import View
 from skincad.solids.roles import PartRole
@@ -19,7 +19,7 @@ FRONT, ABOVE, LEFT = "front", "above", "left"
 LIDS = {PartRole.CARRIER, PartRole.COVER}
 
 
-class DrawnFrom(NamedTuple):
+class PartView(NamedTuple):
     """A view of a part: its place on the sheet, from where it is seen in words, and the view in the part's
     own frame and in that in which its solid is."""
 
@@ -29,7 +29,7 @@ class DrawnFrom(NamedTuple):
     of_solid: View
 
 
-def views(part: Part) -> list[DrawnFrom]:
+def views(part: Part) -> list[PartView]:
     """Return front view, view from above and view from the left of a part."""
     right, up = _front(part)
     front = View(right, up)
@@ -40,7 +40,7 @@ def views(part: Part) -> list[DrawnFrom]:
     else:
         words = f"from outside end {part.end or 'a'}", "from above", "from its left"
     return [
-        DrawnFrom(name, caption, view, _turned(part, view))
+        PartView(name, caption, view, _turned(part, view))
         for name, caption, view in zip((FRONT, ABOVE, LEFT), words, (front, below, from_left), strict=True)
     ]
 
@@ -53,7 +53,7 @@ def _front(part: Part) -> tuple[Vector, Vector]:
 
 def _turned(part: Part, view: View) -> View:
     """The same view of a part that stands turned in the mold."""
-    if not isinstance(part.body, Turned):
+    if not isinstance(part.body, RotatedBody):
         return view
     turn, shift = part.body.placement()
     right, up = (tuple((turn @ np.array(way)).tolist()) for way in (view.right, view.up))

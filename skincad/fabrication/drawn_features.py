@@ -13,7 +13,7 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Prism, Turned
+from skincad.solids.body import Prism, RotatedBody
 from skincad.solids.layout import layout
 from skincad.solids.plan import Part, unturned
 from skincad.solids.projection import Place
@@ -96,7 +96,7 @@ class Groove(NamedTuple):
 def downward(part: Part) -> bool:
     """Whether heights count from a part's upper face down: its lower one is bent, as a keeper's is over the
     slots, and the upper one level."""
-    return part.role is PartRole.KEEPER and not isinstance(part.body, Turned)
+    return part.role is PartRole.KEEPER and not isinstance(part.body, RotatedBody)
 
 
 def leftward(part: Part) -> bool:

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from skincad.base.estimate import Estimate
-from skincad.fabrication.filament import Spent, filament
+from skincad.fabrication.filament import MachineEffort, filament
 from skincad.fabrication.machining import machining
-from skincad.fabrication.plates import Laid, plates
+from skincad.fabrication.plates import BedPart, plates
 from skincad.fabrication.resin import exposure_time
 from skincad.fabrication.rules import maker
 from skincad.inputs.design import Design
@@ -114,7 +114,7 @@ def _of_process(
     shapes = {part.name: prints[part.name] for part in parts}
     took = {part.name: _effort(part, shapes[part.name], process) for part in parts}
     if process.layer > 0:
-        lying = [Laid(n, *map(float, shape.extents)) for n, shape in shapes.items()]
+        lying = [BedPart(n, *map(float, shape.extents)) for n, shape in shapes.items()]
         groups = [[part.name for part in plate] for plate in plates(lying, process)]
     else:
         groups = [[part.name] for part in parts]
@@ -140,11 +140,11 @@ def _of_process(
     )
 
 
-def _effort(part: Part, shape: trimesh.Trimesh, process: Process) -> Spent:
+def _effort(part: Part, shape: trimesh.Trimesh, process: Process) -> MachineEffort:
     if not process.layer:
         return machining(part, process)
     if process.exposure > 0:
-        return Spent(part.volume, exposure_time(float(shape.extents[2]), process))
+        return MachineEffort(part.volume, exposure_time(float(shape.extents[2]), process))
     return filament(shape, process, notched=part.role is PartRole.COMB)
 
 
@@ -154,7 +154,7 @@ def _basis(process: Process) -> str:
     return MILLED if process.removal_rate > 0 else WIRED
 
 
-def _mass(effort: Spent, process: Process) -> Estimate:
+def _mass(effort: MachineEffort, process: Process) -> Estimate:
     grams = effort.volume * process.density / 1000
     return Estimate(grams, grams * process.mass_error, "g")
 

@@ -27,7 +27,7 @@ RETRACT_ACCELERATION, RETRACT_JERK = 1500.0, 2.5  # mm/s2, mm/s, source: PrusaSl
 CONTOUR_TOLERANCE = 0.01  # mm, by which contours are simplified: far below a line
 
 
-class Spent(NamedTuple):
+class MachineEffort(NamedTuple):
     """What a print takes: volume of material, mm3, and time, s."""
 
     volume: float
@@ -40,12 +40,12 @@ def spacing(process: Process) -> float:
     return process.line - (1 - math.pi / 4) * min(process.layer, process.line)
 
 
-def filament(shape: trimesh.Trimesh, process: Process, notched: bool = False) -> Spent:
+def filament(shape: trimesh.Trimesh, process: Process, notched: bool = False) -> MachineEffort:
     """Return what a print of a mesh takes, which lies on the bed as it is printed, mm. Gaps that a slicer
     closes are looked for in what is `notched`: that costs a third of the time."""
     solid = Manifold(Mesh(shape.vertices.astype(np.float32), shape.faces.astype(np.uint32)))
     count = max(1, round(float(shape.bounds[1, 2]) / process.layer))
-    sections, known = _Sections(solid, process.layer, count, notched), dict[tuple[int, ...], Spent]()
+    sections, known = _Sections(solid, process.layer, count, notched), dict[tuple[int, ...], MachineEffort]()
     volume = seconds = sampled = 0.0
     for layer, stands_for in _sampled(count):
         stack = sections.stack(layer, 0 if process.infill >= 1 else process.shells)
@@ -56,7 +56,7 @@ def filament(shape: trimesh.Trimesh, process: Process, notched: bool = False) ->
         seconds += stands_for * known[key].seconds
         sampled += stands_for * stack[0].area() * process.layer
     scale = float(shape.volume) / sampled if sampled > 0 else 0.0  # what samples miss
-    return Spent(volume * scale, seconds * scale)
+    return MachineEffort(volume * scale, seconds * scale)
 
 
 def _sampled(count: int) -> Iterator[tuple[int, int]]:
@@ -97,7 +97,7 @@ class _Sections:
         return self._kept[sign]
 
 
-def _layer(stack: tuple[CrossSection, ...], process: Process, bottom: bool) -> Spent:
+def _layer(stack: tuple[CrossSection, ...], process: Process, bottom: bool) -> MachineEffort:
     """What the first layer of a stack takes; the `bottom` one of a print is laid slowly."""
     section, pitch, firm = stack[0], spacing(process), process.acceleration
     length = seconds = 0.0
@@ -115,7 +115,7 @@ def _layer(stack: tuple[CrossSection, ...], process: Process, bottom: bool) -> S
         wide = pitch / process.infill
         count, line, time = fill_moves(sparse, wide, speed, firm)
         length, seconds = length + line + count * DIAGONAL * wide, seconds + time
-    return Spent(length * pitch * process.layer, seconds + _ways(section, process))
+    return MachineEffort(length * pitch * process.layer, seconds + _ways(section, process))
 
 
 def _sparse(stack: tuple[CrossSection, ...], core: CrossSection, process: Process) -> CrossSection:

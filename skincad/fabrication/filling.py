@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.levels import Cells, Points, Trapped, cells, trapped, vertical
+from skincad.fabrication.levels import Cells, Points, TrappedAir, cells, trapped, vertical
 from skincad.fabrication.void import Void, open_trough, single_skin_mold, void
 from skincad.inputs.design import Design
 from skincad.shape.curves import polygon
@@ -203,7 +203,7 @@ def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
     return sorted((p for p in pockets if p.volume >= LEAST_POCKET), key=lambda p: (-p.volume, p.place))
 
 
-def _pocket(filling: _Filling, up: Points, air: Trapped) -> Pocket:
+def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> Pocket:
     """Name what the air lies under: all that it touches has a corner of a cell above the air's level."""
     partition, spaces = filling.cells, filling.space.spaces
     skin = [c for c in air.cells if spaces[partition.space[c]].beside is PartRole.SKIN]

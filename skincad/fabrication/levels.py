@@ -52,7 +52,7 @@ class Cells:
     rim: Points | None
 
 
-class Trapped(NamedTuple):
+class TrappedAir(NamedTuple):
     """Air that stays: the cells that it touches, its level and its volume in mm3."""
 
     cells: tuple[int, ...]
@@ -121,7 +121,7 @@ def escape(partition: Cells, up: Points) -> Array:
     return level if partition.rim is None else np.minimum(level, (partition.rim @ up).min())
 
 
-def trapped(partition: Cells, up: Points, ignored: frozenset[int] = frozenset()) -> list[Trapped]:
+def trapped(partition: Cells, up: Points, ignored: frozenset[int] = frozenset()) -> list[TrappedAir]:
     """Return the air that stays when a liquid rises along `up`, the largest first; none of the spaces
     `ignored`. Statics only: no viscosity, no wetting, and air is not compressed."""
     level = escape(partition, up)
@@ -148,14 +148,14 @@ def trapped(partition: Cells, up: Points, ignored: frozenset[int] = frozenset())
     return sorted(pockets, key=lambda air: -air.volume)
 
 
-def _trapped(partition: Cells, up: Points, members: tuple[int, ...], level: float) -> Trapped:
+def _trapped(partition: Cells, up: Points, members: tuple[int, ...], level: float) -> TrappedAir:
     points = np.vstack([partition.corners[i] for i in members])
     heights = points @ up
     highest = points[int(np.argmax(heights))]
     lowest = max(level, float(heights.min()))
     volume = math.fsum(_above(partition.corners[i], up, level) for i in members)
     x, y, z = (float(v) for v in highest)
-    return Trapped(members, level, volume, (x, y, z), float(heights.max()) - lowest)
+    return TrappedAir(members, level, volume, (x, y, z), float(heights.max()) - lowest)
 
 
 def _above(corners: Points, up: Points, level: float) -> float:
@@ -172,21 +172,21 @@ def _tops(shapes: tuple[Points, ...], up: Points) -> list[float]:
     return tops
 
 
-class _Made(NamedTuple):
+class _CellMesh(NamedTuple):
     corners: list[Points]
     pairs: list[tuple[int, int]]
     passages: list[Points]
     faces: list[_Face]
 
 
-def _prism(prism: Prism, tolerance: float) -> _Made:
+def _prism(prism: Prism, tolerance: float) -> _CellMesh:
     """Cut a prism along its length into triangular ones, joined along the edges that they share."""
     loops = [curves.polygon(prism.outline, tolerance)]
     loops += [curves.polygon(hole, tolerance)[::-1] for hole in prism.holes]
     plane, third = np.vstack(loops), 1 if prism.axis == "y" else 2
     first = np.cumsum([0, *(len(points) for points in loops)])
     rim = {(i, a + (i - a + 1) % (b - a)) for a, b in pairwise(first) for i in range(a, b)}
-    pieces = _Made([], [], [], [])
+    pieces = _CellMesh([], [], [], [])
     open_edges: dict[tuple[int, int], int] = {}
     low, high = (_lifted(plane, third, level) for level in (prism.low, prism.high))
     for cell, triangle in enumerate(np.asarray(triangulate(loops)).tolist()):
@@ -214,7 +214,7 @@ def _lifted(points: Points, third: int, level: float) -> Points:
     return np.insert(points, third, level, axis=1)
 
 
-def _bore(bore: Bore, tolerance: float) -> _Made:
+def _bore(bore: Bore, tolerance: float) -> _CellMesh:
     """A bore is one convex cell; its corners lie at the quarters, so that its highest line is exact."""
     count = bore.circle(tolerance, multiple=4)
     turn = 2 * math.pi * np.arange(count) / count
@@ -226,7 +226,7 @@ def _bore(bore: Bore, tolerance: float) -> _Made:
         for radius, along in ((bore.radius, 0.0), (bore.far_radius, bore.length))
     ]
     faces = [_Face(0, third, sign, cap) for sign, cap in zip((-1, 1), caps, strict=True)]
-    return _Made([np.vstack(caps)], [], [], faces)
+    return _CellMesh([np.vstack(caps)], [], [], faces)
 
 
 def _contacts(faces: list[_Face]) -> Iterator[tuple[int, int, Points]]:

@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 
-from skincad.fabrication.filament import Spent
+from skincad.fabrication.filament import MachineEffort
 from skincad.fabrication.rules_of_machines import extent
 from skincad.inputs.process import Process
 from skincad.shape import curves
 from skincad.shape.curves import Loop, polygon
-from skincad.solids.body import Prism, Revolved, plain
+from skincad.solids.body import Prism, RevolvedBody, plain
 from skincad.solids.plan import Part, bores, unturned
 from skincad.solids.roles import PartRole
 
@@ -22,7 +22,7 @@ MINUTE = 60.0  # s
 _CHORD = 0.01  # mm, of arcs: no rate is that sharp
 
 
-def machining(part: Part, process: Process) -> Spent:
+def machining(part: Part, process: Process) -> MachineEffort:
     """Return the volume of a part's stock, mm3, and how long it is cut, s.
 
     A mill clears what stock has over the part and finishes all faces. A wire cuts the faces along its way
@@ -33,7 +33,7 @@ def machining(part: Part, process: Process) -> Spent:
     minutes = coarse / process.finish_rate + fine / process.fine_rate + len(bores(part)) * process.hole_time
     if process.removal_rate > 0:
         minutes += (stock - part.volume) / process.removal_rate
-    return Spent(stock, minutes * MINUTE)
+    return MachineEffort(stock, minutes * MINUTE)
 
 
 def _faces(part: Part, ends: bool) -> tuple[float, float]:
@@ -48,7 +48,7 @@ def _faces(part: Part, ends: bool) -> tuple[float, float]:
     if part.role is PartRole.COMB:
         fine = max(0.0, around - 2 * float(np.ptp(polygon(body.outline, _CHORD), axis=0).sum()))  # notches
     coarse = (around - fine) * long + (2 * body.volume / long if ends else 0.0)
-    turned = [cut for cut in map(plain, part.cuts) if isinstance(cut, Revolved)]  # a bowl's trough
+    turned = [cut for cut in map(plain, part.cuts) if isinstance(cut, RevolvedBody)]  # a bowl's trough
     swept = (_negative(cut.outline) * abs(cut.centre) * (cut.high - cut.low) for cut in turned)
     return coarse, fine * long + math.fsum(swept)
 

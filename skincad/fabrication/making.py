@@ -19,7 +19,7 @@ from skincad.solids.roles import PartRole
 if TYPE_CHECKING:
     from skincad.fabrication.estimates import PartEstimate, ProcessEstimate
     from skincad.fabrication.finding import Finding
-    from skincad.fabrication.mounting import Mounted
+    from skincad.fabrication.mounting import CarrierMount
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
@@ -129,7 +129,7 @@ class MakeResult(Result):
     job: Job | None = field(default=None, compare=False)
     scenes: tuple[Result, ...] = field(default=(), compare=False)
     revision: str = ""  # of the design
-    mount: Mounted | None = None
+    mount: CarrierMount | None = None
     estimates: tuple[ProcessEstimate, ...] = ()  # of mass, time and cost by process
 
     @property

@@ -18,7 +18,7 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.shape.curves import polygon
-from skincad.solids.body import Body, Prism, Reaching, Revolved, Turned
+from skincad.solids.body import Body, ExtendedCut, Prism, RevolvedBody, RotatedBody
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
@@ -118,13 +118,13 @@ def _with_flat_ends(body: Body, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     trapezoids to rectangles, one to one.
     """
     points = np.asarray(mesh.vertices)
-    if isinstance(body, Turned):
+    if isinstance(body, RotatedBody):
         points = body.returned(points).round(12)
     elif isinstance(body, Prism) and body.grid:
         (x, y, z), centre = points.T, body.grid.centre
         points = np.column_stack([x, y, np.full(len(x), -centre)]) * (centre / (centre - z))[:, None]
         points[:, 1] = points[:, 1].round(9)
-    elif isinstance(body, Revolved):
+    elif isinstance(body, RevolvedBody):
         points = body.straightened(points)
         points[:, 1] = points[:, 1].round(9)  # mm; an end's corners are level again
     else:
@@ -191,14 +191,18 @@ def _common(a: _Shape, b: _Shape) -> float:
     if any(low[i] >= high[i + 3] or high[i] >= low[i + 3] for i in range(3)):
         return 0.0
     one, other = a.part, b.part
-    if isinstance(one.body, Revolved) and isinstance(other.body, Revolved) and not (one.cuts or other.cuts):
+    if (
+        isinstance(one.body, RevolvedBody)
+        and isinstance(other.body, RevolvedBody)
+        and not (one.cuts or other.cuts)
+    ):
         return _turned_alike(one.body, other.body, a.tolerance / 2)
     if any(_lies_in(p, q, a.tolerance / 2) for p, q in ((one, other), (other, one))):
         return 0.0
     return float((a.mesh ^ b.mesh).volume())
 
 
-def _turned_alike(a: Revolved, b: Revolved, tolerance: float) -> float:
+def _turned_alike(a: RevolvedBody, b: RevolvedBody, tolerance: float) -> float:
     """What two bodies that turn about one axis share, mm3: what their sections share, times its path. Meshes
     that touch all along a slot share up to 1e-6 mm3 by rounding."""
     angle = min(a.high, b.high) - max(a.low, b.low)
@@ -212,20 +216,20 @@ def _lies_in(inner: Part, outer: Part, tolerance: float) -> bool:
     """Whether a turned part lies all in one turned cut of another one, as a skin in its trough: meshes that
     touch everywhere take the boolean a hundred times longer."""
     body = inner.body
-    if not isinstance(body, Revolved):
+    if not isinstance(body, RevolvedBody):
         return False
-    cuts = [cut.built for cut in outer.cuts if isinstance(cut, Reaching)]
+    cuts = [cut.built for cut in outer.cuts if isinstance(cut, ExtendedCut)]
     return any(
         cut.low <= body.low
         and body.high <= cut.high
         and _region(body, tolerance).difference(_region(cut, tolerance)).area * body.volume
         <= LEAST_COMMON_VOLUME
         for cut in cuts
-        if isinstance(cut, Revolved)
+        if isinstance(cut, RevolvedBody)
     )
 
 
-def _region(body: Revolved, tolerance: float) -> shapely.Polygon:
+def _region(body: RevolvedBody, tolerance: float) -> shapely.Polygon:
     return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in body.holes])
 
 

@@ -15,7 +15,7 @@ from skincad.base.interrupt import safe_point
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape import curves
-from skincad.solids.body import Body, Bore, Prism, Reaching, Revolved, Turned, corners
+from skincad.solids.body import Body, Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody, corners
 from skincad.solids.grid import turn_steps
 from skincad.solids.plan import Part, unturned
 
@@ -38,7 +38,7 @@ def print_chord(design: Design) -> float:
 
 def manifold(part: Part, tolerance: float) -> Manifold:
     """Return the part as a manifold whose chords keep within `tolerance` mm of the true surfaces."""
-    if isinstance(part.body, Turned):
+    if isinstance(part.body, RotatedBody):
         return _placed(manifold(unturned(part), tolerance), part.body)
     cuts = [_body(cut, tolerance) for cut in part.cuts]
     body = _body(part.body, tolerance)
@@ -70,8 +70,8 @@ def laid(shape: trimesh.Trimesh, on_end: bool, part: Part | None = None) -> trim
     placed = shape.copy()
     frame = part.body if part else None
     if isinstance(frame, Prism) and frame.grid and on_end:
-        frame = Turned(frame, frame.grid.centre, -frame.grid.half, 0.0)
-    if isinstance(frame, Turned):
+        frame = RotatedBody(frame, frame.grid.centre, -frame.grid.half, 0.0)
+    if isinstance(frame, RotatedBody):
         placed.vertices = frame.returned(np.asarray(placed.vertices)).round(12)  # mm; a face is level again
     if on_end:
         placed.vertices = placed.vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
@@ -80,15 +80,15 @@ def laid(shape: trimesh.Trimesh, on_end: bool, part: Part | None = None) -> trim
     return placed
 
 
-def _placed(shape: Manifold, place: Turned) -> Manifold:
+def _placed(shape: Manifold, place: RotatedBody) -> Manifold:
     turn, shift = place.placement()
     return shape.transform(np.column_stack([turn, shift]))
 
 
 def _body(body: Body, tolerance: float) -> Manifold:
-    if isinstance(body, Reaching):
+    if isinstance(body, ExtendedCut):
         return _body(body.built, tolerance)
-    if isinstance(body, Turned):
+    if isinstance(body, RotatedBody):
         return _placed(_body(body.body, tolerance), body)
     if isinstance(body, Bore):
         return _bore(body, tolerance)
@@ -108,7 +108,7 @@ def _prism(prism: Prism, tolerance: float) -> Manifold:
     return Manifold(Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(faces)))
 
 
-def _revolved(body: Revolved, tolerance: float) -> Manifold:
+def _revolved(body: RevolvedBody, tolerance: float) -> Manifold:
     """Join copies of the section at even angles. Between two of them a chord of the section sweeps a plane
     trapezoid, so the section's sagitta and the turn's add up: each has half of the tolerance."""
     half = tolerance / 2
@@ -121,7 +121,7 @@ def _revolved(body: Revolved, tolerance: float) -> Manifold:
     return Manifold(Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(faces[:, ::-1])))
 
 
-def _strips(body: Prism | Revolved, tolerance: float, steps: int) -> tuple[Array, NDArray[np.uint64]]:
+def _strips(body: Prism | RevolvedBody, tolerance: float, steps: int) -> tuple[Array, NDArray[np.uint64]]:
     """The section's corners `(n, 2)` mm and the faces that join `steps + 1` copies of them, in order."""
     loops = [corners(body, body.outline, tolerance)]
     loops += [corners(body, hole, tolerance)[::-1] for hole in body.holes]

@@ -17,7 +17,7 @@ Place = tuple[float, float]  # x and y, mm, from the carrier's middle
 
 
 @dataclass(frozen=True)
-class Mounted:
+class CarrierMount:
     """A mount as the carrier has it; lengths mm. Where there are no screws, `thread`, `depth` of its hole and
     `reach`, from how far to how far a screw may go in, are None."""
 
@@ -48,7 +48,7 @@ class Mounted:
         }
 
 
-def mount_of(design: Design, closed: ClosedMold) -> Mounted | None:
+def mount_of(design: Design, closed: ClosedMold) -> CarrierMount | None:
     """Return a design's mount, as the first carrier has it; None without one."""
     mount = design.mount
     if mount is None:
@@ -62,7 +62,7 @@ def mount_of(design: Design, closed: ClosedMold) -> Mounted | None:
 
     pins, marks = places(CutRole.MOUNT_PIN), places(CutRole.FIDUCIAL)
     every = bores(carrier, CutRole.MOUNT, CutRole.FIDUCIAL)
-    return Mounted(
+    return CarrierMount(
         thread=mount.thread,
         insert=blind.insert if blind else "",
         depth=blind and blind.depth,

@@ -29,7 +29,7 @@ from skincad.fabrication.drawn_features import (
     slits,
 )
 from skincad.fabrication.tolerances import (
-    Judged,
+    CrestAllowance,
     general_tolerance,
     material_words,
     notes,
@@ -53,7 +53,7 @@ LEANING = "leaning from upright, positive with the mouth to the right"
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
-class Listed(NamedTuple):
+class DrawingTable(NamedTuple):
     """A table: its title, its heads and its rows."""
 
     title: str
@@ -80,7 +80,7 @@ class PartDrawing:
     profile: tuple[Stroke, ...]  # that a detail shows: the front view, or a bent mold's middle section
     cut: CutProfile | None  # what is cut right through, for DXF
     cut_notes: tuple[str, ...]  # what is said of it there
-    tables: tuple[Listed, ...]
+    tables: tuple[DrawingTable, ...]
     notes: tuple[str, ...]
     process: str
     material: str
@@ -89,7 +89,7 @@ class PartDrawing:
     cut_from_solid: bool  # not printed
 
 
-def part_drawing(design: Design, part: Part, shape: cq.Solid, judged: Judged | None) -> PartDrawing:
+def part_drawing(design: Design, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
     """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
     from skincad.solids.occ import projection
 
@@ -155,7 +155,7 @@ def _overall(seen: dict[str, Projection]) -> tuple[Length, ...]:
     return Length(FRONT, "u", left, right), Length(FRONT, "v", low, high), Length(ABOVE, "v", near, far)
 
 
-def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limits: str) -> Listed:
+def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limits: str) -> DrawingTable:
     rows = [
         (
             f"{g.letter} ({len(g.holes)}x)",
@@ -174,7 +174,7 @@ def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limit
         rows.append(
             (f"{NUT} ({len(nuts)}x)", "M3 nut, hexagon", size, tolerance, number(nuts[0].depth), "-", "end b")
         )
-    return Listed("Holes", ("hole", "for", "size", "limits", "depth", "thread", "open at"), tuple(rows))
+    return DrawingTable("Holes", ("hole", "for", "size", "limits", "depth", "thread", "open at"), tuple(rows))
 
 
 def _from(group: HoleGroup) -> str:
@@ -188,14 +188,14 @@ def _degrees(angle: float) -> str:
 
 def _places(
     holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], seen: dict[str, Projection], part: Part
-) -> Listed:
+) -> DrawingTable:
     rows = []
     for group in holes:
         x, y = _coordinates(seen, group.view, part)
         rows += [(h.tag, number(x(h.at[0])), number(y(h.at[1]))) for h in group.holes]
     x, y = _coordinates(seen, FRONT, part)
     rows += [(f"{NUT}{i}", number(x(p.at[0])), number(y(p.at[1]))) for i, p in enumerate(nuts, 1)]
-    return Listed("Positions of holes", ("hole", "x", "y"), tuple(rows))
+    return DrawingTable("Positions of holes", ("hole", "x", "y"), tuple(rows))
 
 
 def _coordinates(seen: dict[str, Projection], view: str, part: Part) -> tuple[Coordinate, Coordinate]:
@@ -207,7 +207,7 @@ def _coordinates(seen: dict[str, Projection], view: str, part: Part) -> tuple[Co
     )
 
 
-def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part) -> Listed:
+def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part) -> DrawingTable:
     _, y = _coordinates(seen, FRONT, part)
     rows = []
     for way in dict.fromkeys(notch._replace(side="left") for notch in cut):
@@ -216,22 +216,24 @@ def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part
         face = "outer face" if way.outer else "inner face"
         where = f"{' & '.join(sorted(sides))}, {face}"
         rows.append((use, f"{number(way.leg)} x 45°", where, *map(number, sorted((y(way.low), y(way.high))))))
-    return Listed("Notches across upright edges", ("notch", "size", "edge", "from y", "to y"), tuple(rows))
+    return DrawingTable(
+        "Notches across upright edges", ("notch", "size", "edge", "from y", "to y"), tuple(rows)
+    )
 
 
-def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> Listed:
+def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> DrawingTable:
     (left, low), _ = seen[FRONT].box()
     rows = [
         (f"{s.ridge} {s.side}", number(s.at[0] - left), number(s.at[1] - low), _degrees(s.lean))
         for s in cut[:MOST_ROWS]
     ]
     size = f"Slits, {number(cut[0].width)} wide: middle of the bottom; {LEANING}" if cut else ""
-    return Listed(size, ("ridge", "x", "y", "leaning"), tuple(rows))
+    return DrawingTable(size, ("ridge", "x", "y", "leaning"), tuple(rows))
 
 
 def _groove_table(
     carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
-) -> Listed:
+) -> DrawingTable:
     x_of, _ = _coordinates(seen, FRONT, part)
     rows: list[tuple[str, ...]] = []
     for groove in carved[:MOST_ROWS]:
@@ -240,7 +242,7 @@ def _groove_table(
         allowed = drops[groove.ridge - 1] if drops else None
         rows.append(row if allowed is None else (*row, _allowance(allowed)))
     heads = ("ridge", "x", "below seat", "leaning", "too shallow by")[: 5 if drops else 4]
-    return Listed(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
+    return DrawingTable(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
 
 
 def _allowance(drop: float) -> str:

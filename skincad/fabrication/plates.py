@@ -10,7 +10,7 @@ from skincad.inputs.process import Process
 PART_GAP = 5.0  # mm, assumption: between parts on a plate
 
 
-class Laid(NamedTuple):
+class BedPart(NamedTuple):
     """A part as it lies on the bed: its sides along x, y and z, mm."""
 
     name: str
@@ -19,10 +19,10 @@ class Laid(NamedTuple):
     z: float
 
 
-def plates(parts: Sequence[Laid], process: Process) -> list[list[Laid]]:
+def plates(parts: Sequence[BedPart], process: Process) -> list[list[BedPart]]:
     """Return parts by plate. Each part, from the tallest down, goes onto the first plate that takes it; one
     that is larger than any plate has one to itself (the finding `build volume` reports it)."""
-    full: list[list[Laid]] = []
+    full: list[list[BedPart]] = []
     for part in sorted(parts, key=lambda part: (-part.z, part.name)):
         for plate in full:
             if _fit([*plate, part], process):
@@ -33,7 +33,7 @@ def plates(parts: Sequence[Laid], process: Process) -> list[list[Laid]]:
     return full
 
 
-def _fit(parts: list[Laid], process: Process) -> bool:
+def _fit(parts: list[BedPart], process: Process) -> bool:
     """Whether parts lie in rows, widest rows first, each part with its longer side along the row."""
     longer, shorter = sorted((process.build_x, process.build_y), reverse=True)
     if not shorter:

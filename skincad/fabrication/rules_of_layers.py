@@ -16,7 +16,7 @@ from skincad.fabrication.rules import Case, Rule, maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.skin import skin_of
-from skincad.solids.body import Bore, Prism, Revolved, plain
+from skincad.solids.body import Bore, Prism, RevolvedBody, plain
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, unturned
 from skincad.solids.roles import CAVITIES, END_PLATES
@@ -72,7 +72,7 @@ def _overhang(case: Case) -> Iterator[Finding]:
     end = on_end(part, process)
     upright = "y" if end else "z"
 
-    def closes(cut: Prism | Revolved | Bore) -> bool:
+    def closes(cut: Prism | RevolvedBody | Bore) -> bool:
         return isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge
 
     cuts = tuple(cut for cut in part.cuts if not closes(plain(cut)))

@@ -12,7 +12,7 @@ from skincad.fabrication.strip_steps import shim_length
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, rectangle
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Revolved
+from skincad.solids.body import RevolvedBody
 from skincad.solids.inserts import GRIP
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
@@ -41,7 +41,7 @@ def shim_patterns(design: Design, closed: ClosedMold) -> list[ShimPattern]:
     rows = []
     for number, (place, body) in enumerate(pairs):
         label, pitch = f"{place.feature} {place.side}", slot.depth + ROW_GAP
-        if isinstance(body, Revolved):
+        if isinstance(body, RevolvedBody):
             radius = arc_radius(design, place.feature, place.side)
             half = (body.high - body.low) * abs(place.direction.z) / 2
             centre = number * pitch / math.cos(half) - radius

@@ -29,7 +29,7 @@ UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known
 CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
 
 
-class Judged(NamedTuple):
+class CrestAllowance(NamedTuple):
     """What the check says of the mold's crests: by how much each may be lower alone until the
     verdict's margin is used up, mm (empty where it has none)."""
 
@@ -100,7 +100,7 @@ def _cutter(case: Case) -> list[str]:
     return [f"{CUTTERS[process.tool]}: Ø{kerf:g} at most, for {where}{sparks}."]
 
 
-def what_matters(design: Design, part: Part, judged: Judged | None) -> list[str]:
+def what_matters(design: Design, part: Part, judged: CrestAllowance | None) -> list[str]:
     """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
     rows = _crests(design, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
     if part.role is PartRole.COMB:
@@ -149,7 +149,7 @@ def _tolerance_words(process: Process, gap: float) -> str:
     return f"the process, ±{process.tolerance:g}, {word} that gap."
 
 
-def _crests(design: Design, part: Part, judged: Judged | None) -> list[str]:
+def _crests(design: Design, part: Part, judged: CrestAllowance | None) -> list[str]:
     """What the crests' heights may differ by: the grooves' depths."""
     sigma = f"{process_of(design, part).crest_sigma:g}"
     if judged is None:

@@ -68,7 +68,7 @@ class _Kinds:
 Law = Annotated[SerializeAsAny[Rubber], BeforeValidator(_law), _Kinds()]
 
 
-class _Given(Table):
+class _SparseTable(Table):
     """A table that dumps what was given only."""
 
     @model_serializer(mode="wrap")
@@ -77,7 +77,7 @@ class _Given(Table):
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
 
-class StiffnessSource(_Given):
+class StiffnessSource(_SparseTable):
     """What one source says of a silicone's stiffness: a modulus at small strain, or a law."""
 
     what: str = Field(description="what was measured, or how it follows", max_length=200)
@@ -96,7 +96,7 @@ class StiffnessSource(_Given):
         return self.law.young_modulus(poisson_ratio) if self.law else self.young_modulus or 0.0
 
 
-class Silicone(_Given):
+class Silicone(_SparseTable):
     """A casting silicone at room temperature.
 
     Defaults are assumptions, for one of which only the modulus is known: nearly incompressible, the density

@@ -20,8 +20,8 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
 from skincad.live.jobs import Signals, check_design, make_files, run_scene
 from skincad.live.session import Editable, Session, apply_moves, redo_step, start_session, undo_step
-from skincad.live.shapes import DrawnDesign, view
-from skincad.live.worker import Newest, Worker
+from skincad.live.shapes import DesignView, view
+from skincad.live.worker import LatestRunner, Worker
 from skincad.scenes.scene import Scene
 from skincad.studies.subject import Setting
 
@@ -46,7 +46,7 @@ class Answers:
     """The newest of each kind; None where there was none yet. `better` are the verdicts of better tiers than
     the closed form as they came, `verdict` the last one, as `skincad check` has it."""
 
-    view: Reply[DrawnDesign] | None = None
+    view: Reply[DesignView] | None = None
     closed_form: Reply[ContactCheck | str] | None = None
     findings: Reply[tuple[Finding, ...]] | None = None
     better: Reply[tuple[ContactCheck, ...]] | None = None
@@ -80,7 +80,7 @@ class Desk:
         self.timings: deque[Timing] = deque(maxlen=1000)
         self.move_time = perf_counter()
         self.lock = RLock()
-        self._quick = Newest(self._work)
+        self._quick = LatestRunner(self._work)
         self._slow = Worker(run_scene if isinstance(subject, Scene) else check_design, self._on_news)
 
     @cached_property
@@ -229,7 +229,7 @@ def closed_form(session: Session) -> ContactCheck | str:
         return str(refusal)
 
 
-def findings(picture: DrawnDesign) -> tuple[Finding, ...]:
+def findings(picture: DesignView) -> tuple[Finding, ...]:
     """Return what stands against making a design; none where it has no mold, which says why itself."""
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings

@@ -24,7 +24,7 @@ from skincad.live.guard import own_pages_only
 from skincad.live.history import HistoryBoard
 from skincad.live.panel import Panel
 from skincad.live.session import Editable
-from skincad.live.shapes import DrawnDesign, Piece
+from skincad.live.shapes import DesignView, Piece
 from skincad.live.words import findings_html, making_html, signals_html, state_html, text_html, verdict_html
 from skincad.scenes.scene import Scene
 
@@ -149,7 +149,7 @@ class Page:
     def _tell(self, place: Any, text: str) -> None:
         place.content = text_html(text)
 
-    def _show(self, shown: DrawnDesign) -> None:
+    def _show(self, shown: DesignView) -> None:
         first = not self._pieces
         self._tell(self._section, shown.section)
         wide = max((float(np.abs(piece.corners[:, 0]).max()) for piece in shown.mold), default=0.0)

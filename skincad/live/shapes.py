@@ -40,7 +40,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class DrawnDesign:
+class DesignView:
     """A design as it is drawn: its skin, ridges up, and its mold with what lies in it, ridges down.
 
     Without a mold `refusal` says why there is none.
@@ -54,7 +54,7 @@ class DrawnDesign:
     refusal: str
 
 
-def view(design: Design, *, molded: bool = True) -> DrawnDesign:
+def view(design: Design, *, molded: bool = True) -> DesignView:
     """Return what is drawn of a design, its mold only if `molded`; raises InputError for a skin without a
     section."""
     chord = CHORD * design.skin.width
@@ -65,7 +65,7 @@ def view(design: Design, *, molded: bool = True) -> DrawnDesign:
         closed = mold(design) if molded else None
     except InputError as failure:
         refusal = str(failure)
-    return DrawnDesign(design, picture, skin, pieces(closed, chord) if closed else (), closed, refusal)
+    return DesignView(design, picture, skin, pieces(closed, chord) if closed else (), closed, refusal)
 
 
 def pieces(closed: ClosedMold, chord: float) -> tuple[Piece, ...]:

@@ -29,7 +29,7 @@ class OutdatedError(BaseException):
     """A newer question came: this answer is no longer needed. No Exception, so that no model catches it."""
 
 
-class Newest:
+class LatestRunner:
     """A thread that works off the newest thing it was given, and forgets what that replaced."""
 
     def __init__(self, work: Callable[[Any, Callable[[], bool]], None]) -> None:

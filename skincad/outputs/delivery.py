@@ -19,7 +19,7 @@ PICTURES = ("png", "gif")
 
 
 @dataclass(frozen=True)
-class Written:
+class Delivery:
     """The files in `folder`: the manifest, other files with their size in bytes, and seconds by stage."""
 
     folder: Path
@@ -43,7 +43,7 @@ def write(
     *,
     formats: Iterable[str] | str = (),
     progress: Progress | None = None,
-) -> Written:
+) -> Delivery:
     """Write a result's files and its manifest into `folder`, whole or not at all.
 
     `formats` are file name endings ("step", "png", ...); all if there are none. An earlier result of the same
@@ -60,7 +60,7 @@ def write(
             with watch.stage("picture" if _ending(name) in PICTURES else "files"):
                 writer(staging / name)
         sizes = tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir()))
-    return Written(target, manifest_name(presenter.COMMAND), sizes, watch.seconds())
+    return Delivery(target, manifest_name(presenter.COMMAND), sizes, watch.seconds())
 
 
 def save_picture(result: Result, path: Path | str, *, key: str = "path") -> bool:

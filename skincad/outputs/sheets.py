@@ -9,7 +9,7 @@ from pathlib import Path
 from skincad.base.version import __version__
 from skincad.fabrication.making import Job
 from skincad.fabrication.part_drawing import part_drawing
-from skincad.fabrication.tolerances import Judged
+from skincad.fabrication.tolerances import CrestAllowance
 from skincad.outputs import checks
 from skincad.outputs.dxf import write_sheet_dxf
 from skincad.outputs.stepfile import source_date
@@ -51,10 +51,10 @@ def sheet_of(job: Job, name: str) -> Sheet:
     return part_sheet(drawing, __version__, date)
 
 
-def _crest_tolerances(job: Job) -> Judged | None:
+def _crest_tolerances(job: Job) -> CrestAllowance | None:
     if job.check is None:
         return None
-    return Judged(checks.allowed_drops(job.check))
+    return CrestAllowance(checks.allowed_drops(job.check))
 
 
 def _text(text: str, path: Path) -> None:

@@ -32,7 +32,7 @@ LEAST_SHARE = 1e-3  # of the mean share; a ridge that carries less has no secant
 
 
 @dataclass(frozen=True)
-class Elsewhere:
+class LoadComparison:
     """At `force` N, the springs' and a check's approach, mm, and the forces on the ridges, N."""
 
     force: float
@@ -63,7 +63,7 @@ class Springs:
     flexibility: Array
     coupled: bool
     verdict: ContactCheck
-    elsewhere: tuple[Elsewhere, ...] = ()
+    elsewhere: tuple[LoadComparison, ...] = ()
     refused: tuple[str, ...] = ()
 
     @property
@@ -166,10 +166,10 @@ def _secant(model: RidgeModel, forces: Array) -> Array:
     return np.asarray((flexibility + flexibility.T) / 2)
 
 
-def _compare_at(design: Design, model: Springs, force: float, progress: Progress | None) -> Elsewhere:
+def _compare_at(design: Design, model: Springs, force: float, progress: Progress | None) -> LoadComparison:
     approach, shares = plate_response(model, force)
     other = check(design, force=force, tier=model.verdict.tier, progress=progress)
-    return Elsewhere(
+    return LoadComparison(
         force,
         approach,
         float(other.approach),

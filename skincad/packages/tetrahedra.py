@@ -20,7 +20,7 @@ from skincad.mechanics.bodies.mesh import Sizes, unit_of
 from skincad.mechanics.bodies.meshed import height_of
 from skincad.mechanics.bodies.plain_mesh import PlainMesh, plain_mesh
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.solids.body import Revolved
+from skincad.solids.body import RevolvedBody
 from skincad.solids.skin import along_skin
 
 EDGES = tuple(combinations(range(4), 2))  # of a tetrahedron, in the order below
@@ -102,7 +102,7 @@ def _sweep(design: Design, flat: PlainMesh, levels: Array) -> Array:
     radius = design.skin.curvature_radius_y
     if radius is None:
         return np.concatenate([np.insert(flat.points, 1, level, axis=1) for level in levels])
-    body = Revolved((), design.skin.thickness - radius, 0.0, 0.0)
+    body = RevolvedBody((), design.skin.thickness - radius, 0.0, 0.0)
     return np.concatenate([body.placed(flat.points, level / radius) for level in levels])
 
 

@@ -13,7 +13,7 @@ from skincad.fabrication.bore_table import number
 from skincad.fabrication.drawn_features import Groove, Slit
 from skincad.fabrication.part_drawing import PartDrawing
 from skincad.pictures.marks import Box, Ink, Mark, Words, aligned, rectangle
-from skincad.pictures.sheet_bores import Placed
+from skincad.pictures.sheet_bores import ViewPlacement
 from skincad.solids.projection import Arc, Place, Polyline, Stroke
 
 MARGIN = (10.0, 10.0)  # mm of paper beside and over it, for dimensions and caption
@@ -62,7 +62,7 @@ def _scale_and_window(focus: Focus, max_size: tuple[float, float]) -> tuple[floa
 
 
 def detail_marks(
-    drawing: PartDrawing, front: Placed, corner: Place, max_size: tuple[float, float]
+    drawing: PartDrawing, front: ViewPlacement, corner: Place, max_size: tuple[float, float]
 ) -> list[Mark]:
     """Return the detail in a window of at most this size, mm, the lower left corner of all there, and where
     it is in the front view, which lies so."""
@@ -72,7 +72,7 @@ def detail_marks(
     scale, size = _scale_and_window(focus, max_size)
     left, low = corner[0] + MARGIN[0], corner[1] + MARGIN[1]
     middle = left + size[0] / 2, low + size[1] / 2
-    place = Placed((middle[0] - scale * focus.middle[0], middle[1] - scale * focus.middle[1]), scale)
+    place = ViewPlacement((middle[0] - scale * focus.middle[0], middle[1] - scale * focus.middle[1]), scale)
     window = left, low, left + size[0], low + size[1]
     marks: list[Mark] = [rectangle(window, "CENTRE")]
     marks += [Ink(s, "OUTLINE") for s in _profile_in_window(drawing, place, window)]
@@ -83,7 +83,7 @@ def detail_marks(
     return [*marks, *_window_mark(focus.middle, front, [length / scale for length in size])]
 
 
-def _window_mark(middle: Place, front: Placed, size: list[float]) -> list[Mark]:
+def _window_mark(middle: Place, front: ViewPlacement, size: list[float]) -> list[Mark]:
     """The window's rectangle in the front view, with its letter."""
     x, y = front.at(middle)
     w, h = (length / 2 * front.scale for length in size)
@@ -138,7 +138,7 @@ def _along(point: Place, way: Place, far: float) -> Place:
     return point[0] + far * way[0], point[1] + far * way[1]
 
 
-def _profile_in_window(drawing: PartDrawing, place: Placed, window: Box) -> list[Stroke]:
+def _profile_in_window(drawing: PartDrawing, place: ViewPlacement, window: Box) -> list[Stroke]:
     """What of the profile lies in the window, on paper."""
     frame, strokes = shapely.box(*window), list[Stroke]()
     for stroke in drawing.profile:

@@ -15,7 +15,7 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame
 from skincad.shape.curves import Loop, polygon
 from skincad.shape.skin import section
-from skincad.solids.body import Prism, Revolved, Turned, corners
+from skincad.solids.body import Prism, RevolvedBody, RotatedBody, corners
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, bores
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
@@ -204,17 +204,17 @@ def _side(part: Part) -> Array:
     body = part.body
     if isinstance(body, Prism) and body.axis == "x":
         return corners(body, body.outline, CHORD)
-    if isinstance(body, Revolved) and body.grid:
+    if isinstance(body, RevolvedBody) and body.grid:
         z = polygon(body.outline, CHORD)[:, 1]
         angles = body.grid.angles(body.low, body.high, CHORD)
         arcs = [[body.placed(np.array([[0.0, end]]), a)[0, 1:] for a in angles] for end in (z.min(), z.max())]
         return np.array([*arcs[0], *arcs[1][::-1]])
-    prism = body.body if isinstance(body, Turned) else body
+    prism = body.body if isinstance(body, RotatedBody) else body
     if not isinstance(prism, Prism):
         raise ValueError(f"{part.name}: no pin is drawn from the side")
     (_, y0, z0), (_, y1, z1) = _extent(prism)
     ring = np.array([[0.0, y, z] for y, z in ((y0, z0), (y1, z0), (y1, z1), (y0, z1))])
-    if isinstance(body, Turned):
+    if isinstance(body, RotatedBody):
         ring = body.placed(ring)
     return ring[:, 1:]
 

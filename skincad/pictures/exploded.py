@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.solids.body import Prism, Turned
+from skincad.solids.body import Prism, RotatedBody
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part
 from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
@@ -19,7 +19,7 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
     if part.end is not None:
         out = side * (1.0 if part.role in END_PLATES else 0.5) * (-1 if part.end == "a" else 1)
         lift = 0.25 * high if part.role is PartRole.KEEPER else 0.0
-        lean = body.angle if isinstance(body, Turned) else 0.0
+        lean = body.angle if isinstance(body, RotatedBody) else 0.0
         return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
     places = {
         PartRole.COVER: (0.0, 0.0, 2.3 * high),

@@ -9,8 +9,8 @@ from skincad.fabrication.drawing_views import FRONT
 from skincad.fabrication.part_drawing import PartDrawing
 from skincad.pictures.detail import detail_marks, detail_size
 from skincad.pictures.marks import Box, Mark, Sheet, rectangle
-from skincad.pictures.sheet_bores import Placed
-from skincad.pictures.sheet_column import COLUMN, Titled, column, column_height
+from skincad.pictures.sheet_bores import ViewPlacement
+from skincad.pictures.sheet_column import COLUMN, TitleBlock, column, column_height
 from skincad.pictures.sheet_views import corner_of, places, size_of, view_marks
 from skincad.shape.curves import Loop
 from skincad.solids.plan import shifted
@@ -56,7 +56,7 @@ def scale_words(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-class Arranged(NamedTuple):
+class Arrangement(NamedTuple):
     """How views and detail lie on a paper: scale, width and height of all, mm, and whether the detail is in
     the corner between the left view and that from above, or under the views."""
 
@@ -70,7 +70,7 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
     paper, arrangement = _choice(drawing)
     _, low, right, _ = paper.frame
     area, detail = _area(drawing, paper), detail_size(drawing, paper.window)
-    title_block = Titled(scale_words(arrangement.scale), paper.name, version, date)
+    title_block = TitleBlock(scale_words(arrangement.scale), paper.name, version, date)
     side_margin = (area[2] - area[0] - arrangement.size[0]) / 2
     spare = (area[3] - area[1] - arrangement.size[1]) / (2 if arrangement.in_corner else 3)
     views = area[0] + side_margin, area[1], area[2], area[3] - spare
@@ -95,7 +95,7 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
     )
 
 
-def _cut(drawing: PartDrawing, placements: dict[str, Placed]) -> tuple[tuple[str, Loop], ...]:
+def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[tuple[str, Loop], ...]:
     """What is cut through, where its view lies, mm of the part."""
     if drawing.cut is None:
         return ()
@@ -111,9 +111,9 @@ def _area(drawing: PartDrawing, paper: Paper) -> Box:
     return left, low + column_height(drawing) + VIEW_GAP, right, high
 
 
-def _choice(drawing: PartDrawing) -> tuple[Paper, Arranged]:
+def _choice(drawing: PartDrawing) -> tuple[Paper, Arrangement]:
     """The smallest paper on which views and holes are read well, or else the one of the largest scale."""
-    best: tuple[Paper, Arranged] | None = None
+    best: tuple[Paper, Arrangement] | None = None
     for paper in PAPERS:
         if paper.beside and column_height(drawing) > paper.frame[3] - paper.frame[1]:
             continue
@@ -143,7 +143,7 @@ def _spacing(drawing: PartDrawing) -> float:
     return min((distance for distance in pairs if distance > 1e-6), default=math.inf)
 
 
-def _arrangement(drawing: PartDrawing, paper: Paper, scale: float) -> Arranged | None:
+def _arrangement(drawing: PartDrawing, paper: Paper, scale: float) -> Arrangement | None:
     """How all of it fits on a paper at a scale; None where it does not."""
     left, low, right, high = _area(drawing, paper)
     wide, tall = right - left - 4.0, high - low - 4.0
@@ -151,12 +151,12 @@ def _arrangement(drawing: PartDrawing, paper: Paper, scale: float) -> Arranged |
     return next((one for one in rows if one.size[0] <= wide and one.size[1] <= tall), None)
 
 
-def _arrangements(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arranged, ...]:
+def _arrangements(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arrangement, ...]:
     """The ways to lay out views and detail, the most even one first."""
     views, corner = size_of(drawing, scale), corner_of(drawing, scale)
     wide, tall = detail_size(drawing, paper.window)
     if not wide:
-        return (Arranged(scale, views, False),)
+        return (Arrangement(scale, views, False),)
     beside = max(views[0], corner[0] + TAGS + wide), max(views[1], corner[1] + CAPTION + tall)
     under = max(views[0], wide), views[1] + tall
-    return Arranged(scale, beside, True), Arranged(scale, under, False)
+    return Arrangement(scale, beside, True), Arrangement(scale, under, False)

@@ -23,7 +23,7 @@ UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RidgeRecording:
     """Both strips' outputs and their difference at the recorder's rate, V."""
 
     ridge: int
@@ -32,7 +32,7 @@ class Recorded:
     pair: Recording
 
 
-def recording(simulation: Simulation) -> Recorded | None:
+def recording(simulation: Simulation) -> RidgeRecording | None:
     """Return what is recorded of ridge 3, or of the last monitored one.
 
     None without a sampling, where the run's steps are coarser or in no ratio of small numbers to it, and
@@ -54,10 +54,10 @@ def recording(simulation: Simulation) -> Recorded | None:
         parts = [recorded(np.array(outputs[str(ridge)][k])[even], rate, wanted) for k in ("S1", "S2", "pair")]
     except InputError:  # the rates of recorder and run have no ratio of small numbers: no picture
         return None
-    return Recorded(ridge, *parts)
+    return RidgeRecording(ridge, *parts)
 
 
-def recording_figure(simulation: Simulation, record: Recorded) -> Picture:
+def recording_figure(simulation: Simulation, record: RidgeRecording) -> Picture:
     """Return a figure: S1 and S2, their difference vd with the phases P_A and P_B, and what is not seen.
 
     P_A is from the start of the pull to the ridge's slip, P_B from there to gross slip.
@@ -91,7 +91,7 @@ def _make_room(axes: Axes, under: float) -> None:
     axes.set_ylim(low - under * (high - low), high + ROOM_ABOVE * (high - low))
 
 
-def caption(simulation: Simulation, record: Recorded) -> str:
+def caption(simulation: Simulation, record: RidgeRecording) -> str:
     """Return what this recording cannot show."""
     rate, step = record.pair.rate, 1e3 / record.pair.rate
     seen_to = min(record.pair.passband, simulation.scene.readout.bandwidth_Hz)
@@ -123,14 +123,14 @@ def phases(simulation: Simulation, ridge: int) -> dict[str, tuple[float, float]]
     return dict(zip(PHASES, pairwise(marks), strict=True))
 
 
-def _draw_phases(axes: Axes, simulation: Simulation, record: Recorded) -> None:
+def _draw_phases(axes: Axes, simulation: Simulation, record: RidgeRecording) -> None:
     for name, (start, end) in phases(simulation, record.ridge).items():
         rate = record.pair.rate
         axes.axvspan(start * rate, end * rate, color=PHASES[name], zorder=0)
         axes.annotate(name, ((start + end) / 2 * rate, 0.9), xycoords=("data", "axes fraction"), ha="center")
 
 
-def _name_slips(axes: Axes, simulation: Simulation, record: Recorded) -> None:
+def _name_slips(axes: Axes, simulation: Simulation, record: RidgeRecording) -> None:
     """The slips of the ridge and of its neighbours, and gross slip."""
     time, rate = simulation.march.time, record.pair.rate
     marks = {f"ridge {r}": simulation.slip_steps[r - 1] for r in (record.ridge - 1, record.ridge) if r >= 1}

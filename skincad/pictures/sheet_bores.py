@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from skincad.fabrication.bore_fits import major
-from skincad.fabrication.bore_table import Aside, HoleGroup
+from skincad.fabrication.bore_table import HoleGroup, SideView
 from skincad.pictures.marks import Box, Ink, Mark, line
 from skincad.solids.projection import Arc, Place, Polyline, Projection, Stroke
 
@@ -14,7 +14,7 @@ OVERSHOOT = 1.0  # mm of paper, of a centre line beyond the bore
 THREE_QUARTERS = math.radians(100.0), math.radians(270.0)  # start and sweep of a thread's circle
 
 
-class Placed(NamedTuple):
+class ViewPlacement(NamedTuple):
     """A view on paper: `origin` mm is where its (0, 0) lies, `scale` paper by part."""
 
     origin: Place
@@ -36,7 +36,7 @@ class Placed(NamedTuple):
         return (*self.at(low), *self.at(high))
 
 
-def bore_marks(holes: tuple[HoleGroup, ...], placements: dict[str, Placed]) -> list[Mark]:
+def bore_marks(holes: tuple[HoleGroup, ...], placements: dict[str, ViewPlacement]) -> list[Mark]:
     """Return the bores' centre lines, from their ends and sides, and their threads."""
     marks: list[Mark] = []
     for group in holes:
@@ -56,7 +56,7 @@ def _cross(centre: Place, radius: float) -> list[Mark]:
     return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]
 
 
-def _along(side_view: Aside, place: Placed, radius: float | None, group: HoleGroup) -> list[Mark]:
+def _along(side_view: SideView, place: ViewPlacement, radius: float | None, group: HoleGroup) -> list[Mark]:
     """A bore's centre line from the side, and its thread's lines: hidden, so broken. Where the thread ends
     before the bore does, a line across says so."""
     start, end = place.at(side_view.start), place.at(side_view.end)

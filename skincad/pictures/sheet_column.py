@@ -6,7 +6,7 @@ import math
 import textwrap
 from typing import NamedTuple
 
-from skincad.fabrication.part_drawing import Listed, PartDrawing
+from skincad.fabrication.part_drawing import DrawingTable, PartDrawing
 from skincad.pictures.marks import Box, Ink, Mark, Words, line, rectangle, width
 from skincad.solids.projection import Arc, Polyline
 
@@ -17,7 +17,7 @@ TITLE = 40.0  # mm, height of the title block
 SPACE = 1.2  # mm, beside a cell's text
 
 
-class Titled(NamedTuple):
+class TitleBlock(NamedTuple):
     """What the title block says besides what the drawing does."""
 
     scale: str
@@ -31,7 +31,7 @@ def column_height(drawing: PartDrawing) -> float:
     return TITLE + GAP + _notes_height(drawing) + sum(GAP + _table_height(t) for t in drawing.tables)
 
 
-def column(drawing: PartDrawing, title_block: Titled, left: float, low: float) -> list[Mark]:
+def column(drawing: PartDrawing, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
     """Return the column's marks, its lower left corner there."""
     marks = _title(drawing, title_block, left, low)
     high = low + TITLE + GAP + _notes_height(drawing)
@@ -57,28 +57,28 @@ def _notes_height(drawing: PartDrawing) -> float:
     return ROW * len(_wrapped(drawing)) + 1.0
 
 
-def _natural(table: Listed) -> list[float]:
+def _natural(table: DrawingTable) -> list[float]:
     """Widths of a table's columns, mm, as its texts need them."""
     rows = zip(table.heads, *table.rows, strict=True)
     return [max(width(text, TEXT) for text in texts) + 2 * SPACE for texts in rows]
 
 
-def _abreast(table: Listed) -> int:
+def _abreast(table: DrawingTable) -> int:
     """How many times a table of short rows stands beside itself."""
     if len(table.rows) <= 2:
         return 1
     return max(1, min(len(table.rows), math.floor(COLUMN / (sum(_natural(table)) + 2.0)), 8))
 
 
-def _rows(table: Listed) -> int:
+def _rows(table: DrawingTable) -> int:
     return math.ceil(len(table.rows) / _abreast(table))
 
 
-def _table_height(table: Listed) -> float:
+def _table_height(table: DrawingTable) -> float:
     return ROW * (_rows(table) + 2)
 
 
-def _table(table: Listed, left: float, high: float) -> list[Mark]:
+def _table(table: DrawingTable, left: float, high: float) -> list[Mark]:
     marks: list[Mark] = [Words(table.title, (left + SPACE, high - ROW + 1.2), TEXT, "TEXT")]
     count, rows, widths = _abreast(table), _rows(table), _natural(table)
     if count == 1 and len(table.heads) > 3:
@@ -105,7 +105,7 @@ def _grid(
     return marks
 
 
-def _title(drawing: PartDrawing, title_block: Titled, left: float, low: float) -> list[Mark]:
+def _title(drawing: PartDrawing, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
     cells: list[tuple[Box, str, str, float]] = [
         ((0, 30, 96, TITLE), "title", f"{drawing.name}", 3.5),
         ((96, 30, 150, TITLE), "design", drawing.design, HEAD),

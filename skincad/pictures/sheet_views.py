@@ -18,7 +18,7 @@ from skincad.pictures.marks import (
     rectangle,
     width,
 )
-from skincad.pictures.sheet_bores import Placed, bore_marks
+from skincad.pictures.sheet_bores import ViewPlacement, bore_marks
 from skincad.pictures.tags import Room, tagged
 from skincad.solids.projection import Projection
 
@@ -56,7 +56,9 @@ def _margins(drawing: PartDrawing) -> tuple[float, float]:
     return left, top
 
 
-def view_marks(drawing: PartDrawing, placements: dict[str, Placed], area: Box, blocked: Box) -> list[Mark]:
+def view_marks(
+    drawing: PartDrawing, placements: dict[str, ViewPlacement], area: Box, blocked: Box
+) -> list[Mark]:
     """Return the views as they lie, with dimensions, datums and tags, all within an area, mm, and none of
     their tags on the `blocked` rectangle."""
     room, marks = Room(area), list[Mark]()
@@ -78,17 +80,17 @@ def view_marks(drawing: PartDrawing, placements: dict[str, Placed], area: Box, b
     return [*marks, *bore_marks(drawing.holes, placements), *_tags(drawing, placements, room)]
 
 
-def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, Placed]:
+def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, ViewPlacement]:
     """Return where the views lie, from the upper left corner of an area, mm."""
     margin = _margins(drawing)
     left, high = area[0] + margin[0], area[3] - margin[1]
     (x, y), (x1, y1) = drawing.views[FRONT].box()
-    front = Placed((left - scale * x, high - scale * y1), scale)
+    front = ViewPlacement((left - scale * x, high - scale * y1), scale)
     right, low = left + scale * (x1 - x), high - scale * (y1 - y)
     (_, _), (_, a1) = drawing.views[ABOVE].box()
     (l0, _), _ = drawing.views[LEFT].box()
-    above = Placed((front.origin[0], low - UNDER - scale * a1), scale)
-    left_view = Placed((right + BETWEEN - scale * l0, front.origin[1]), scale)
+    above = ViewPlacement((front.origin[0], low - UNDER - scale * a1), scale)
+    left_view = ViewPlacement((right + BETWEEN - scale * l0, front.origin[1]), scale)
     return {FRONT: front, ABOVE: above, LEFT: left_view}
 
 
@@ -96,7 +98,7 @@ def _caption(text: str, box: Box) -> Words:
     return Words(text, ((box[0] + box[2]) / 2, box[1] - 4.5), TAG, "TEXT", "middle")
 
 
-def _strokes(projection: Projection, place: Placed, room: Room) -> list[Mark]:
+def _strokes(projection: Projection, place: ViewPlacement, room: Room) -> list[Mark]:
     marks: list[Mark] = []
     visible = [place.stroke(s) for s in projection.visible]
     hidden = thinned([place.stroke(s) for s in projection.hidden], visible)
@@ -107,7 +109,7 @@ def _strokes(projection: Projection, place: Placed, room: Room) -> list[Mark]:
     return marks
 
 
-def _lengths(drawing: PartDrawing, placements: dict[str, Placed]) -> list[Mark]:
+def _lengths(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> list[Mark]:
     """The dimensions: the longest of a side is outermost."""
     marks: list[Mark] = []
     for name, place in placements.items():
@@ -130,7 +132,7 @@ def _lengths(drawing: PartDrawing, placements: dict[str, Placed]) -> list[Mark]:
     return marks
 
 
-def _datums(drawing: PartDrawing, placements: dict[str, Placed]) -> list[Mark]:
+def _datums(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> list[Mark]:
     """Datum letters in boxes on a triangle (ISO 5459), at the edges at which the faces are seen."""
     marks: list[Mark] = []
     for datum in drawing.datums:
@@ -154,7 +156,7 @@ def _datums(drawing: PartDrawing, placements: dict[str, Placed]) -> list[Mark]:
     return marks
 
 
-def _tags(drawing: PartDrawing, placements: dict[str, Placed], room: Room) -> list[Mark]:
+def _tags(drawing: PartDrawing, placements: dict[str, ViewPlacement], room: Room) -> list[Mark]:
     """Every hole's diameter with its tag; the first of a group says how many there are, and their size."""
     rows = [
         (placements[group.view], group, hole.at, _tag_text(group, i, hole.tag))

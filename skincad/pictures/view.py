@@ -21,7 +21,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
 from skincad.pictures.exploded import explosion_offset
 from skincad.pictures.three import three_js
-from skincad.solids.body import Revolved, Turned
+from skincad.solids.body import RevolvedBody, RotatedBody
 from skincad.solids.mold import ClosedMold, Move
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
@@ -83,12 +83,12 @@ def _move(move: Move, closed: ClosedMold) -> Data:
 def _way(part: Part, move: Move) -> Data:
     body = part.body
     if move.axis == "turn":
-        if not isinstance(body, Revolved):
+        if not isinstance(body, RevolvedBody):
             raise ValueError(f"{part.name}: only what is turned about an axis turns out")
         return {"centre": body.centre, "angle": move.travel}
     if isinstance(move.axis, str):
         way = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2]}[move.axis]
-        if isinstance(body, Turned):  # its own axes
+        if isinstance(body, RotatedBody):  # its own axes
             way = body.placement()[0] @ way
     else:
         way = np.array([move.axis[0], 0.0, move.axis[1]])

@@ -31,7 +31,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, flipped
 from skincad.shape.skin import Section, skin_of
-from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
+from skincad.solids.body import Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody
 from skincad.solids.bowl import half_length, height, rise, seat
 from skincad.solids.cavity import cavity
 from skincad.solids.closing import SQUEEZED_SHARE, seal_thickness
@@ -173,32 +173,34 @@ def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: G
     )
 
 
-def _skin(shape: Section, grid: Grid) -> Revolved:
+def _skin(shape: Section, grid: Grid) -> RevolvedBody:
     slots = tuple(flipped(slot.loop()) for slot in shape.slots)
-    return Revolved(flipped(shape.outline), grid.centre, -grid.half, grid.half, slots, grid)
+    return RevolvedBody(flipped(shape.outline), grid.centre, -grid.half, grid.half, slots, grid)
 
 
-def _trough(shape: Section, grid: Grid) -> Reaching:
+def _trough(shape: Section, grid: Grid) -> ExtendedCut:
     """The negative of the skin; built into the carrier's seat, and out of the block at its ends."""
     outline = flipped(shape.outline)
     more = CUT_OVERRUN / grid.centre
-    removed = Revolved(outline, grid.centre, -grid.half, grid.half, grid=grid, role=CutRole.TROUGH)
+    removed = RevolvedBody(outline, grid.centre, -grid.half, grid.half, grid=grid, role=CutRole.TROUGH)
     back = next(s for s in outline if s.kind == "back")
     ends = [Point(p.x, p.z + CUT_OVERRUN) for p in (back.start, back.end)]
     i = outline.index(back)
     raised = (*outline[:i], *path([back.start, *ends, back.end]), *outline[i + 1 :])
-    return Reaching(removed, Revolved(raised, grid.centre, -grid.half - more, grid.half + more, grid=grid))
+    return ExtendedCut(
+        removed, RevolvedBody(raised, grid.centre, -grid.half - more, grid.half + more, grid=grid)
+    )
 
 
-def _opening(place: Layout, lids: Layout, grid: Grid) -> Reaching:
+def _opening(place: Layout, lids: Layout, grid: Grid) -> ExtendedCut:
     """The carrier's seat, from the back up; built out of the block at its ends and its top."""
     side, shape = place.trough, seat(grid, grid.half, lids.top)
     removed = Prism(shape, "x", -side, side, grid=grid, role=CutRole.SEAT)
     wider = seat(grid, grid.half + CUT_OVERRUN / grid.centre, lids.top + CUT_OVERRUN, -2 * CUT_OVERRUN)
-    return Reaching(removed, replace(removed, outline=wider))
+    return ExtendedCut(removed, replace(removed, outline=wider))
 
 
-def _end_bores(design: Design, place: Layout, grid: Grid) -> list[Reaching]:
+def _end_bores(design: Design, place: Layout, grid: Grid) -> list[ExtendedCut]:
     """Threads for the end plates' screws, and holes for their pins, square to the leaning ends."""
     holes = fits(design, design.mold.process)
     bores = []
@@ -234,17 +236,17 @@ def _pin_depth(place: Layout, grid: Grid) -> float:
 
 def _both_ends(
     role: CutRole, place: Layout, grid: Grid, at: tuple[float, float], depth: float, radius: float
-) -> list[Reaching]:
+) -> list[ExtendedCut]:
     x, z = at
     bores = []
     for end in ENDS:
         angle, base = _stand(place, grid, end)
         low, out = (base, base - CUT_OVERRUN) if end == "a" else (base - depth, base - depth)
         removed, built = (
-            Turned(Bore((x, start, z), "y", length, radius, role=role), grid.centre, angle, base)
+            RotatedBody(Bore((x, start, z), "y", length, radius, role=role), grid.centre, angle, base)
             for start, length in ((low, depth), (out, depth + CUT_OVERRUN))
         )
-        bores.append(Reaching(removed, built))
+        bores.append(ExtendedCut(removed, built))
     return bores
 
 
@@ -281,7 +283,7 @@ def _shims(design: Design, grid: Grid) -> list[Part]:
         if isinstance(part.body, Prism):
             arm = grid.centre - part.body.outline[0].start.z
             out = grid.half + math.asin(design.mold.end_plate / arm) + GRIP / arm
-            body = Revolved(part.body.outline, grid.centre, -out, out, grid=grid)
+            body = RevolvedBody(part.body.outline, grid.centre, -out, out, grid=grid)
             arcs.append(replace(part, body=body))
     return arcs
 

@@ -104,7 +104,7 @@ class Bore:
 
 
 @dataclass(frozen=True)
-class Revolved:
+class RevolvedBody:
     """A loop (x, z) turned about the axis along x at z = `centre` mm, from angle `low` to `high` rad.
 
     Angles count from the section's own plane, y = 0, towards +y. The loop keeps to one side of the axis.
@@ -146,7 +146,7 @@ class Revolved:
 
 
 @dataclass(frozen=True)
-class Turned:
+class RotatedBody:
     """A prism or bore turned as a rigid body about the axis along x at z = `centre` mm by `angle` rad, +y
     towards +z; before that it is moved along y so that its y = `base` mm comes to y = 0.
 
@@ -189,13 +189,13 @@ class Turned:
 
 
 @dataclass(frozen=True)
-class Reaching:
+class ExtendedCut:
     """A cut that is built further than what it takes away: out of the part, or into what is cut besides it.
     So it ends on no slanting face, on which a film of rounding would stay. `counts` is what it takes away.
     """
 
-    counts: Prism | Revolved | Bore | Turned
-    built: Prism | Revolved | Bore | Turned
+    counts: Prism | RevolvedBody | Bore | RotatedBody
+    built: Prism | RevolvedBody | Bore | RotatedBody
     axis: ClassVar[Literal["reaching"]] = "reaching"
 
     @property
@@ -209,16 +209,16 @@ class Reaching:
         return self.counts.role
 
 
-Body = Prism | Revolved | Bore | Turned | Reaching
+Body = Prism | RevolvedBody | Bore | RotatedBody | ExtendedCut
 
 
-def plain(cut: Body) -> Prism | Revolved | Bore:
+def plain(cut: Body) -> Prism | RevolvedBody | Bore:
     """Return what a cut takes away, in its own frame."""
-    counts = cut.counts if isinstance(cut, Reaching) else cut
-    return counts.body if isinstance(counts, Turned) else counts
+    counts = cut.counts if isinstance(cut, ExtendedCut) else cut
+    return counts.body if isinstance(counts, RotatedBody) else counts
 
 
-def corners(body: Prism | Revolved, outline: Loop, tolerance: float) -> Array:
+def corners(body: Prism | RevolvedBody, outline: Loop, tolerance: float) -> Array:
     """Return a loop of a body as its mesh has it, arcs as chords within `tolerance` mm, `(n, 2)` mm."""
     if not (isinstance(body, Prism) and body.axis == "x" and body.grid):
         return curves.polygon(outline, tolerance)

@@ -20,7 +20,7 @@ from skincad.base.errors import FaultError, InputError, exhausted, needing
 from skincad.base.interrupt import safe_point
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
-from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Revolved, Turned
+from skincad.solids.body import Axis, Body, Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody
 from skincad.solids.plan import Part, unturned
 from skincad.solids.projection import Arc, Polyline, Projection, Stroke, View, distinct
 
@@ -114,7 +114,7 @@ def solid(part: Part) -> cq.Solid:
 
 def _checked_solid(part: Part) -> cq.Solid:
     safe_point()
-    if isinstance(part.body, Turned):
+    if isinstance(part.body, RotatedBody):
         return cq.Solid(_only_solid(_turned(_checked_solid(unturned(part)).wrapped, part.body), part.name))
     part = replace(part, body=_flattened(part.body), cuts=tuple(_flattened(cut) for cut in part.cuts))
     result = unchecked_solid(part)
@@ -222,11 +222,11 @@ _Body = TypeVar("_Body", bound=Body)
 
 def _flattened(body: _Body) -> _Body:
     """Replace arcs that rise by less than the kernel's tolerance by lines: their ends would be its middle."""
-    if isinstance(body, Reaching):
+    if isinstance(body, ExtendedCut):
         return replace(body, counts=_flattened(body.counts), built=_flattened(body.built))
-    if isinstance(body, Turned):
+    if isinstance(body, RotatedBody):
         return replace(body, body=_flattened(body.body))
-    if not isinstance(body, Prism | Revolved):
+    if not isinstance(body, Prism | RevolvedBody):
         return body
     lines = tuple(replace(s, bulge=0.0) if _rise(s) < KERNEL_TOLERANCE else s for s in body.outline)
     return replace(body, outline=lines)
@@ -238,11 +238,11 @@ def _rise(segment: Segment) -> float:
 
 def _rounding(body: Body) -> float:
     """Volume, mm3, by which a swept body may be off because a far centre is stored with 16 digits."""
-    if not isinstance(body, Prism | Revolved):
+    if not isinstance(body, Prism | RevolvedBody):
         return 0.0
     arcs = math.fsum(s.length * s.radius for s in body.outline if s.bulge)
     path = body.high - body.low
-    if isinstance(body, Revolved):
+    if isinstance(body, RevolvedBody):
         far = abs(body.centre)
         arcs, path = arcs + far * curves.length(body.outline), path * far
     return 4 * sys.float_info.epsilon * arcs * path
@@ -264,13 +264,13 @@ def _spread(x: float, y: float, axis: Axis, level: float = 0.0) -> tuple[float, 
 
 
 def _body(body: Body) -> TopoDS_Shape:
-    if isinstance(body, Reaching):
+    if isinstance(body, ExtendedCut):
         return _body(_tool_body(body))
-    if isinstance(body, Turned):
+    if isinstance(body, RotatedBody):
         return _turned(_body(body.body), body)
     if isinstance(body, Prism):
         return _prism(body)
-    if isinstance(body, Revolved):
+    if isinstance(body, RevolvedBody):
         return _revolved(body)
     direction = gp_Dir(0, 1, 0) if body.axis == "y" else gp_Dir(0, 0, 1)
     place = gp_Ax2(gp_Pnt(*body.start), direction)
@@ -279,7 +279,7 @@ def _body(body: Body) -> TopoDS_Shape:
     return BRepPrimAPI_MakeCone(place, body.radius, body.end_radius, body.length).Shape()
 
 
-def _tool_body(cut: Reaching) -> Prism | Revolved | Bore | Turned:
+def _tool_body(cut: ExtendedCut) -> Prism | RevolvedBody | Bore | RotatedBody:
     """Return the tool of a cut: a turned section ends in the planes in which its part ends.
 
     There the tool's edges are the section's, exact. If the tool were longer, the kernel would have to compute
@@ -287,12 +287,12 @@ def _tool_body(cut: Reaching) -> Prism | Revolved | Bore | Turned:
     1.55 rad, as flat crowns and steep flanks make: it walks along them in steps, and volumes are off by up to
     1e-6. Source: OCCT 7.9, IntPatch_Intersection.
     """
-    if isinstance(cut.built, Revolved) and isinstance(cut.counts, Revolved):
+    if isinstance(cut.built, RevolvedBody) and isinstance(cut.counts, RevolvedBody):
         return replace(cut.built, low=cut.counts.low, high=cut.counts.high)
     return cut.built
 
 
-def _turned(shape: TopoDS_Shape, place: Turned) -> TopoDS_Shape:
+def _turned(shape: TopoDS_Shape, place: RotatedBody) -> TopoDS_Shape:
     turn, shift = place.placement()
     motion = gp_Trsf()
     motion.SetValues(*(float(v) for row, d in zip(turn, shift, strict=True) for v in (*row, d)))
@@ -310,7 +310,7 @@ def _prism(prism: Prism) -> TopoDS_Shape:
     return BRepPrimAPI_MakePrism(face, along).Shape()
 
 
-def _revolved(body: Revolved) -> TopoDS_Shape:
+def _revolved(body: RevolvedBody) -> TopoDS_Shape:
     """Turn the face from its low end to its high one, against its normal as in a prism."""
     side = 1.0 if body.outline[0].start.z > body.centre else -1.0  # of the axis, on which the loop lies
     axis = gp_Ax1(gp_Pnt(0.0, 0.0, body.centre), gp_Dir(-side, 0.0, 0.0))  # about it +y comes after y = 0
@@ -324,8 +324,8 @@ def _revolved(body: Revolved) -> TopoDS_Shape:
     return turned.Shape()
 
 
-def _face(body: Prism | Revolved, plane: gp_Pln, axis: Axis, level: float) -> TopoDS_Face:
-    turns = isinstance(body, Revolved)
+def _face(body: Prism | RevolvedBody, plane: gp_Pln, axis: Axis, level: float) -> TopoDS_Face:
+    turns = isinstance(body, RevolvedBody)
     face = BRepBuilderAPI_MakeFace(plane, _wire(body.outline, axis, level, turns), False)
     for hole in body.holes:
         face.Add(TopoDS.Wire_s(_wire(hole, axis, level, turns).Reversed()))

@@ -13,7 +13,7 @@ from typing import Literal, TypeVar
 
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point
-from skincad.solids.body import Axis, Body, Bore, Prism, Reaching, Turned, plain
+from skincad.solids.body import Axis, Body, Bore, ExtendedCut, Prism, RotatedBody, plain
 from skincad.solids.roles import CutRole, End, MadeBy, PartRole
 
 
@@ -70,7 +70,7 @@ _Body = TypeVar("_Body", bound=Body)
 
 def moved(body: _Body, x: float) -> _Body:
     """Return a body moved by `x` mm along x."""
-    if isinstance(body, Turned | Reaching):
+    if isinstance(body, RotatedBody | ExtendedCut):
         raise ValueError("a bent mold has one skin and nothing to move aside")
     if not isinstance(body, Bore):
         holes = tuple(shifted(hole, x) for hole in body.holes)
@@ -97,9 +97,9 @@ def mirrored(outline: Loop) -> Loop:
 
 def unturned(part: Part) -> Part:
     """Return a turned part as it is before it is turned, any other as it is."""
-    if not isinstance(part.body, Turned):
+    if not isinstance(part.body, RotatedBody):
         return part
-    cuts = tuple(cut.body if isinstance(cut, Turned) else cut for cut in part.cuts)
+    cuts = tuple(cut.body if isinstance(cut, RotatedBody) else cut for cut in part.cuts)
     return replace(part, body=part.body.body, cuts=cuts)
 
 
@@ -112,9 +112,9 @@ def bores(part: Part, *roles: CutRole) -> list[Bore]:
 def turned(part: Part, centre: float, angle: float, base: float) -> Part:
     """Return a part of prisms and bores turned as a rigid body; `unturned` takes it back."""
 
-    def placed(body: Body) -> Turned:
+    def placed(body: Body) -> RotatedBody:
         if not isinstance(body, Prism | Bore):
             raise ValueError(f"{part.name}: prisms and bores are turned, once")
-        return Turned(body, centre, angle, base)
+        return RotatedBody(body, centre, angle, base)
 
     return replace(part, body=placed(part.body), cuts=tuple(placed(cut) for cut in part.cuts))

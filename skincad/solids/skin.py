@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, flipped
 from skincad.shape.skin import Section, section
-from skincad.solids.body import Prism, Revolved
+from skincad.solids.body import Prism, RevolvedBody
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 
@@ -32,7 +32,9 @@ def cast_skin(design: Design, shape: Section | None = None) -> Part:
     return Part("skin", PartRole.SKIN, along_skin(design, flipped(shape.outline), slots, -1.0))
 
 
-def along_skin(design: Design, outline: Loop, holes: tuple[Loop, ...], up: float = 1.0) -> Prism | Revolved:
+def along_skin(
+    design: Design, outline: Loop, holes: tuple[Loop, ...], up: float = 1.0
+) -> Prism | RevolvedBody:
     """Return a loop swept along the skin's length, `up` = -1 where the ridges point down.
 
     A doubly curved skin turns about the axis curvature_radius_y below the base circle's summit; `length` is
@@ -42,7 +44,7 @@ def along_skin(design: Design, outline: Loop, holes: tuple[Loop, ...], up: float
     radius = skin.curvature_radius_y
     if radius is None:
         return Prism(outline, "y", -half, half, holes)
-    return Revolved(outline, up * (skin.thickness - radius), -half / radius, half / radius, holes)
+    return RevolvedBody(outline, up * (skin.thickness - radius), -half / radius, half / radius, holes)
 
 
 def skin_solid(design: Design) -> cq.Workplane:

@@ -15,11 +15,11 @@ from skincad.solids.body import (
     Axis,
     Body,
     Bore,
+    ExtendedCut,
     Heading,
     Prism,
-    Reaching,
-    Revolved,
-    Turned,
+    RevolvedBody,
+    RotatedBody,
     corners,
     plain,
 )
@@ -37,7 +37,7 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     body that turns and is moved up, what counts is its silhouette along x.
     """
     body = part.body
-    if isinstance(body, Turned):
+    if isinstance(body, RotatedBody):
         path = swept(unturned(part), axis, travel, tolerance)
         return turned(path, body.centre, body.angle, body.base)
     if body.axis == axis:
@@ -60,7 +60,7 @@ def _as_prism(body: Body, tolerance: float) -> Prism | None:
         ends = Point(x - r, z), Point(x + r, z)
         circle = Segment(ends[0], ends[1], 1.0), Segment(ends[1], ends[0], 1.0)  # half turns
         return Prism(circle, "y", low, low + body.length)
-    if isinstance(body, Revolved) and body.grid:
+    if isinstance(body, RevolvedBody) and body.grid:
         points = curves.polygon(body.outline, tolerance / 2)
         (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
         angles = body.grid.angles(body.low, body.high, tolerance)
@@ -87,9 +87,9 @@ def _ends(body: Body) -> tuple[float, float]:
 
 
 def _stretched(body: Body, travel: float) -> Body:
-    if isinstance(body, Turned | Reaching):
+    if isinstance(body, RotatedBody | ExtendedCut):
         raise ValueError("a turned body is moved in its own frame")
-    if isinstance(body, Prism | Revolved):
+    if isinstance(body, Prism | RevolvedBody):
         return replace(body, low=body.low + min(travel, 0.0), high=body.high + max(travel, 0.0))
     x, y, z = body.start
     back = min(travel, 0.0)

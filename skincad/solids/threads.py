@@ -41,7 +41,7 @@ PIN_ENGAGEMENT = 1.5  # assumption: depth of a pin's hole by its diameter
 LEAST_UNDER_HOLE = 1.0  # mm, assumption: what a blind hole leaves of the carrier over the silicone
 
 
-class Blind(NamedTuple):
+class BlindThread(NamedTuple):
     """A blind thread of a part: the radius of its hole and how deep it is, mm; from how far to how far a
     screw may reach into it; how an insert is set into it, "" where it is tapped."""
 
@@ -52,15 +52,15 @@ class Blind(NamedTuple):
     insert: str
 
 
-def blind_thread(name: str, process: Process) -> Blind:
+def blind_thread(name: str, process: Process) -> BlindThread:
     """Return the blind thread that a process gives a part: tapped, or the hole of an insert."""
     metric = METRIC[name]
     if process.thread != "tapped":
         depth, least = on_grid(metric.insert + TIP_ROOM), MOUNT_ENGAGEMENT["insert"] * metric.diameter
-        return Blind(metric.insert_hole / 2, depth, least, metric.insert, process.thread)
+        return BlindThread(metric.insert_hole / 2, depth, least, metric.insert, process.thread)
     least = MOUNT_ENGAGEMENT["plastic" if process.layer else "metal"] * metric.diameter
     depth = on_grid(least + LENGTH_CHOICE + RUN_OUT_TURNS * metric.pitch)
-    return Blind(metric.drill / 2, depth, least, least + LENGTH_CHOICE, "")
+    return BlindThread(metric.drill / 2, depth, least, least + LENGTH_CHOICE, "")
 
 
 def pin_depth(diameter: float) -> float:

@@ -24,7 +24,7 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
 from skincad.shape.curves import rectangle
-from skincad.solids.body import Prism, Reaching, Revolved, Turned
+from skincad.solids.body import ExtendedCut, Prism, RevolvedBody, RotatedBody
 from skincad.solids.grid import Grid
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part, box
@@ -80,7 +80,7 @@ def test_parts_that_turn_share_their_facets(closed: ClosedMold) -> None:
 
 def test_two_turned_bodies_share_what_their_sections_do(closed: ClosedMold) -> None:
     skin, shim = closed.part("skin"), closed.part("shim-1-S1")
-    assert isinstance(skin.body, Revolved)
+    assert isinstance(skin.body, RevolvedBody)
     whole = Part("whole", PartRole.SKIN, skin.body.__class__(skin.body.outline, *_turn(skin.body)))
     (finding,) = interference(ClosedMold((whole, shim), ()), 1e-3)
     slot = 0.05 * 0.25 * 12.0 * (1 + 0.1 / 25)  # the slot's middle lies 0.1 mm farther from the axis
@@ -88,14 +88,14 @@ def test_two_turned_bodies_share_what_their_sections_do(closed: ClosedMold) -> N
     assert interference(ClosedMold((skin, shim), ()), 1e-3) == []
 
 
-def _turn(body: Revolved) -> tuple[float, float, float]:
+def _turn(body: RevolvedBody) -> tuple[float, float, float]:
     return body.centre, body.low, body.high
 
 
 def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: ClosedMold) -> None:
     for name in ("end-a-comb", "end-b-keeper"):
         part = closed.part(name)
-        assert isinstance(part.body, Turned)
+        assert isinstance(part.body, RotatedBody)
         shape = laid(mesh(part, 0.01), True, part)
         assert shape.bounds[0][2] == 0.0
         assert shape.bounds[1][2] == pytest.approx(4.0, abs=1e-9)  # mold.end_plate
@@ -143,7 +143,7 @@ def test_poured_volume_is_what_the_closed_molds_parts_leave() -> None:
     design = bent("plain-ridges", 25.0)
     closed = mold(design)
     plate = closed.part("end-a").body
-    assert isinstance(plate, Turned)
+    assert isinstance(plate, RotatedBody)
     assert isinstance(plate.body, Prism)
     slab = replace(plate, body=replace(plate.body, low=plate.body.low - 1.0, high=plate.body.low))
     rest = Manifold.cube((80.0, 80.0, 80.0), True)
@@ -233,11 +233,15 @@ def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
     }
 
 
-def ring(low: float, high: float, z: tuple[float, float], centre: float = 30.0, **more: object) -> Revolved:
-    return Revolved(rectangle(-2.0, 2.0, *z), centre, low, high, grid=Grid(centre, 0.4, centre + 5), **more)
+def ring(
+    low: float, high: float, z: tuple[float, float], centre: float = 30.0, **more: object
+) -> RevolvedBody:
+    return RevolvedBody(
+        rectangle(-2.0, 2.0, *z), centre, low, high, grid=Grid(centre, 0.4, centre + 5), **more
+    )
 
 
-def shared(*bodies: Revolved | Part) -> list[float]:
+def shared(*bodies: RevolvedBody | Part) -> list[float]:
     """Volumes that parts share, mm3, of meshes of 0.1 mm."""
     parts = [
         body if isinstance(body, Part) else Part(f"part-{i}", PartRole.SHIM, body)
@@ -275,7 +279,7 @@ def test_a_ring_in_anothers_cut_shares_nothing_and_beside_it_what_meshes_do() ->
 def test_only_what_lies_all_in_a_cut_is_taken_as_clear() -> None:
     """What fills the cut touches it everywhere; a little longer or thicker it shares that little."""
     slot = ring(-0.3, 0.3, (-2.0, -1.0))
-    outer = Part("outer", PartRole.SKIN, ring(-0.4, 0.4, (-3.0, 0.0)), (Reaching(slot, slot),))
+    outer = Part("outer", PartRole.SKIN, ring(-0.4, 0.4, (-3.0, 0.0)), (ExtendedCut(slot, slot),))
     assert shared(outer, slot) == shared(slot, outer) == []
     part = (32.0**2 - 31.0**2) / 2 * 4
     for low, high in ((-0.35, 0.3), (-0.3, 0.35), (-0.35, 0.35)):

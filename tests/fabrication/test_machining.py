@@ -10,7 +10,7 @@ import skincad
 from skincad.fabrication.machining import machining
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
-from skincad.solids.body import Bore, Prism, Revolved, plain
+from skincad.solids.body import Bore, Prism, RevolvedBody, plain
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part, box
 from skincad.solids.roles import PartRole
@@ -77,7 +77,7 @@ def test_the_skins_negative_is_cut_by_the_fine_tool() -> None:
 def test_a_bowls_trough_is_fine_work_too() -> None:
     design = skincad.load("yamada-2002", ["skin.curvature_radius_y=60"])
     cavity, slower = mold(design).part("cavity"), CNC.model_copy(update={"fine_rate": CNC.fine_rate / 2})
-    (trough,) = (cut for cut in map(plain, cavity.cuts) if isinstance(cut, Revolved))
+    (trough,) = (cut for cut in map(plain, cavity.cuts) if isinstance(cut, RevolvedBody))
     long = trough.centre * (trough.high - trough.low)  # of its back's arc
     area = math.fsum(s.length for s in trough.outline if s.kind != "other") * abs(long)
     more = machining(cavity, slower).seconds - machining(cavity, CNC).seconds

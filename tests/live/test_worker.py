@@ -12,7 +12,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.live import worker
-from skincad.live.worker import Newest, Tell, Worker
+from skincad.live.worker import LatestRunner, Tell, Worker
 
 LONG = 60.0  # s, in which a process has started and answered, on a machine with much else to do
 
@@ -110,7 +110,7 @@ def test_a_thread_works_off_the_newest_alone() -> None:
         gates.get(timeout=LONG)
         seen.append((thing, newer()))
 
-    newest = Newest(work)
+    newest = LatestRunner(work)
     newest.give(0)
     deadline = time.monotonic() + LONG
     while newest.idle(0.01) and time.monotonic() < deadline:

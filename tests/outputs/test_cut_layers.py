@@ -23,7 +23,7 @@ from skincad.pictures.layers import LAYERS
 from skincad.pictures.part_sheet import part_sheet
 from skincad.shape.curves import area
 from skincad.shape.skin import section
-from skincad.solids.body import Prism, Turned, plain
+from skincad.solids.body import Prism, RotatedBody, plain
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
 from skincad.solids.plan import Part, unturned
@@ -67,7 +67,7 @@ def sections(part: Part, path: Path) -> Iterator[float]:
     body = unturned(part).body
     assert isinstance(body, Prism)
     solid = cq.importers.importStep(str(path)).val()
-    turn, shift = part.body.placement() if isinstance(part.body, Turned) else (np.eye(3), np.zeros(3))
+    turn, shift = part.body.placement() if isinstance(part.body, RotatedBody) else (np.eye(3), np.zeros(3))
     way = np.eye(3)["xyz".index(body.axis)]
     for share in PLANES:
         at = turn @ (way * (body.low + share * (body.high - body.low))) + shift

@@ -18,17 +18,17 @@ from skincad.fabrication.bore_table import hole_groups, number
 from skincad.fabrication.drawing_views import ABOVE, FRONT, views
 from skincad.fabrication.drawn_features import notches
 from skincad.fabrication.part_drawing import part_drawing
-from skincad.fabrication.tolerances import Judged
+from skincad.fabrication.tolerances import CrestAllowance
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.dxf import write_dxf
 from skincad.pictures.marks import Dimension, Ink, Sheet, Words, overlap
 from skincad.pictures.part_sheet import part_sheet
-from skincad.pictures.sheet_bores import Placed, bore_marks
+from skincad.pictures.sheet_bores import ViewPlacement, bore_marks
 from skincad.pictures.sheet_pdf import write_sheet_pdf
 from skincad.pictures.sheet_svg import sheet_svg
-from skincad.solids.body import Turned
+from skincad.solids.body import RotatedBody
 from skincad.solids.mold import mold
 from skincad.solids.occ import projection, solid
 from skincad.solids.plan import Part, bores
@@ -192,7 +192,7 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
     part, shape = next(both for both in made_parts(design) if both[0].name == "carrier")
     drawing = part_drawing(design, part, shape, None)
     (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
-    marks = bore_marks((group,), {view: Placed((0.0, 0.0), 2.0) for view in drawing.views})
+    marks = bore_marks((group,), {view: ViewPlacement((0.0, 0.0), 2.0) for view in drawing.views})
     hidden = [m.stroke.points for m in marks if isinstance(m, Ink) and m.layer == "HIDDEN"]
     assert len(hidden) == 3 * len(group.side_views)
     assert group.side_views
@@ -208,7 +208,7 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
 def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -> None:
     design = named(name)
     for part, shape in made_parts(design):
-        if isinstance(part.body, Turned):
+        if isinstance(part.body, RotatedBody):
             continue  # the solid leans, the notches are told in the plate's own frame
         seen = {view.name: view.of_solid for view in views(part)}
         drawn = notches(part)
@@ -319,7 +319,7 @@ def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
     design = skincad.load("yamada-2002")
     part, shape = made_parts(design)[0]
     drops = (0.0123, *(0.05,) * 7, math.inf)
-    drawing = part_drawing(design, part, shape, Judged(drops))
+    drawing = part_drawing(design, part, shape, CrestAllowance(drops))
     grooves = drawing.tables[-1]
     assert [row[-1] for row in grooves.rows] == ["0.0123", *["0.0500"] * 7, "any"]
     assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import typer
 
-from skincad import cli
+from skincad.cli.app import app
 from skincad.ladders import circuit
 from tests.small_scene import small_scene
 
@@ -76,7 +76,7 @@ def strict(text: str) -> Any:
 
 def run(arguments: tuple[str, ...]) -> tuple[int, str]:
     """Run a command in this process; return its status and what it prints on stdout."""
-    command = typer.main.get_command(cli.app)
+    command = typer.main.get_command(app)
     with contextlib.redirect_stdout(io.StringIO()) as said:
         status = command.main(list(arguments), prog_name="skincad", standalone_mode=False)
     return status or 0, said.getvalue()

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from skincad.shape.curves import Point, Segment, loop, rectangle
-from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned, corners, plain
+from skincad.solids.body import Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody, corners, plain
 from skincad.solids.grid import Grid
 from skincad.solids.roles import CutRole
 
@@ -76,8 +76,8 @@ def test_what_turns_has_its_rings_volume_on_either_side_of_the_axis() -> None:
     for centre, radii, hole in ((10.0, (7.0, 5.0), (6.5, 5.5)), (-4.0, (9.0, 7.0), (8.5, 7.5))):
         ring = (radii[0] ** 2 - radii[1] ** 2) / 2 * 3
         less = (hole[0] ** 2 - hole[1] ** 2) / 2 * 0.5
-        assert Revolved(SQUARE, centre, -0.2, 0.5).volume == pytest.approx(0.7 * ring, rel=SAME)
-        assert Revolved(SQUARE, centre, -0.2, 0.5, (HOLE,)).volume == pytest.approx(
+        assert RevolvedBody(SQUARE, centre, -0.2, 0.5).volume == pytest.approx(0.7 * ring, rel=SAME)
+        assert RevolvedBody(SQUARE, centre, -0.2, 0.5, (HOLE,)).volume == pytest.approx(
             0.7 * (ring - less), rel=SAME
         )
 
@@ -87,7 +87,7 @@ def test_what_turns_has_its_rings_volume_on_either_side_of_the_axis() -> None:
 def test_section_points_turn_about_the_axis_and_back(centre: float, angle: float) -> None:
     points = np.array([[1.0, 3.0], [-2.0, 5.0], [0.5, 3.5]])
     angle = angle * min(1.0, 10 / abs(centre))  # some mm of arc about a far axis
-    body = Revolved(SQUARE, centre, -0.2, 0.5)
+    body = RevolvedBody(SQUARE, centre, -0.2, 0.5)
     placed = body.placed(points, angle)
     away = np.abs(points[:, 1] - centre)
     assert placed[:, 0] == pytest.approx(points[:, 0])
@@ -104,7 +104,7 @@ def test_section_points_turn_about_the_axis_and_back(centre: float, angle: float
     "body", [Bore((1.0, 6.0, 2.0), "y", 3.0, 0.5, role=CutRole.NUT), Prism(SQUARE, "y", 6.0, 9.0)]
 )
 def test_a_turned_body_keeps_its_shape_and_has_its_base_on_the_axis_foot(body: Bore | Prism) -> None:
-    turned = Turned(body, 20.0, 0.3, 6.0)
+    turned = RotatedBody(body, 20.0, 0.3, 6.0)
     assert (turned.volume, turned.role) == (body.volume, body.role)
     points = np.array([[0.0, 6.0, 20.0], [0.0, 6.0, 0.0], [3.0, 9.0, 0.0], [1.0, -4.0, 7.0]])
     placed = turned.placed(points)
@@ -122,10 +122,10 @@ def test_a_reaching_cut_counts_what_it_takes_away() -> None:
         Bore((0.0, 0.0, 0.0), "z", 2.0, 1.0, role=CutRole.VENT),
         Bore((0.0, 0.0, -1.0), "z", 4.0, 1.0),
     )
-    assert Reaching(short, long).volume == short.volume
-    assert Reaching(short, long).role is CutRole.VENT
-    turned = Turned(short, 20.0, 0.3, 0.0)
-    for cut in (short, turned, Reaching(short, long), Reaching(turned, long)):
+    assert ExtendedCut(short, long).volume == short.volume
+    assert ExtendedCut(short, long).role is CutRole.VENT
+    turned = RotatedBody(short, 20.0, 0.3, 0.0)
+    for cut in (short, turned, ExtendedCut(short, long), ExtendedCut(turned, long)):
         assert plain(cut) is short
 
 

@@ -22,7 +22,7 @@ from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Bore, Prism, Reaching, Revolved, Turned
+from skincad.solids.body import Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody
 from skincad.solids.bowl import gap_beside
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import ClosedMold, mold
@@ -56,7 +56,7 @@ def meshes(closed: ClosedMold) -> dict[str, Manifold]:
 
 def axis(closed: ClosedMold) -> float:
     body = closed.part("skin").body
-    assert isinstance(body, Revolved)
+    assert isinstance(body, RevolvedBody)
     return body.centre
 
 
@@ -208,7 +208,7 @@ def _moved(closed: ClosedMold, name: str, shape: Manifold, way: object, travel: 
         angle, centre = math.degrees(travel), axis(closed)
         return shape.translate((0, 0, -centre)).rotate((angle, 0, 0)).translate((0, 0, centre))
     body = closed.part(name).body
-    if way == "y" and isinstance(body, Turned):
+    if way == "y" and isinstance(body, RotatedBody):
         return shape.translate((0.0, travel * math.cos(body.angle), travel * math.sin(body.angle)))
     assert way == "z"
     return shape.translate((0.0, 0.0, travel))
@@ -230,7 +230,7 @@ def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
 def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: ClosedMold) -> None:
     upright = unturned(closed.part("end-b-comb"))
     shim = closed.part("shim-2-S1")
-    assert isinstance(shim.body, Revolved)
+    assert isinstance(shim.body, RevolvedBody)
     straight = replace(shim, body=Prism(shim.body.outline, "y", -10.0, 16.0))
     for wrong in (upright, straight):
         parts = tuple(wrong if part.name == wrong.name else part for part in closed.parts)
@@ -277,7 +277,7 @@ def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
     play = design.mold.slit_clearance
     shim, comb, keeper = (meshes[name] for name in ("shim-2-S1", "end-b-comb", "end-b-keeper"))
     body = closed.part("end-b-comb").body
-    assert isinstance(body, Turned)
+    assert isinstance(body, RotatedBody)
     up = np.array([0.0, -math.sin(body.angle), math.cos(body.angle)])
 
     def shared(x: float, rise: float) -> float:
@@ -308,7 +308,7 @@ def test_gate_and_vent_open_on_the_skin(closed: ClosedMold, meshes: dict[str, Ma
     gate = closed.part("end-a-keeper").cuts
     (bore,) = (cut for cut in gate if cut.role is CutRole.GATE)
     assert isinstance(bore.body, Bore)
-    into = Turned(replace(bore.body, length=bore.body.length + 1e-2), bore.centre, bore.angle, bore.base)
+    into = RotatedBody(replace(bore.body, length=bore.body.length + 1e-2), bore.centre, bore.angle, bore.base)
     plug = manifold(Part("plug", PartRole.COVER, into), 1e-3)
     assert (plug ^ meshes["skin"]).volume() == pytest.approx(math.pi * bore.body.radius**2 * 1e-2, rel=0.01)
     vent = closed.part("carrier").cuts[0]
@@ -333,7 +333,7 @@ def test_what_reaches_out_of_a_part_takes_away_what_it_counts(closed: ClosedMold
     cavity = closed.part("cavity")
     body = manifold(replace(cavity, cuts=()), 1e-3)
     for cut in cavity.cuts[2:]:
-        assert isinstance(cut, Reaching | Bore)
+        assert isinstance(cut, ExtendedCut | Bore)
         built = manifold(Part("cut", PartRole.COVER, cut), 1e-3) ^ body
         assert built.volume() == pytest.approx(cut.volume, rel=3e-3)  # chords of a bore
 
@@ -398,6 +398,6 @@ def test_shims_are_turned_out_by_their_own_arcs_at_least(radius: float) -> None:
     (turned,) = [move for move in closed.opening if move.axis == "turn"]
     for name in turned.parts:
         body = closed.part(name).body
-        assert isinstance(body, Revolved)
+        assert isinstance(body, RevolvedBody)
         assert abs(turned.travel) > body.high - body.low
     assert abs(turned.travel) < 2 * math.pi

@@ -12,7 +12,7 @@ import skincad
 from skincad.inputs.design import Design
 from skincad.shape.curves import rectangle
 from skincad.shape.skin import section
-from skincad.solids.body import Bore, Prism, Revolved
+from skincad.solids.body import Bore, Prism, RevolvedBody
 from skincad.solids.mold import mold
 from skincad.solids.occ import KERNEL_TOLERANCE, KernelError, _flattened, _rounding, solid, unchecked_solid
 from skincad.solids.skin import skin_part, skin_solid
@@ -91,7 +91,7 @@ def test_what_far_centres_may_round_is_the_last_digits_of_their_distance_on_ever
     assert _rounding(Bore((0.0, 0.0, 0.0), "z", 1.0, 1.0)) == 0.0
     digits = far * sys.float_info.epsilon
     for centre in (far, -far):
-        swept = _rounding(Revolved(flat, centre, -10.0 / far, 10.0 / far))
+        swept = _rounding(RevolvedBody(flat, centre, -10.0 / far, 10.0 / far))
         assert swept == pytest.approx(4 * digits * 28.0 * 20.0, rel=1e-9)  # up to 4 times as much
     # an arc of a far centre is as a face that far
     arc = replace(flat[0], bulge=10.0 / far / 4)

@@ -5,7 +5,7 @@ import pytest
 
 from skincad.fabrication.meshes import manifold
 from skincad.shape.curves import Point, loop
-from skincad.solids.body import Bore, Prism, Revolved, Turned
+from skincad.solids.body import Bore, Prism, RevolvedBody, RotatedBody
 from skincad.solids.grid import Grid
 from skincad.solids.plan import Part, box, turned, unturned
 from skincad.solids.roles import PartRole
@@ -69,7 +69,7 @@ def test_a_turned_part_has_its_own_frame_and_is_swept_along_its_own_y() -> None:
         [0.0, 20 * math.sin(0.3), 20 - 20 * math.cos(0.3)],
         [0.0, 20 * math.sin(0.3) + 4 * math.cos(0.3), 20 - 20 * math.cos(0.3) + 4 * math.sin(0.3)],
     ]
-    assert isinstance(leaning.body, Turned)
+    assert isinstance(leaning.body, RotatedBody)
     assert np.allclose(leaning.body.placed(ends), placed, atol=1e-14)
     assert np.allclose(leaning.body.returned(np.array(placed)), ends, atol=1e-14)
 
@@ -77,7 +77,7 @@ def test_a_turned_part_has_its_own_frame_and_is_swept_along_its_own_y() -> None:
 def test_what_turns_is_swept_by_turning_and_upward_by_its_silhouette() -> None:
     grid = Grid(20.0, 0.3, 22.0)
     square = loop([Point(*p) for p in ((-1, -2), (1, -2), (1, 0), (-1, 0))])
-    arc = Part("a", PartRole.SHIM, Revolved(square, 20.0, -0.3, 0.3, grid=grid))
+    arc = Part("a", PartRole.SHIM, RevolvedBody(square, 20.0, -0.3, 0.3, grid=grid))
     assert swept(arc, "turn", 0.9, 1e-3).volume == pytest.approx(2.5 * arc.volume, rel=1e-14)
     risen = swept(arc, "z", 5.0, 1e-4)
     assert risen.volume == pytest.approx(arc.volume + 2 * 5.0 * 2 * 22 * math.sin(0.3), rel=1e-4)  # chords

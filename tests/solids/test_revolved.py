@@ -19,7 +19,7 @@ from skincad.outputs import export
 from skincad.shape import curves
 from skincad.shape.curves import Point
 from skincad.shape.skin import section
-from skincad.solids.body import Revolved
+from skincad.solids.body import RevolvedBody
 from skincad.solids.occ import KernelError, solid
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
@@ -37,8 +37,8 @@ def bent(design: Design, radius: float, **skin: float) -> Design:
     return design.with_(skin={"curvature_radius_y": radius, **skin})
 
 
-def body(part: Part) -> Revolved:
-    assert isinstance(part.body, Revolved)
+def body(part: Part) -> RevolvedBody:
+    assert isinstance(part.body, RevolvedBody)
     return part.body
 
 
@@ -63,7 +63,9 @@ def test_lines_nearly_parallel_or_square_to_the_axis_are_as_drawn() -> None:
         offset, up = (draw.choice([0.0, 10 ** draw.uniform(-16, -2)]) for _ in range(2))
         points = [Point(-0.5, 0.0), Point(0.5, up), Point(0.5 + offset, 2.0 + up), Point(offset - 0.5, 2.0)]
         radius = 10 ** draw.uniform(1, 3)
-        part = Part("wedge", PartRole.SKIN, Revolved(curves.loop(points), -radius, -1 / radius, 1 / radius))
+        part = Part(
+            "wedge", PartRole.SKIN, RevolvedBody(curves.loop(points), -radius, -1 / radius, 1 / radius)
+        )
         # rounding of 1e-12 mm on a face of 2 mm by 2 mm, and that of the radius
         assert solid(part).Volume() == pytest.approx(part.volume, rel=5e-12), (offset, up)
 

@@ -6,13 +6,13 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.mechanics.contact.grip import Drive, Grip, Inert
-from skincad.mechanics.dynamics.state import Moved
+from skincad.mechanics.dynamics.state import DynamicState
 from skincad.mechanics.dynamics.time_scheme import Scheme
 
 TONNE = 1e-6  # of a gram
 
 
-def pushed_plate(state: Moved, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
+def pushed_plate(state: DynamicState, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
     """The plate's own inertia over a step, and the forces that drive it there."""
     if not s.moves or not state.matter.plate:
         return None, drive
@@ -27,7 +27,9 @@ def pushed_plate(state: Moved, drive: Drive, s: Scheme) -> tuple[Inert | None, D
     return Inert(mass * s.force, float(ahead[0]), float(ahead[1])), effective
 
 
-def carried(state: Moved, drive: Drive, found: Grip, s: Scheme, pushing: tuple[Inert | None, Drive]) -> Array:
+def carried(
+    state: DynamicState, drive: Drive, found: Grip, s: Scheme, pushing: tuple[Inert | None, Drive]
+) -> Array:
     """The plate's place, speed and acceleration `(3, 2)` after a step, from the forces that it lacks."""
     inert, force = pushing
     place = np.array([found.approach, found.travel])
@@ -49,7 +51,7 @@ def rubbed(before: Grip, after: Grip) -> float:
     return -float((before.tangential + after.tangential) / 2 @ (after.anchor - before.anchor))
 
 
-def work_done(before: Moved, after: Moved) -> float:
+def work_done(before: DynamicState, after: DynamicState) -> float:
     """What drives the plate did in a step, mJ: its mean force, or where it is driven in x the skin's."""
     one, other = before.drive, after.drive
     down, along = after.plate[0] - before.plate[0]

@@ -53,7 +53,7 @@ class PadEquations:
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
+class DynamicState:
     """A state: `grip` and, by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration
     `a`, mm and s, `rate`, the velocity that viscous stress goes by, and `pulled`, the elastic forces, N.
 
@@ -77,13 +77,15 @@ class Moved:
     work: float = 0.0
 
 
-def at_rest_on(pad: PadEquations) -> Moved:
+def at_rest_on(pad: PadEquations) -> DynamicState:
     """Return the unloaded start."""
     zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
-    return Moved(at_rest(pad.gap.size), zero, zero, zero, zero, zero, (), np.zeros((3, 2)), Drive(0.0, 0.0))
+    return DynamicState(
+        at_rest(pad.gap.size), zero, zero, zero, zero, zero, (), np.zeros((3, 2)), Drive(0.0, 0.0)
+    )
 
 
-def unrelaxed(state: Moved) -> Array:
+def unrelaxed(state: DynamicState) -> Array:
     """What a state's stress has beyond the slow one, as a displacement `(n, halves)`."""
     return np.asarray(sum_of(state.memory, state.matter.rate * state.rate))
 

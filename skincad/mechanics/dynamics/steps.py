@@ -24,7 +24,7 @@ from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
 from skincad.mechanics.contact.halving import in_halves, joined
 from skincad.mechanics.dynamics.plate import TONNE, carried, pushed_plate, rubbed, work_done
-from skincad.mechanics.dynamics.state import Moved, PadEquations, sum_of, unrelaxed
+from skincad.mechanics.dynamics.state import DynamicState, PadEquations, sum_of, unrelaxed
 from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
 
 DEEPEST = 4  # times that a step is cut in two
@@ -51,7 +51,7 @@ class Dynamics:
     pad: PadEquations
     operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
 
-    def step(self, state: Moved, drive: Drive, dt: float, cone: Cone, matter: Matter) -> Moved:
+    def step(self, state: DynamicState, drive: Drive, dt: float, cone: Cone, matter: Matter) -> DynamicState:
         """Return the state after `dt` s; a step that does not converge is cut in two.
 
         Raises GrossSlip, whose `last` is a Moved, where the plate has no mass, and ContactError.
@@ -61,12 +61,12 @@ class Dynamics:
         begun = replace(state, matter=matter)
         length = float(f"{dt:.{DIGITS}g}")
 
-        def advance(before: Moved, _start: Drive, end: Drive, share: float) -> Moved:
+        def advance(before: DynamicState, _start: Drive, end: Drive, share: float) -> DynamicState:
             return self._one(before, end, share * length, cone)
 
         return in_halves(advance, begun, begun.drive, drive, _joined, DEEPEST)
 
-    def _one(self, state: Moved, drive: Drive, dt: float, cone: Cone) -> Moved:
+    def _one(self, state: DynamicState, drive: Drive, dt: float, cone: Cone) -> DynamicState:
         pad, ops = self.pad, self.factorised(dt, state.matter)
         past, slower = self._history(state, ops)
         free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(pad.halves))], axis=1)
@@ -74,7 +74,7 @@ class Dynamics:
         skin = replace(ops.skin, free=at_points)
         inert, pushing = pushed_plate(state, drive, ops.scheme)
 
-        def after(found: Grip) -> Moved:
+        def after(found: Grip) -> DynamicState:
             return self._after(state, drive, found, free, slower, ops, (inert, pushing))
 
         try:
@@ -107,7 +107,7 @@ class Dynamics:
         found = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
         return found
 
-    def _history(self, state: Moved, ops: Operators) -> tuple[Array, Array]:
+    def _history(self, state: DynamicState, ops: Operators) -> tuple[Array, Array]:
         """The forces `(n, halves)` of what was, and what the velocity is less than `speed` times u."""
         pad, s, dt, matter = self.pad, ops.scheme, ops.scheme.dt, state.matter
         if s.moves:
@@ -133,14 +133,14 @@ class Dynamics:
 
     def _after(
         self,
-        state: Moved,
+        state: DynamicState,
         drive: Drive,
         found: Grip,
         free: Array,
         slower: Array,
         ops: Operators,
         pushing: tuple[Inert | None, Drive],
-    ) -> Moved:
+    ) -> DynamicState:
         """The state that the contact forces lead to."""
         s, dt = ops.scheme, ops.scheme.dt
         pushed = self.contact_force(found)
@@ -156,7 +156,7 @@ class Dynamics:
             for stays, b, h in zip(ops.left, ops.fresh, state.memory, strict=True)
         )
         plate = carried(state, drive, found, s, pushing)
-        new = Moved(found, u, v, a, rate, self.pad.stiff @ u, memory, plate, drive, state.matter)
+        new = DynamicState(found, u, v, a, rate, self.pad.stiff @ u, memory, plate, drive, state.matter)
         return replace(
             new,
             friction=rubbed(state.grip, found),
@@ -164,7 +164,7 @@ class Dynamics:
             work=work_done(state, new),
         )
 
-    def _viscous(self, before: Moved, after: Moved, dt: float) -> float:
+    def _viscous(self, before: DynamicState, after: DynamicState, dt: float) -> float:
         """What viscous parts dissipate in a step, mJ: dashpots exactly for straight strains."""
         matter = after.matter
         if not (matter.rate or matter.relaxing):
@@ -176,14 +176,14 @@ class Dynamics:
             lost += done - float(((other - one) * (soft @ (other + one))).sum()) / (2 * g)
         return lost / self.pad.share
 
-    def elastic(self, state: Moved) -> float:
+    def elastic(self, state: DynamicState) -> float:
         """Stored energy of the whole pad, mJ."""
         stored = float((state.u * state.pulled).sum())
         for (g, _), h in zip(state.matter.relaxing, state.memory, strict=True):
             stored += float((h * (self.pad.soft @ h)).sum()) / g
         return stored / 2 / self.pad.share
 
-    def kinetic(self, state: Moved) -> float:
+    def kinetic(self, state: DynamicState) -> float:
         """Kinetic energy of pad and plate, mJ; a driven plate's in x is its drive's."""
         if state.matter.damped is None:
             return 0.0
@@ -191,7 +191,7 @@ class Dynamics:
         counted = state.plate[1, : 1 if state.drive.travel is not None else 2]
         return skin + TONNE * state.matter.plate / 2 * float(counted @ counted)
 
-    def strips(self, state: Moved) -> Array:
+    def strips(self, state: DynamicState) -> Array:
         """Mean stresses `(strips, 3)` MPa across, along and lengthwise."""
         late = unrelaxed(state)
         found = sum_of(
@@ -201,7 +201,7 @@ class Dynamics:
         return np.asarray(found).reshape(-1, 3)
 
 
-def _joined(first: Moved, second: Moved) -> Moved:
+def _joined(first: DynamicState, second: DynamicState) -> DynamicState:
     """The state at the end of two steps as that of one."""
     return replace(
         second,

@@ -11,18 +11,18 @@ from importlib import import_module
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.feature import Placed
+from skincad.shape.feature import ViewPlacement
 
 FAMILIES = {"ridge": "skincad.shape.families.ridges"}  # a design's table: the module that places its features
 
 
-def place(design: Design) -> tuple[Placed, ...]:
+def place(design: Design) -> tuple[ViewPlacement, ...]:
     """Return the features that the design's table of a family names, on its skin.
 
     Raises InputError where they have no shape or no room, or where no table names a family.
     """
     for table, module in FAMILIES.items():
         if getattr(design, table, None) is not None:
-            placement: Callable[[Design], tuple[Placed, ...]] = import_module(module).place
+            placement: Callable[[Design], tuple[ViewPlacement, ...]] = import_module(module).place
             return placement(design)
     raise InputError("design", "names no family of features", remedy=f"add [{'] or ['.join(FAMILIES)}]")

@@ -27,7 +27,7 @@ def block(width: float, height: float, ratio: float) -> Pad:
     corners = [Point(-x, 0.0), Point(x, 0.0), Point(x, height), Point(-x, height)]
     kinds = ("back", "side", "crown", "side")
     outline = tuple(
-        Segment(a, b, kind=kind, ridge=1 if kind == "crown" else None)
+        Segment(a, b, kind=kind, feature=1 if kind == "crown" else None)
         for a, b, kind in zip(corners, [*corners[1:], corners[0]], kinds, strict=True)
     )
     return Pad(Section(outline), 2.0, 0.7, ratio)

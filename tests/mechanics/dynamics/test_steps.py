@@ -21,7 +21,7 @@ from skincad.mechanics.dynamics import steps as dynamics
 from skincad.mechanics.dynamics.moving_body import moving
 from skincad.mechanics.dynamics.pad import linear
 from skincad.mechanics.dynamics.reference import shear_frequency
-from skincad.mechanics.dynamics.state import Half, Moved, PadEquations, at_rest_on
+from skincad.mechanics.dynamics.state import DynamicState, Half, PadEquations, at_rest_on
 from skincad.mechanics.dynamics.steps import MOST_LENGTHS, Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 from skincad.mechanics.film.sliding import sliding
@@ -52,7 +52,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
     return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3))
 
 
-def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> Moved:
+def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> DynamicState:
     """Pressed by `normal` N, at rest, the point at `place` mm in x."""
     rest = at_rest_on(pad.pad)
     down = normal / pad.pad.stiff[1, 1]
@@ -211,7 +211,7 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
     return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n))
 
 
-def flying(pad: Dynamics, place: float, speed: float) -> Moved:
+def flying(pad: Dynamics, place: float, speed: float) -> DynamicState:
     """An unloaded pad and a plate at `place` mm that comes down at `speed` mm/s."""
     return replace(at_rest_on(pad.pad), plate=np.array([[place, 0.0], [speed, 0.0], [0.0, 0.0]]))
 
@@ -361,7 +361,7 @@ def test_a_pad_creeps_as_its_material() -> None:
     assert relaxed.plate[0] == pytest.approx(still.plate[0], rel=1e-5)
 
 
-def marched(matter: Matter, steps: int = 120, dt: float = 1e-5) -> tuple[Dynamics, Moved, np.ndarray]:
+def marched(matter: Matter, steps: int = 120, dt: float = 1e-5) -> tuple[Dynamics, DynamicState, np.ndarray]:
     """Pressed by 1.2 N, then pulled by more than friction holds; work, friction and viscous losses, mJ."""
     pad = pad_in_motion()[0]
     state, sums = at_rest_on(pad.pad), np.zeros(3)
@@ -387,7 +387,7 @@ def test_energy_of_a_pad_in_motion_and_gross_slip_goes_on(matter: Matter) -> Non
 def test_without_a_mass_gross_slip_is_told_with_its_state() -> None:
     with pytest.raises(GrossSlip) as end:
         marched(Matter(rate=2.4e-5), 20)
-    assert isinstance(end.value.last, Moved)
+    assert isinstance(end.value.last, DynamicState)
     assert end.value.last.grip.slips.any()
 
 
