@@ -94,11 +94,11 @@ class CondensedPad:
 
     def _seen(self, drive: Drive) -> Compliant:
         """The pad in the axes of the plate, which may have turned."""
-        return turning.turned(self.pad, drive.angle) if drive.angle else self.skin
+        return turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
 
     def shown(self, state: Grip) -> Shown:
         """Return the whole section in a state."""
-        return self._whole.shown(*self._placed(state))
+        return self._whole.deformed_section(*self._placed(state))
 
     def grip(self, state: Grip) -> Grip:
         """Return the contact of a state, which is all of it."""

@@ -39,7 +39,7 @@ def judged(design: Design, tell: Tell) -> None:
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
-    found = check(design, progress=stage, told=lambda verdict: tell("tier", verdict))
+    found = check(design, progress=stage, on_verdict=lambda verdict: tell("tier", verdict))
     tell("verdict", found)
     for more in advising(design, found, stage, patience(found)):
         tell("verdict", more)

@@ -120,7 +120,7 @@ def _of_springs(found: Package, held: Springs) -> Iterator[tuple[str, str, str]]
 def _of_response(felt: FilmResponse) -> tuple[str, str, str]:
     largest = max(float(np.abs(each[..., 0]).max()) for each in (felt.normal, felt.tangential))
     error = float(felt.error[..., 0].max())
-    change = felt.elsewhere[..., 0].max(axis=(1, 2))
+    change = felt.at_other_forces[..., 0].max(axis=(1, 2))
     spans = " and ".join(
         f"{c:.2g} MPa/N at {s * felt.force:g} N" for c, s in zip(change, RESPONSE_SPANS, strict=True)
     )

@@ -77,7 +77,7 @@ def _rows(design: Design, felt: FilmResponse) -> Iterator[list[Cell]]:
     charged, charge_error = charges(design, felt)
     for w, (way, found) in enumerate(zip(WAYS, (felt.normal, felt.tangential), strict=True)):
         for r in range(len(found)):
-            beside = [*felt.error[w, r], *felt.elsewhere[:, w, r].ravel()]
+            beside = [*felt.error[w, r], *felt.at_other_forces[:, w, r].ravel()]
             for s, (ridge, side) in enumerate(felt.strips):
                 values = [*found[r, s], *beside, charged[w, r, s], charge_error[w, r]]
                 yield [str(r + 1), way, f"ridge-{ridge}-{side}", *(f"{v:.9g}" for v in values)]
@@ -92,14 +92,14 @@ def write_response(design: Design, felt: FilmResponse, path: Path) -> None:
         path,
         stress=np.stack([felt.normal, felt.tangential]),
         stress_error=felt.error,
-        change=felt.elsewhere,
+        change=felt.at_other_forces,
         spans=np.array(SPANS),
         charge=charged,
         charge_error=charge_error,
         strips=np.array([f"ridge-{ridge}-{side}" for ridge, side in felt.strips]),
         force=np.array(felt.force),
         contact=felt.contact,
-        pressed=felt.pressed,
-        pulled=felt.pulled,
+        pressed=felt.ridge_force,
+        pulled=felt.ridge_force_per_pull,
         about=np.array(about),
     )

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.sliding import Sliding
 
 
-def turned(pad: Sliding, angle: float) -> Compliant:
+def rotated_pad(pad: Sliding, angle: float) -> Compliant:
     """Return the pad as a plate at `angle` rad sees it, positive where the plate rises towards +x."""
     m, gap = pad.gap.size, _gap(pad, angle)
     cos, sin = math.cos(angle), math.sin(angle)
