@@ -27,14 +27,16 @@ GOALS = {"corrected": 4.0, "finite-strain": 10.0, "solid": 50.0}  # times of the
 
 def ready(tier: str) -> bool:
     """Whether a tier and all that it builds on are there."""
-    return find_spec(TIERS[tier].where.partition(":")[0]) is not None and all(map(ready, TIERS[tier].on))
+    return find_spec(TIERS[tier].where.partition(":")[0]) is not None and all(
+        map(ready, TIERS[tier].builds_on)
+    )
 
 
 def measured(tier: str) -> dict[str, Any]:
     """Return one tier's median time by stage, s, and what it finds."""
     from skincad.mechanics.touching import check
 
-    for name in (tier, *TIERS[tier].on):
+    for name in (tier, *TIERS[tier].builds_on):
         import_module(TIERS[name].where.partition(":")[0])
     design = load(DESIGN, [SMOOTH])
     check(design, tier="winkler")

@@ -20,7 +20,7 @@ from skincad import load
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
 from skincad.mechanics.contact.halving import halved
-from skincad.mechanics.film.sliding import Sliding, sliding
+from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import Pad, pad_of
 
@@ -56,7 +56,7 @@ def own(pad: Pad, fineness: float, order: int, drives: list[Drive], friction: fl
     return _by_ridge(pad, found, states[1:])
 
 
-def _by_ridge(pad: Pad, found: Sliding, states: list[Grip]) -> Dragged:
+def _by_ridge(pad: Pad, found: ContactPad, states: list[Grip]) -> Dragged:
     """The points' forces summed over each ridge."""
     member = np.equal.outer(found.ridge, np.array(pad.ridges)).astype(float)
     return Dragged(

@@ -28,8 +28,8 @@ from skincad.ladders.contact import MESH, taken_of
 from skincad.ladders.ladder import LADDERS, ladder_of
 from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.tiers import table
-from skincad.mechanics.tiers.measured import FOLDER, keep
-from skincad.mechanics.tiers.table import TIERS, able, own, run
+from skincad.mechanics.tiers.measured import FOLDER_VARIABLE, save_timings
+from skincad.mechanics.tiers.table import TIERS, own_seconds, run, unsupported_reason
 
 REPEATS = 3
 
@@ -73,7 +73,7 @@ def solved(design: Design) -> dict[str, Answer]:
     done: dict[str, Answer] = {}
     for name in TIERS:
         with suppress(InputError, RefusedError):
-            if not able(name, design, drops=False):
+            if not unsupported_reason(name, design, measured=False):
                 run(name, design, Request(design.contact.force, MESH), done, None)
     return done
 
@@ -83,16 +83,16 @@ def laws(names: list[str]) -> None:
     head = f"{'expected':>10}{'took, s':>10}{'ratio':>8}{'at speed':>10}{'built in':>10}"
     print(f"{f'law of {names[0]}':46}{head}")
     with TemporaryDirectory() as folder, patch.object(table, "perf_counter", process_time):
-        os.environ[FOLDER] = folder
+        os.environ[FOLDER_VARIABLE] = folder
         for name in names:
             design = skincad.load(name, ["contact.friction=0"])
             done = solved(design)
             counted = taken_of(design, done)
             if name == names[0]:
-                keep(name, counted)
-            kept, built_in = ({tier: law(tier, design) for tier in done} for law in (own, by_law))
+                save_timings(name, counted)
+            kept, built_in = ({tier: law(tier, design) for tier in done} for law in (own_seconds, by_law))
             for tier in (tier for tier in done if TIERS[tier].law.exponent):
-                took, linear = done[tier].took, done["linear"].took
+                took, linear = done[tier].own_seconds, done["linear"].own_seconds
                 ratios = [told[tier] / told["linear"] * linear / took for told in (kept, built_in)]
                 further = "" if tier in counted else "  on finer meshes than the law counts"
                 line = f"  {name:20}{tier:24}{kept[tier]:10.2f}{took:10.2f}{kept[tier] / took:8.2f}"
@@ -112,7 +112,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--law", nargs="+", metavar="TEMPLATE")
     asked = parser.parse_args()
-    os.environ[FOLDER] = os.devnull  # the built-in law, whatever this machine's user has kept
+    os.environ[FOLDER_VARIABLE] = os.devnull  # the built-in law, whatever this machine's user has kept
     if asked.law:
         laws(asked.law)
         return

@@ -28,7 +28,7 @@ from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, finite_strain, linear, solid, winkler
 from skincad.mechanics.tiers.linear import RUNGS
 from skincad.mechanics.tiers.plane_level import level
-from skincad.mechanics.validity import beyond_small_strain
+from skincad.mechanics.validity import small_strain_violation
 
 STRAINS = 0.003, 0.05  # of ridges that share the force evenly
 TOPS = 10  # every tenth seed is held against the top rung too
@@ -146,7 +146,7 @@ class _Seed:
             return
         if rough is not None:
             self._add("winkler", "model", rough, errors(rough), numbers(plane), "linear", False)
-        if beyond_small_strain(self.design, self.force, plane) or plane.fault:
+        if small_strain_violation(self.design, self.force, plane) or plane.fault:
             self.refused["models"] = "beyond small strain: no verdict"
             return
         if ends:

@@ -18,7 +18,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.meshed import plane_piece
-from skincad.mechanics.problem import FLOOR, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, pad_of
 from skincad.mechanics.tiers.linear import RUNGS
 from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.tiers.table import AUTO, load
@@ -67,7 +67,7 @@ def wholes(names: list[str]) -> int:
         cells = []
         for tol in WHOLE:
             found = check(design, tol=tol)
-            force, scale = found.all_touch_force, max(truth.value or 0.0, FLOOR * found.force)
+            force, scale = found.all_touch_force, max(truth.value or 0.0, NEGLIGIBLE * found.force)
             stated, true = (
                 (force.error or 0.0) / scale,
                 abs((force.value or 0.0) - (truth.value or 0.0)) / scale,
@@ -117,7 +117,7 @@ def apart(found: ContactCheck, truth: tuple[float | None, float]) -> tuple[float
     stated = [((approach.error or 0.0) - left_out) / (approach.value or 1.0)]
     true = [abs((approach.value or 0.0) / truth[1] - 1)]
     if force.value is not None and truth[0] is not None and found.ridges > 1:
-        scale = max(truth[0], FLOOR * found.force)
+        scale = max(truth[0], NEGLIGIBLE * found.force)
         stated.append(((force.error or 0.0) - found.model_error) / scale)
         true.append(abs(force.value - truth[0]) / scale)
     return max(stated), max(true)

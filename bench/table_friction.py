@@ -17,7 +17,7 @@ from bench.error_bars import force_of
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import friction
-from skincad.mechanics.problem import FLOOR, ContactError
+from skincad.mechanics.problem import NEGLIGIBLE, ContactError
 from skincad.mechanics.tiers.corrected import plain_pad
 from skincad.mechanics.tiers.friction import solve
 
@@ -32,7 +32,7 @@ def changes(design: Design, force: float, coefficient: float) -> Iterator[tuple[
     before, after = found.without, found.gripped
     bound = friction(design, int((before.ridge_force > 0).sum()))
     first, last = before.all_touch_force, after.all_touch_force
-    if first and last and first > FLOOR * force:
+    if first and last and first > NEGLIGIBLE * force:
         yield NAMES[0], abs(last / first - 1), bound.threshold
     yield NAMES[1], abs(after.approach / before.approach - 1), bound.approach
     if design.ridge.count > 1:

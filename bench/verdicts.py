@@ -22,7 +22,7 @@ import skincad
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
 from skincad.mechanics.validity import limits
-from skincad.mechanics.verdict import ContactCheck, decided
+from skincad.mechanics.verdict import ContactCheck, is_decided
 
 BEST = "solid-finite-strain"
 STRAINS = 0.02, 0.3  # nominal, of ridges that shared the force evenly
@@ -84,13 +84,13 @@ def drawn(seed: int) -> Design:
 
 def verdict(found: ContactCheck) -> str:
     """Return passes, fails, open (the error spans the force) or none (beyond the model's range)."""
-    if found.beyond:
+    if found.out_of_range:
         return "none"
     if found.passed:
         return "passes"
     if found.all_touch_force.value is None:
         return "fails" if found.touching < found.ridges else "none"
-    return "fails" if decided(found) else "open"
+    return "fails" if is_decided(found) else "open"
 
 
 def judged(seed: int, friction: float | None = None) -> CrestAllowance:
@@ -100,7 +100,7 @@ def judged(seed: int, friction: float | None = None) -> CrestAllowance:
     for tier, told in (("auto", friction), (BEST, 0.0)):
         try:
             found.append(skincad.check(design.with_(contact={"friction": told}), tier=tier))
-            said += found[-1].beyond if found[-1] else ""
+            said += found[-1].out_of_range if found[-1] else ""
         except (InputError, RefusedError) as refusal:
             found.append(None)
             said += f"{tier}: {refusal} "

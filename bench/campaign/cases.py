@@ -117,7 +117,7 @@ def check_figures(case: Case) -> Figures:
         "unknowns": found.unknowns,
         "residual": found.residual,
         "yield": None if found.manufacture is None else found.manufacture.passing.value,
-        "beyond": found.beyond,
+        "beyond": found.out_of_range,
         "warnings": list(found.warnings),
     }
 

@@ -20,7 +20,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Law, Term
 from skincad.effects.omitted import Omitted, SceneOutline
-from skincad.mechanics.swaying import sway_force, swayed
+from skincad.mechanics.swaying import sway_amplification, sway_force
 from skincad.mechanics.validity import mean_width, plane_modulus
 
 if TYPE_CHECKING:
@@ -98,4 +98,6 @@ class FiniteStrain(Law):
         part = normal / sway_force(design, normal)
         strain = normal / (plane_modulus(design) * design.skin.length * mean_width(design))
         text = f"nominal strain {strain:.2g}, and {part:.0%} of the force at which a ridge so pressed sways"
-        return Omitted("finite_strain", text, swayed(design, normal, MOST), calibrated=True, within=WITHIN)
+        return Omitted(
+            "finite_strain", text, sway_amplification(design, normal, MOST), calibrated=True, within=WITHIN
+        )

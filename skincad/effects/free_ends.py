@@ -50,12 +50,12 @@ class FreeEnds(PadChange):
         too, which friction bounds then. As points begin to slip the pull follows by the share of them to the
         power of SLIPPING. Below LEAST nothing is told apart. None without a normal force.
         """
-        from skincad.mechanics.end_sharing import moved
+        from skincad.mechanics.end_sharing import force_changes
 
         path = outline.path
         if outline.ridge_normal <= 0:
             return None
-        shift, (down, across) = np.abs(moved(outline.design, path.pressed)), path.per_force()
+        shift, (down, across) = np.abs(force_changes(outline.design, path.pressed)), path.per_force()
         friction = path.pulled / np.maximum(path.pressed, TINY)
         change = shift * np.abs(down + across * path.slips**SLIPPING * friction)
         slender = outline.design.skin.width / outline.design.skin.length

@@ -54,15 +54,15 @@ class Inertia(Term):
 
         None where no load changes.
         """
-        from skincad.mechanics.dynamics.plate_ringing import MasslessMarch, rung, skin_mass
+        from skincad.mechanics.dynamics.plate_ringing import MasslessRun, plate_ringing, skin_mass
 
         path, (down, across) = outline.path, outline.loads
         mass = skin_mass(outline.design)
-        springs = MasslessMarch(
+        springs = MasslessRun(
             path.time, path.pressed.sum(axis=1), path.pulled.sum(axis=1), path.approach, path.travel
         )
         corners = np.array(outline.time_s)
-        found = rung(springs, corners, (np.array(down), np.array(across)), outline.driven, mass)
+        found = plate_ringing(springs, corners, (np.array(down), np.array(across)), outline.driven, mass)
         if found is None:
             return None
         change = found.signals(path.pressed, path.pulled, path.per_force(), outline.friction)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from skincad.effects.omitted import Omitted, SceneOutline
     from skincad.mechanics.contact.held import Drift
     from skincad.mechanics.film.stick import PadPiece
-    from skincad.mechanics.film.whole_state import Shown
+    from skincad.mechanics.film.whole_state import DeformedSection
 
 MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and stress that hangs on strain's past
 
@@ -136,7 +136,7 @@ class MarchedPad(Protocol):
 class Showing(Protocol):
     """A marched pad that also tells the whole section's state."""
 
-    def shown(self, state: Any) -> Shown:
+    def shown(self, state: Any) -> DeformedSection:
         """Return the whole section in a state, to draw."""
 
 

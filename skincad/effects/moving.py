@@ -12,7 +12,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.mechanics.contact.grip import Cone, Grip
-from skincad.mechanics.dynamics.state import DynamicState, at_rest_on
+from skincad.mechanics.dynamics.state import DynamicState, rest_state
 from skincad.mechanics.dynamics.steps import Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 
@@ -61,7 +61,7 @@ class MovingPad:
 
     def start(self) -> DynamicState:
         """The unloaded state, at rest."""
-        return at_rest_on(self.dynamics.pad)
+        return rest_state(self.dynamics.pad)
 
     def advanced(self, state: DynamicState, step: Step, shares: Sequence[Share]) -> DynamicState:
         """Return the converged state at the step's end."""
@@ -73,7 +73,7 @@ class MovingPad:
 
     def grip(self, state: DynamicState) -> Grip:
         """Return the contact of a state."""
-        return state.grip
+        return state.contact
 
     def fault(self, state: DynamicState) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
@@ -85,14 +85,14 @@ class MovingPad:
 
         moved = np.zeros((body.system.lift.size, state.u.shape[1]))
         moved[: len(state.u)] = state.u / self.piece.unit
-        plate = self.piece.whole.top - state.grip.approach
+        plate = self.piece.whole.top - state.contact.approach
         return collision(self.piece, body, on_sides(list(moved.T)), plate, 0.0)
 
     def reading(self, before: DynamicState, state: DynamicState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
         dynamics = self.dynamics
         return Reading.of(
-            state.grip,
+            state.contact,
             dynamics.strips(state),
             dynamics.elastic(state),
             state.friction,

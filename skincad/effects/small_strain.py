@@ -23,9 +23,9 @@ from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
-    from skincad.mechanics.film.sliding import Sliding
+    from skincad.mechanics.film.sliding import ContactPad
     from skincad.mechanics.film.stick import PadPiece
-    from skincad.mechanics.film.whole_state import Shown, WholeState
+    from skincad.mechanics.film.whole_state import DeformedSection, WholeState
 
 FRICTIONLESS = Cone(0.0, 0.0)
 
@@ -53,7 +53,7 @@ class SmallStrain(Law):
         return condensed(sliding(piece, mesh, order, films))
 
 
-def condensed(pad: Sliding) -> CondensedPad:
+def condensed(pad: ContactPad) -> CondensedPad:
     """Return a condensed pad to be marched."""
     free = np.zeros(2 * pad.gap.size)
     return CondensedPad(pad, Compliant(pad.compliance, pad.gap, free, area=pad.area))
@@ -63,7 +63,7 @@ def condensed(pad: Sliding) -> CondensedPad:
 class CondensedPad:
     """A pad of constant compliance; its states are grips."""
 
-    pad: Sliding
+    pad: ContactPad
     skin: Compliant
 
     @property
@@ -94,11 +94,11 @@ class CondensedPad:
 
     def _seen(self, drive: Drive) -> Compliant:
         """The pad in the axes of the plate, which may have turned."""
-        return turning.turned(self.pad, drive.angle) if drive.angle else self.skin
+        return turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
 
-    def shown(self, state: Grip) -> Shown:
+    def shown(self, state: Grip) -> DeformedSection:
         """Return the whole section in a state."""
-        return self._whole.shown(*self._placed(state))
+        return self._whole.deformed_section(*self._placed(state))
 
     def grip(self, state: Grip) -> Grip:
         """Return the contact of a state, which is all of it."""

@@ -14,7 +14,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.countdown import Countdown
 from skincad.ladders.ladder import LADDERS, Ladder, ladder_of
-from skincad.mechanics.tiers.measured import Taken, keep, shown
+from skincad.mechanics.tiers.measured import TierTiming, save_timings, without_home
 
 MOST_REPEATS = 100
 
@@ -32,7 +32,7 @@ class Accuracy(Result):
     kept: str = ""  # in words, where what the tiers took is kept
 
     @property
-    def taken(self) -> dict[str, Taken]:
+    def taken(self) -> dict[str, TierTiming]:
         """What each tier's own part took."""
         return {tier: one for ladder in self.ladders for tier, one in ladder.taken.items()}
 
@@ -42,14 +42,14 @@ class Accuracy(Result):
         if not self.taken:
             return self
         try:
-            path = keep(self.name, self.taken)
+            path = save_timings(self.name, self.taken)
         except (OSError, RuntimeError) as failure:
             # without the path, which may tell a user's name
             why = getattr(failure, "strerror", None) or failure
             return replace(self, kept=f"the cost law is not kept: {why}")
         load, cores = self.machine["load"], self.machine["cores"]
         busy = f"; with a load of {load} on {cores} cores it is too slow, run it again at rest"
-        told = f"cost law kept in {shown(path)}; delete it to forget it"
+        told = f"cost law kept in {without_home(path)}; delete it to forget it"
         return replace(self, kept=told + (busy if load and load > 1.5 * cores else ""))
 
     def as_json(self) -> dict[str, Any]:

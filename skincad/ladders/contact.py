@@ -15,13 +15,13 @@ from skincad.inputs.design import Design
 from skincad.ladders.contact_errors import Found, Truth, apart, measures_of, stated, trial_of
 from skincad.ladders.ladder import Ladder, repeated, timed
 from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
-from skincad.mechanics.problem import FLOOR, Answer, Request, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
 from skincad.mechanics.tiers import finite_strain, plane_level, solid
-from skincad.mechanics.tiers.measured import Taken
+from skincad.mechanics.tiers.measured import TierTiming
 from skincad.mechanics.tiers.plane_level import LevelSolver
 from skincad.mechanics.tiers.prices import plane_unknowns
-from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, pressed
-from skincad.mechanics.tiers.table import TIERS, able, at_size, own, run
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
+from skincad.mechanics.tiers.table import TIERS, own_seconds, run, seconds_at_size, unsupported_reason
 from skincad.mechanics.validity import refuse_crushed
 
 MESH = 5e-3  # relative; what `check` asks of a tier's mesh
@@ -61,27 +61,29 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     return Ladder("contact", title, trials, measures, skipped=tried.skipped, taken=taken)
 
 
-def taken_of(design: Design, done: Mapping[str, Answer]) -> dict[str, Taken]:
+def taken_of(design: Design, done: Mapping[str, Answer]) -> dict[str, TierTiming]:
     """Return what the tiers' own parts took, as their laws count it: not what takes as long for every design,
     nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
     found = {}
     for name, answer in done.items():
         tier, size = TIERS[name], TIERS[name].size(design)
         counts = tier.law.exponent > 0 and size > SMALL * tier.law.size
-        if counts and (tier.on or answer.unknowns < FINER * size):
-            found[name] = Taken(size=size, seconds=answer.took)
+        if counts and (tier.builds_on or answer.unknowns < FINER * size):
+            found[name] = TierTiming(size=size, seconds=answer.own_seconds)
     return found
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
     """Return the stages and their expected seconds, by the tiers' laws."""
     found: dict[str, float] = {}
-    for name in (name for name in ORDER if not able(name, design, drops=False)):
+    for name in (name for name in ORDER if not unsupported_reason(name, design, measured=False)):
         alone = repeats if name in ALONE else 1
         for level in LEVELS.get(name, ()):
             size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
             last = level == LEVELS[name][-1]
-            found[_level(name, *level)] = repeated(OF_TIER * at_size(name, size), 1 if last else repeats)
+            found[_level(name, *level)] = repeated(
+                OF_TIER * seconds_at_size(name, size), 1 if last else repeats
+            )
         if name in LEVELS:
             continue
         price = _own(name, design)
@@ -94,7 +96,7 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
 def _own(name: str, design: Design) -> float:
     """A tier's own seconds; nothing for one that refuses the design, as it will when it is tried."""
     try:
-        return own(name, design)
+        return own_seconds(name, design)
     except (InputError, RefusedError):
         return 0.0
 
@@ -112,7 +114,7 @@ class _Tried:
 
     def attempt(self, name: str) -> None:
         """Try a tier; one that cannot judge the design is skipped with its reason."""
-        reason = able(name, self.design, drops=False)
+        reason = unsupported_reason(name, self.design, measured=False)
         try:
             if not reason and name in LEVELS:
                 self._levels(name)
@@ -165,7 +167,7 @@ class _Tried:
         found = Found(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
         self.found.append(found)
         if name != "winkler":
-            own = (stated(force, FLOOR * self.request.force), stated(approach, 0.0))
+            own = (stated(force, NEGLIGIBLE * self.request.force), stated(approach, 0.0))
             words = f"tier {name}; its stated error, {own[0]:.1e} of the all-touch force and "
             words += f"{own[1]:.1e} of the approach, is "
             self.truth[name] = Truth(found, own, words + "checked against finer meshes in tests/mechanics")
@@ -180,7 +182,7 @@ class _Tried:
             def solved(layers: Layers = layers) -> SolidSolution:
                 meshed = meshed_piece(pad, coarse_sizes(pad, rung.fineness))
                 forms = forms_of(meshed, rung.order - 1)
-                return pressed(meshed, forms, layers, self.request.force, {})
+                return solve_level(meshed, forms, layers, self.request.force, {})
 
             level, runs = timed(solved, self.repeats)
             numbers = level.all_touch_force, level.approach

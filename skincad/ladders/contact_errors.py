@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from skincad.base.estimate import Estimate
 from skincad.ladders.ladder import ErrorMeasure, Trial
-from skincad.mechanics.problem import FLOOR
+from skincad.mechanics.problem import NEGLIGIBLE
 
 AIM = {  # the tier whose finest setting another's mesh and method aim at
     **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
@@ -42,7 +42,7 @@ def apart(found: Found, truth: Found, force: float, height: float) -> tuple[floa
     """Return the relative differences of F9 and approach; nan where there is no F9."""
     by_force, by_approach = math.nan, abs(found.approach - truth.approach)
     if found.force is not None and truth.force is not None:
-        by_force = abs(found.force - truth.force) / max(truth.force, FLOOR * force)
+        by_force = abs(found.force - truth.force) / max(truth.force, NEGLIGIBLE * force)
     return by_force, by_approach / max(truth.approach, 1e-9 * height)
 
 

@@ -15,7 +15,7 @@ from skincad.base.interrupt import safe_point
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.precision import PowerLaw, front, power_law
-from skincad.mechanics.tiers.measured import Taken
+from skincad.mechanics.tiers.measured import TierTiming
 
 Found = TypeVar("Found")
 LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break
@@ -96,7 +96,7 @@ class Ladder:
     measures: tuple[ErrorMeasure, ...]
     lines: bool = True
     skipped: dict[str, str] = field(default_factory=dict)
-    taken: dict[str, Taken] = field(default_factory=dict)
+    taken: dict[str, TierTiming] = field(default_factory=dict)
 
     def best(self, measure: ErrorMeasure) -> list[Trial]:
         """Return the trials that no other beats in both time and this error: of all trials, or of its own

@@ -1,7 +1,7 @@
 """Laws of rubber elasticity: one file each, one line each in the table, imported when named.
 
-A law is a frozen table of constants, as a design's `[material.law]` has them, with one energy. What the
-constants make of a bar is here too; what bodies make of the energy is in mechanics/bodies.
+A law is a frozen table of constants, as in a design's `[material.law]`, with one energy. The stress of a bar
+is here too; bodies use the energy in mechanics/bodies.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def law(kind: str) -> type[Rubber]:
         remedy = did_you_mean(kind, LAWS) or f"take one of {', '.join(LAWS)}"
         raise InputError("kind", "unknown law", kind, remedy)
     module, _, name = LAWS[kind].partition(":")
-    found: type[Rubber] = getattr(import_module(module), name)
-    return found
+    law_class: type[Rubber] = getattr(import_module(module), name)
+    return law_class
 
 
 def law_of(table: Mapping[str, Any]) -> Rubber:
@@ -39,10 +39,10 @@ def law_of(table: Mapping[str, Any]) -> Rubber:
     kind = table.get("kind")
     if kind is None:
         raise InputError("kind", "is missing", remedy=f"take one of {', '.join(LAWS)}")
-    found = law(str(kind))
+    law_class = law(str(kind))
     try:
-        return found(**table)
+        return law_class(**table)
     except InputError as broken:
-        if broken.key != found.__name__.lower():  # a rule of one constant
+        if broken.key != law_class.__name__.lower():  # a rule of one constant
             raise
         raise InputError("", broken.rule, broken.value, broken.remedy, broken.others) from None

@@ -1,4 +1,4 @@
-"""What a law is: an isotropic energy of the stretches, of which a body adds the volume's part.
+"""A law is an isotropic energy of the stretches; a body adds the volume's part.
 
 In units of the law's shear modulus G at small strain the energy is f(x), of a measure of strain
 
@@ -64,13 +64,13 @@ class Rubber(Table):
         """Return Young's modulus at small strain, MPa."""
         return 2 * (1 + poisson_ratio) * self.shear
 
-    def scaled(self, by: float) -> Self:
+    def scaled(self, scale: float) -> Self:
         """Return the law with all its moduli times a factor."""
         moduli = {
             key: getattr(self, key) for key in type(self).model_fields if unit_of(type(self), (key,)) == "MPa"
         }
         changed = {
-            key: tuple(each * by for each in value) if isinstance(value, tuple) else value * by
+            key: tuple(term * scale for term in value) if isinstance(value, tuple) else value * scale
             for key, value in moduli.items()
         }
         return type(self)(**{**self.model_dump(), **changed})

@@ -39,7 +39,7 @@ def check_design(design: Design, tell: Tell) -> None:
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
-    contact_check = check(design, progress=stage, told=lambda verdict: tell("tier", verdict))
+    contact_check = check(design, progress=stage, on_verdict=lambda verdict: tell("tier", verdict))
     tell("verdict", contact_check)
     for more in advising(design, contact_check, stage, seconds_for_advice(contact_check)):
         tell("verdict", more)

@@ -1,4 +1,4 @@
-"""What a material test says: the modulus with its error in parts, and when it says nothing."""
+"""The result of a material test: the modulus with its error in parts, and when it is refused."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from skincad.material.regression import Regression
 
 LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse is not this model's
 LARGEST_ERROR = 0.5  # of the modulus; a wider interval says nothing of use
-FIRM = 0.05  # of the largest load, from which a row counts as one under load
+LOADED_SHARE = 0.05  # of the largest load, from which a row counts as one under load
 
 Fit = Callable[[MaterialTest], Regression]
 
 
 @dataclass(frozen=True)
-class Stretch:
+class PartModulus:
     """Young's modulus, MPa, fitted to the rows of a part of the test, its error the 95 % scatter.
 
     The part is that of deformations from `start` to `end`: strain, or mm of approach as in the file.
@@ -43,8 +43,8 @@ class Stretch:
 class MaterialFit(Result):
     """Young's modulus at small strain, MPa, with the half-width of its 95 % interval.
 
-    The half-width is the sum of `scatter` (of the rows), `model` (what it leaves open) and `misfit` (what
-    the `parts` say of how it changes over the test), all MPa. `offset` is a pad's approach, mm, at the first
+    The half-width is the sum of `scatter` (of the rows), `model` (its uncertainty) and `misfit` (the
+    change over the test, by the `parts`), all MPa. `offset` is a pad's approach, mm, at the first
     touch, None for a bar. `rms` is that of the residual, `largest_load` the largest used, N of a pad or MPa.
     `curve` is deformation, load and the model's load, `(rows_used,)` each; `laws` are those compared by a bar
     that was strained enough, the best first.
@@ -58,7 +58,7 @@ class MaterialFit(Result):
     scatter: float
     model: float
     misfit: float
-    parts: tuple[Stretch, ...]
+    parts: tuple[PartModulus, ...]
     offset: Estimate | None
     rms: float
     largest_load: float
@@ -71,7 +71,7 @@ class MaterialFit(Result):
     @property
     def law(self) -> Rubber | None:
         """The law that follows a bar's test best, None where that is neo-Hooke's or laws are not compared."""
-        best = next((each.law for each in self.laws if each.best), None)
+        best = next((fit.law for fit in self.laws if fit.best), None)
         return None if isinstance(best, NeoHooke) else best
 
     @property
@@ -118,14 +118,14 @@ class MaterialFit(Result):
             "offset_mm": self.offset.as_json() if self.offset else {"value": None, "error": None},
             f"rms_residual_{load}": self.rms,
             f"largest_load_{load}": self.largest_load,
-            "laws": [each.as_json() for each in self.laws],
+            "laws": [fit.as_json() for fit in self.laws],
             "residual_correlation": self.correlation,
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),
         }
 
 
-def finished(
+def material_fit(
     test: MaterialTest, whole: Regression, modulus: float, model: float, fit: Fit, per_value: float
 ) -> MaterialFit:
     """Return the result with the parts of its error; `fit(rows).values[0] * per_value` is E, MPa.
@@ -169,8 +169,8 @@ def finished(
     )
 
 
-def _misfit(test: MaterialTest, parts: tuple[Stretch, ...], modulus: float) -> float:
-    """How far the halves say that the modulus may be off, MPa.
+def _misfit(test: MaterialTest, parts: tuple[PartModulus, ...], modulus: float) -> float:
+    """Error of the modulus by its change between the halves, MPa.
 
     A bar's modulus changes with strain where rubber leaves the neo-Hookean law: the difference to the line
     through the halves at no strain, their centres of weight being at 3/8 and 7/9 of the range. A pad's halves
@@ -186,7 +186,7 @@ def _misfit(test: MaterialTest, parts: tuple[Stretch, ...], modulus: float) -> f
     )
 
 
-def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -> list[Stretch]:
+def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -> list[PartModulus]:
     """The modulus over the first and the second half of the deformation under load."""
     touch = float(whole.values[1]) if whole.values.size > 1 else 0.0
     end = float(test.deformation[np.argmax(np.abs(test.deformation))])
@@ -195,12 +195,12 @@ def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -
     parts = []
     for side, start, stop in ((first, touch, middle), (~first, middle, end)):
         rows = replace(test, deformation=test.deformation[side], load=test.load[side])
-        if np.count_nonzero(np.abs(rows.load) >= FIRM * np.abs(test.load).max()) < FEWEST_ROWS:
+        if np.count_nonzero(np.abs(rows.load) >= LOADED_SHARE * np.abs(test.load).max()) < FEWEST_ROWS:
             return []
         try:
-            found = fit(rows)
+            solution = fit(rows)
         except RefusedError:
             return []
-        value, error = float(found.values[0]) * per_value, float(found.half_width[0]) * per_value
-        parts.append(Stretch(start, stop, Estimate(value, error, "MPa")))
+        value, error = float(solution.values[0]) * per_value, float(solution.half_width[0]) * per_value
+        parts.append(PartModulus(start, stop, Estimate(value, error, "MPa")))
     return parts

@@ -12,7 +12,7 @@ from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.material_test import MaterialTest
-from skincad.material.modulus import MaterialFit, finished
+from skincad.material.modulus import MaterialFit, material_fit
 from skincad.material.pad_curve import (
     APPROACH_ERROR,
     STRAINED_ERROR,
@@ -22,7 +22,7 @@ from skincad.material.pad_curve import (
 )
 from skincad.material.regression import Regression, regression
 
-STRIPS_KNOW = 0.1  # relative change of E that moves the curve of a pad with strips by 1e-3 (measured)
+STRIP_SENSITIVITY = 0.1  # relative change of E that changes the curve of a pad with strips by 1e-3 (measured)
 PASSES = 4
 MARGIN = 1.25  # of the force that small strain asks for; finite strain asks for up to 15 % more
 STARTS = (
@@ -50,22 +50,22 @@ def fit_pad(test: MaterialTest, design: Design | None, clock: Stopwatch) -> Mate
     for _ in range(PASSES):
         curve = _curve(test, design, modulus, clock)
         with clock.stage("fit"):
-            result = fitted_to(curve, test)
-        found = result.young_modulus.value or 0.0
-        if design.film_state != "bonded" or abs(found / modulus - 1) <= STRIPS_KNOW:
+            result = fit_to_curve(curve, test)
+        fitted = result.young_modulus.value or 0.0
+        if design.film_state != "bonded" or abs(fitted / modulus - 1) <= STRIP_SENSITIVITY:
             return replace(result, warnings=LEFT_OUT)
-        modulus = found  # the strips keep their modulus: the curve is another one
+        modulus = fitted  # the strips keep their modulus: the curve is another one
     raise RefusedError(f"the modulus does not settle within {PASSES} passes, at {modulus:.4g} MPa")
 
 
-def fitted_to(curve: PadCurve, test: MaterialTest) -> MaterialFit:
+def fit_to_curve(curve: PadCurve, test: MaterialTest) -> MaterialFit:
     """Return the modulus by one curve, its error that of the rows and of the curve."""
     whole, per_value = fit_curve(curve, test), curve.young_modulus
     _check_range(test, curve, whole)
     others = curve.varied(1 + APPROACH_ERROR, 1.0), curve.varied(1.0, 1 - STRAINED_ERROR)
     moved = [float(fit_curve(other, test).values[0] - whole.values[0]) for other in others]
     model = per_value * sum(map(abs, moved))
-    result = finished(
+    result = material_fit(
         test, whole, float(whole.values[0]) * per_value, model, lambda rows: fit_curve(curve, rows), per_value
     )
     return replace(result, offset=Estimate(float(whole.values[1]), float(whole.half_width[1]), "mm"))
@@ -96,13 +96,13 @@ def _curve(test: MaterialTest, design: Design, modulus: float, clock: Stopwatch)
     return finite_strain_curve(small, design, largest, clock)
 
 
-def _check_range(test: MaterialTest, curve: PadCurve, found: Regression) -> None:
+def _check_range(test: MaterialTest, curve: PadCurve, solution: Regression) -> None:
     """Refuse a test that goes beyond the curve's table."""
-    if float(test.deformation.max() - found.values[1]) <= curve.approach[-1]:
+    if float(test.deformation.max() - solution.values[1]) <= curve.approach[-1]:
         return
     raise InputError(
         "up_to",
         "the model ends where a ridge is strained by 0.3 or buckles: use forces up to "
-        f"{float(found.values[0] * curve.force[-1]):.2g} N",
+        f"{float(solution.values[0] * curve.force[-1]):.2g} N",
         float(test.load.max()),
     )

@@ -1,7 +1,7 @@
-"""Force against approach of a pad under a flat plate: what a pressed pad's modulus is read off.
+"""Force against approach of a pad under a flat plate, from which a pressed pad's modulus is read.
 
-Small strain in plane strain on a fine mesh, times what the free ends change (corrected.py), times what finite
-strain changes in plane strain. In units of E the curve does not depend on E, but for film strips, whose own
+Small strain in plane strain on a fine mesh, times the effect of free ends (corrected.py), times the effect of
+finite strain in plane strain. In units of E the curve does not depend on E, except for film strips, whose
 modulus stays.
 """
 
@@ -32,10 +32,10 @@ COARSE = linear.RUNGS[0]
 COARSE_ORDER = 2  # its ratio of finite to small strain is that of order 3 to 2e-4 (measured on yamada-2002)
 # Shares of the largest force: the ratio is 1 at no force, and lines between are within 3e-3 of it, as it
 # bends where the last ridges touch (measured on yamada-2002 to 6 N); STRAINED_ERROR is far larger
-STRAINED_AT = (0.15, 0.5, 1.0)
+STRAINED_SHARES = (0.15, 0.5, 1.0)
 
 # Relative errors of the approach: of the mesh (linear.FINE), of the free ends' change, and of a Poisson's
-# ratio between 0.498 and 0.49999 where 0.499 is said (measured on yamada-2002)
+# ratio between 0.498 and 0.49999 where the design says 0.499 (measured on yamada-2002)
 APPROACH_ERROR = FINE.usual + corrected.APPROACH_ERROR + 0.004
 # Of what finite strain changes; it is computed without free ends, which make the strains larger. Assumption:
 # over twice the difference between the ratio at the same force and at the same approach, 18 % on yamada-2002
@@ -46,7 +46,7 @@ STRAINED_ERROR = 0.5
 class PadCurve:
     """A table of a pad of `young_modulus` MPa: `force` `(k,)` N from 0 up.
 
-    `small` `(k,)` mm is the approach with small strains, `strained` `(k,)` what finite strain makes of it.
+    `small` `(k,)` mm is the approach with small strains, `strained` `(k,)` its factor by finite strain.
     """
 
     young_modulus: float
@@ -63,8 +63,8 @@ class PadCurve:
         """Return the force, N, at approaches `(n,)` mm; 0 before the touch, straight on beyond the table."""
         table = self.approach
         inside = PchipInterpolator(table, self.force)
-        beyond = np.maximum(approach - table[-1], 0.0) * float(inside.derivative()(table[-1]))
-        return np.asarray(inside(np.clip(approach, 0.0, table[-1])) + beyond)
+        extrapolated = np.maximum(approach - table[-1], 0.0) * float(inside.derivative()(table[-1]))
+        return np.asarray(inside(np.clip(approach, 0.0, table[-1])) + extrapolated)
 
     def varied(self, scale: float, strained: float) -> PadCurve:
         """Return the curve with all approaches times `scale` and finite strain's change times `strained`."""
@@ -82,19 +82,19 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
     force = a_ridge * len(pad.ridges) * (np.arange(1, POINTS + 1) / POINTS) ** 2
     with clock.stage("linear"):
         meshed = plane_piece(pad, FINE.fineness)
-        found = plane_level.level(meshed, FINE.order, force[-1] / 4)
-        states = _pressed(found.ridges, force / found.scale)
-        approach = np.array([state.approach for state in states]) * found.unit
+        solution = plane_level.level(meshed, FINE.order, force[-1] / 4)
+        states = _pressed(solution.ridges, force / solution.scale)
+        approach = np.array([state.approach for state in states]) * solution.unit
     with clock.stage("free ends"):
         approach = approach * _free_ends(
             replace(corrected.plain_pad(design), young_modulus=young_modulus), force
         )
-    shares = [meshed.on_whole(_shares(state, found.ridges)) for state in states]
-    loaded = np.array(shares).max(axis=1) * found.scale
-    kept = int(np.count_nonzero(np.maximum.accumulate(loaded) <= a_ridge))
+    shares = [meshed.on_whole(_shares(state, solution.ridges)) for state in states]
+    loaded = np.array(shares).max(axis=1) * solution.scale
+    rows = int(np.count_nonzero(np.maximum.accumulate(loaded) <= a_ridge))
     zero = np.zeros(1)
-    force, approach = np.append(zero, force[:kept]), np.append(zero, approach[:kept])
-    return PadCurve(young_modulus, force, approach, np.ones(kept + 1))
+    force, approach = np.append(zero, force[:rows]), np.append(zero, approach[:rows])
+    return PadCurve(young_modulus, force, approach, np.ones(rows + 1))
 
 
 def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: Stopwatch) -> PadCurve:
@@ -107,7 +107,7 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
     with clock.stage("finite strain"):
         coarse, solve = plane_piece(pad, COARSE.fineness), Levels()
         at, ratio = [0.0], [1.0]
-        for force in (share * largest for share in STRAINED_AT):
+        for force in (share * largest for share in STRAINED_SHARES):
             small = plane_level.level(coarse, COARSE_ORDER, force).approach
             try:
                 finite = solve(coarse, COARSE_ORDER, force).approach
@@ -117,8 +117,8 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
                 break
             at.append(force)
             ratio.append(finite / small)
-    kept = curve.force < at[-1]
-    forces = np.append(curve.force[kept], at[-1])
+    rows = curve.force < at[-1]
+    forces = np.append(curve.force[rows], at[-1])
     small_strain = np.interp(forces, curve.force, curve.small)
     strained = np.interp(forces, at, ratio)
     return PadCurve(curve.young_modulus, forces, small_strain, strained)

@@ -12,7 +12,9 @@ from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 
 CONFIDENCE = 0.95
-FREE = 2.0  # degrees of freedom, at least; assumption: with one, a residual of 0.3 % would be worth 6 % of E
+LEAST_FREEDOM = (
+    2.0  # degrees of freedom, at least; assumption: with one, a residual of 0.3 % would be worth 6 % of E
+)
 MOST_CORRELATED = 0.999  # of lag 1, so that a smooth misfit keeps a finite interval
 
 
@@ -38,21 +40,21 @@ def regression(model: Callable[[Array], Array], start: Array, measured: Array) -
     freedom (Bartlett, J. R. Stat. Soc. 98 (1935) 536; Bayley and Hammersley, Suppl. J. R. Stat. Soc. 8 (1946)
     184). A negative r counts as 0. Raises RefusedError when the fit fails or does not fix a parameter.
     """
-    found = optimize.least_squares(
+    solution = optimize.least_squares(
         lambda p: model(p) - measured, start, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12
     )
     n, p = measured.size, start.size
-    normal = found.jac.T @ found.jac
-    if not found.success or np.linalg.cond(normal / np.outer(*[np.sqrt(normal.diagonal())] * 2)) > 1e12:
+    normal = solution.jac.T @ solution.jac
+    if not solution.success or np.linalg.cond(normal / np.outer(*[np.sqrt(normal.diagonal())] * 2)) > 1e12:
         raise RefusedError("the rows do not determine the modulus; measure over a larger range of load")
-    correlation = _lag_one(found.fun)
-    independent = max(n * (1 - correlation) / (1 + correlation), p + FREE)
-    variance = found.fun @ found.fun / (n - p) * n / independent
+    correlation = _lag_one(solution.fun)
+    independent = max(n * (1 - correlation) / (1 + correlation), p + LEAST_FREEDOM)
+    variance = solution.fun @ solution.fun / (n - p) * n / independent
     spread = np.sqrt(variance * np.linalg.inv(normal).diagonal())
     quantile = stats.t.ppf((1 + CONFIDENCE) / 2, independent - p)
-    rms = float(np.sqrt(np.mean(found.fun**2)))
+    rms = float(np.sqrt(np.mean(solution.fun**2)))
     width = np.asarray(quantile * spread)
-    return Regression(found.x, width, rms, correlation, np.asarray(found.fun))
+    return Regression(solution.x, width, rms, correlation, np.asarray(solution.fun))
 
 
 def _lag_one(residuals: Array) -> float:

@@ -20,53 +20,55 @@ from skincad.mechanics.problem import (
     Answer,
     ContactError,
     LateError,
-    Manufacture,
     Request,
     SizeError,
     Spread,
+    Yield,
     no_yield,
 )
 from skincad.mechanics.tiers.table import (
     AUTO,
     TIERS,
-    able,
-    at_size,
-    below,
-    beside,
-    expected,
+    expected_seconds,
     is_small_strain,
     load,
+    overhead_seconds,
+    prerequisites,
     run,
+    seconds_at_size,
+    unsupported_reason,
 )
 from skincad.mechanics.validity import (
-    beyond_small_strain,
+    exceeds_small_strain,
     refuse_crushed,
+    small_strain_violation,
     strain_warnings,
-    strained,
     tipping,
 )
 from skincad.mechanics.verdict import (
-    AskedTier,
     ContactCheck,
+    ModelRun,
     before_refusal,
-    decided,
-    lost,
+    is_decided,
+    is_undecidable,
     relative_error,
-    unasked_left_out,
-    with_model,
+    with_model_error,
     with_open_friction,
     with_shortfall,
+    without_mesh_tolerance,
 )
 
-HOPELESS = 1.5  # budgets that the linear tier's law may ask for and the tier still be tried
-LEAST = 1e-3  # s; what is left of a budget that is used up: the coarsest rung
-# of an asked tolerance, what `auto` leaves to the mesh, and where the model leaves nothing out
-MESH_SHARE, LAST_SHARE = 0.3, 0.5
-FINEST = 5e-3  # relative; the mesh that `auto` takes where the model's error is the larger anyway
-# s; where neither tolerance nor budget are given, no model is begun that would end later
-PATIENCE = 120.0
-LARGE = 12.0  # s of the linear model by its law: such a pad starts on the coarsest mesh, as with a budget
-Told = Callable[[ContactCheck], object]  # is given each tier's verdict as it is known
+MAX_BUDGET_RATIO = 1.5  # predicted time over budget up to which the linear tier is still tried
+MIN_BUDGET = 1e-3  # s; stands for a used-up budget: only the coarsest mesh is solved
+# The mesh's share of a requested tolerance: of models that leave effects out, and of complete ones
+MESH_SHARE, FULL_MODEL_MESH_SHARE = 0.3, 0.5
+FINEST_TOLERANCE = 5e-3  # relative; `auto` asks no finer mesh where the model's error dominates
+# s; without a tolerance or a budget, no model is started that would end later
+DEFAULT_BUDGET = 120.0
+LARGE_PAD_SECONDS = (
+    12.0  # s of the linear model by its law: such a pad starts on the coarsest mesh, as with a budget
+)
+OnVerdict = Callable[[ContactCheck], object]  # called with each tier's verdict as soon as it is known
 
 
 class Climb:
@@ -76,262 +78,302 @@ class Climb:
         self,
         design: Design,
         force: float,
-        drops: tuple[float, ...],
+        crest_offsets: tuple[float, ...],
         notes: tuple[str, ...],
         progress: Progress | None,
-        told: Told | None = None,
+        on_verdict: OnVerdict | None = None,
     ) -> None:
-        self.design, self.force, self.drops, self.notes = design, force, drops, notes
-        self.progress, self.told = progress, told
-        self.began, self.sampling = perf_counter(), 0.0
-        self.done: dict[str, Answer] = {}
-        self.known: dict[str, Answer] = {}  # with friction and what the model leaves out
-        self.climbed: list[AskedTier] = []
-        self.tiers = [name for name in AUTO if not able(name, design, bool(drops))]
-        self.friction = PlateFriction(design, force, drops)
+        self.design, self.force, self.crest_offsets, self.notes = design, force, crest_offsets, notes
+        self.progress, self.on_verdict = progress, on_verdict
+        self.started, self.sampling_seconds = perf_counter(), 0.0
+        self.solved: dict[str, Answer] = {}
+        self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
+        self.runs: list[ModelRun] = []
+        self.tiers = [name for name in AUTO if not unsupported_reason(name, design, bool(crest_offsets))]
+        self.friction = PlateFriction(design, force, crest_offsets)
 
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
-        """Climb until the error is met, the verdict clear or the budget used."""
-        request = Request(self.force, None, None, self.drops, parts=not self.drops)
-        name = self.tiers[self._start(tol)]
-        large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE
+        """Try better tiers until the tolerance is met, the verdict is clear or the budget is used."""
+        request = Request(self.force, None, None, self.crest_offsets, ridge_model=not self.crest_offsets)
+        name = self.tiers[self._first_index(tol)]
+        large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE_PAD_SECONDS
         if name != "winkler" and (budget is not None or large):
-            return self._within(request, tol, budget)
-        return self._climbed(name, request, tol, budget)
+            return self._within_budget(request, tol, budget)
+        return self._climb_from(name, request, tol, budget)
 
-    def _within(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
-        """Climb from the linear tier where it fits into the budget, or PATIENCE; the closed form is the least
-        there is."""
-        limit = PATIENCE if budget is None else budget
+    def _within_budget(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
+        """Start with the linear tier if it fits into the budget or DEFAULT_BUDGET, else use the closed
+        form."""
+        limit = DEFAULT_BUDGET if budget is None else budget
         least = self.tiers[0] == "winkler"
         name = "linear" if "linear" in self.tiers else self.tiers[0]
         load(name)  # the library's import is no part of the budget
-        self.began = perf_counter()
+        self.started = perf_counter()
         try:
-            if least and name == "linear" and expected(name, self.design, set()) > HOPELESS * limit:
-                raise LateError(expected(name, self.design, set()))
-            return self._climbed(name, replace(request, must_fit=least, budget=limit), tol, budget)
+            if (
+                least
+                and name == "linear"
+                and expected_seconds(name, self.design, set()) > MAX_BUDGET_RATIO * limit
+            ):
+                raise LateError(expected_seconds(name, self.design, set()))
+            return self._climb_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
         except LateError as late:
-            found = self._tier("winkler", replace(request, tol=FINEST))
+            check = self._tier("winkler", replace(request, tol=FINEST_TOLERANCE))
             words = f"the linear tier would take about {about(late.seconds)} of the budget of {limit:g} s"
             if budget is None:
                 words = (
                     f"the linear tier would take about {about(late.seconds)}, and without --budget a check "
-                    f"takes about {PATIENCE:g} s at most"
+                    f"takes about {DEFAULT_BUDGET:g} s at most"
                 )
-            found = replace(found, warnings=(*found.warnings, words), next_tier=(name, late.seconds))
-            return with_shortfall(found, tol, 0.0)
+            check = replace(check, warnings=(*check.warnings, words), next_tier=(name, late.seconds))
+            return with_shortfall(check, tol, 0.0)
 
-    def _climbed(self, name: str, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
-        found: ContactCheck | None = None
-        limit = budget if budget is not None or tol is not None else PATIENCE
+    def _climb_from(
+        self, name: str, request: Request, tol: float | None, budget: float | None
+    ) -> ContactCheck:
+        check: ContactCheck | None = None
+        limit = budget if budget is not None or tol is not None else DEFAULT_BUDGET
         while True:
             timed = limit is not None and request.budget is not None  # by a budget, or as the pad is large
-            left = max(limit - self._spent() - self._yield(), LEAST) if limit and timed else None
+            remaining = (
+                max(limit - self._spent() - self._yield_seconds(), MIN_BUDGET) if limit and timed else None
+            )
             try:
-                found = self._tier(name, replace(request, tol=mesh_tolerance(name, tol), budget=left))
+                check = self._tier(name, replace(request, tol=mesh_tolerance(name, tol), budget=remaining))
             except (InputError, RefusedError) as refusal:
-                found = found or self._solved_before(request, refusal)
-                if found is None:
+                check = check or self._best_solved(request, refusal)
+                if check is None:
                     raise
                 later = self.tiers[self.tiers.index(name) + 1 :]
                 by_force = isinstance(refusal, InputError) and refusal.key == "force"
-                if later and budget is None and by_force and self._ends(later[0]) <= (limit or math.inf):
+                if (
+                    later
+                    and budget is None
+                    and by_force
+                    and self._seconds_until_end(later[0]) <= (limit or math.inf)
+                ):
                     name = later[0]  # a plane model's limit need not be the solid's
                     continue
-                found = before_refusal(found, name, refusal)
+                check = before_refusal(check, name, refusal)
                 break
-            enough = budget is None and self._settled(found) if tol is None else self._met(found, tol)
-            if found.next_tier is None or (not outgrown(self.design, found) and (found.beyond or enough)):
+            satisfied = (
+                budget is None and self._is_settled(check)
+                if tol is None
+                else self._meets_tolerance(check, tol)
+            )
+            if check.next_tier is None or (
+                not exceeds_model(self.design, check) and (check.out_of_range or satisfied)
+            ):
                 break
-            if limit is not None and self._spent() + found.next_tier[1] > limit:
+            if limit is not None and self._spent() + check.next_tier[1] > limit:
                 break
-            name, request = found.next_tier[0], replace(request, must_fit=False)
-        found = unasked_left_out(self._with_yield(found))
-        found = replace(found, warnings=(*found.warnings, *overrun("", self._spent(), budget)))
-        return with_shortfall(found, tol, 0.0) if tol is not None else with_open_friction(found)
+            name, request = check.next_tier[0], replace(request, must_fit=False)
+        check = without_mesh_tolerance(self._with_yield(check))
+        check = replace(check, warnings=(*check.warnings, *overrun("", self._spent(), budget)))
+        return with_shortfall(check, tol, 0.0) if tol is not None else with_open_friction(check)
 
-    def _solved_before(self, request: Request, refusal: Exception) -> ContactCheck | None:
-        """The verdict of the best tier that a refused one was built on; of a pad that is too large for any
-        mesh the closed form's."""
-        solved = [name for name in self.tiers if name in self.done]
+    def _best_solved(self, request: Request, refusal: Exception) -> ContactCheck | None:
+        """The verdict of the best tier solved before one refused.
+
+        For a pad too large for any mesh it is the closed form's.
+        """
+        solved = [name for name in self.tiers if name in self.solved]
         if not solved and isinstance(refusal, SizeError) and self.tiers[0] == "winkler":
             solved = ["winkler"]
         return self._tier(solved[-1], replace(request, must_fit=False)) if solved else None
 
-    def _start(self, tol: float | None) -> int:
-        """The first tier that may meet the tolerance, by Winkler's strains; the linear one without any."""
+    def _first_index(self, tol: float | None) -> int:
+        """Index of the first tier that may meet the tolerance, judged by Winkler's strains.
+
+        Without a tolerance it is the linear tier.
+        """
         first = self.tiers.index("linear") if "linear" in self.tiers else 0
-        if tol is None or self.drops:
+        if tol is None or self.crest_offsets:
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
         for i, name in enumerate(self.tiers):
             bounds = self._bounds(name, rough)
             value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
             relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
-            if relative - self._spared(bounds, tol) <= tol:
+            if relative - self._irreducible(bounds, tol) <= tol:
                 return i
         return len(self.tiers) - 1
 
-    def _bounds(self, name: str, found: Answer) -> tuple[LeftOut, ...]:
-        """Bounds of what a tier leaves out of an answer."""
+    def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
+        """Error bounds of the effects that a tier neglects."""
         effects = (*TIERS[name].leaves_out, *self.friction.left_out(name))
-        return left_out(effects, self.design, found, self.force)
+        return left_out(effects, self.design, answer, self.force)
 
-    def _spared(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
-        """What of the relative error no tier takes away, where that alone is the tolerance: then the rest is
-        asked to meet it."""
-        part = self.friction.stays(bounds)
-        return part if part > tol - FINEST else 0.0
+    def _irreducible(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
+        """The relative error that no tier removes, if it alone exceeds the tolerance, else 0.
 
-    def _met(self, found: ContactCheck, tol: float) -> bool:
+        The rest of the error must then meet the tolerance.
+        """
+        part = self.friction.lasting_error(bounds)
+        return part if part > tol - FINEST_TOLERANCE else 0.0
+
+    def _meets_tolerance(self, check: ContactCheck, tol: float) -> bool:
         """Whether the tolerance is met, as far as any tier can."""
-        spared = self._spared(found.left_out, tol) * (found.all_touch_force.value or 0.0)
-        return relative_error(found, spared) <= tol
+        spared = self._irreducible(check.left_out, tol) * (check.all_touch_force.value or 0.0)
+        return relative_error(check, spared) <= tol
 
-    def _settled(self, found: ContactCheck) -> bool:
-        """Whether the verdict is clear, or what no tier takes away keeps it open in any case."""
-        return decided(found) or lost(found, self.friction.stays(found.left_out))
+    def _is_settled(self, check: ContactCheck) -> bool:
+        """Whether the verdict is clear, or an error that no tier removes keeps it open."""
+        return is_decided(check) or is_undecidable(check, self.friction.lasting_error(check.left_out))
 
-    def _ends(self, name: str) -> float:
-        """Seconds from the check's beginning to the end of a model that is begun now."""
+    def _seconds_until_end(self, name: str) -> float:
+        """Seconds from the start of the check to the end of a model started now."""
         return self._spent() + self._seconds(name)
 
     def _spent(self) -> float:
-        return perf_counter() - self.began
+        return perf_counter() - self.started
 
-    def judged(self, name: str, request: Request) -> ContactCheck:
+    def verdict_of(self, name: str, request: Request) -> ContactCheck:
         """Return the verdict by one tier, with its yield."""
         return self._with_yield(self._tier(name, request))
 
     def _tier(self, name: str, request: Request) -> ContactCheck:
-        """The verdict by one tier, solved on what is solved already."""
+        """The verdict by one tier; tiers solved before are reused."""
         started = self._spent()
-        for each in (*below(name), name):
-            if self.progress and each not in (*self.done, "winkler"):
-                self.progress(f"{each} tier", self._seconds(name))
-            found = run(each, self.design, request, self.done, self.progress)
-        refuse_crushed(self.design, self.force, name, found.approach.value or 0.0)
-        left = None if request.budget is None else request.budget - (self._spent() - started)
-        found = self.friction.on(name, found, left, beside("friction", self.design) * self._speed())
-        found = found.consistent(self.force)
-        bounds = self._bounds(name, found)
-        self.known[name] = known = with_model(found, bounds, self.force)
+        for tier in (*prerequisites(name), name):
+            if self.progress and tier not in (*self.solved, "winkler"):
+                self.progress(f"{tier} tier", self._seconds(name))
+            answer = run(tier, self.design, request, self.solved, self.progress)
+        refuse_crushed(self.design, self.force, name, answer.approach.value or 0.0)
+        remaining = None if request.budget is None else request.budget - (self._spent() - started)
+        answer = self.friction.applied_to(
+            name, answer, remaining, overhead_seconds("friction", self.design) * self._speed()
+        )
+        answer = answer.consistent(self.force)
+        bounds = self._bounds(name, answer)
+        self.with_model_errors[name] = known = with_model_error(answer, bounds, self.force)
         verdict = self._verdict(name, known, bounds)
-        self.climbed.append(AskedTier(name, verdict.all_touch_force, self._spent() - started, found.unknowns))
-        if self.told:
-            self.told(verdict)
+        self.runs.append(ModelRun(name, verdict.all_touch_force, self._spent() - started, answer.unknowns))
+        if self.on_verdict:
+            self.on_verdict(verdict)
         return verdict
 
-    def _with_yield(self, found: ContactCheck) -> ContactCheck:
-        """The last verdict with its yield; those before it are asked for none."""
-        known, made, reserved = self.known[found.tier], None, self._yield()
+    def _with_yield(self, check: ContactCheck) -> ContactCheck:
+        """The last verdict with its yield. Earlier verdicts get no yield."""
+        known, result, reserved = self.with_model_errors[check.tier], None, self._yield_seconds()
         failed: tuple[str, ...] = ()
-        if not (self.drops or found.beyond or found.tier == "winkler"):
+        if not (self.crest_offsets or check.out_of_range or check.tier == "winkler"):
             try:
                 with needing("the yield"):
-                    made = self._manufacture(known)
-            except (ContactError, ExhaustedError) as failure:  # the yield has no say in the verdict
+                    result = self._manufacture(known)
+            except (ContactError, ExhaustedError) as failure:  # the verdict does not need the yield
                 failed = (no_yield(failure),)
-        beyond = found.beyond or self._fault(found.tier, known)  # of the plane, which a solid's yield solves
-        following = found.next_tier
+        # the solid's yield solves the plane model, whose fault counts
+        beyond_reason = check.out_of_range or self._fault(check.tier, known)
+        following = check.next_tier
         return replace(
-            found,
-            beyond=beyond,
-            deformed=self.done["linear"].deformed if "linear" in self.done else (),
-            manufacture=None if beyond else made,
-            seconds={**found.seconds, "total": self._spent(), **self._sampled(known)},
-            warnings=(*found.warnings, *failed),
-            next_tier=following and (following[0], following[1] + self._yield() - reserved),
+            check,
+            out_of_range=beyond_reason,
+            deformed=self.solved["linear"].deformed if "linear" in self.solved else (),
+            manufacture=None if beyond_reason else result,
+            seconds={**check.seconds, "total": self._spent(), **self._yield_times(known)},
+            warnings=(*check.warnings, *failed),
+            next_tier=following and (following[0], following[1] + self._yield_seconds() - reserved),
         )
 
-    def _manufacture(self, found: Answer) -> Manufacture | None:
-        """Yield and sensitivities of the design, the ridge model's force scaled to what the tier found."""
-        threshold, parts = found.all_touch_force.value, found.parts
+    def _manufacture(self, answer: Answer) -> Yield | None:
+        """Yield and sensitivities of the design; the ridge model's force is scaled to the tier's."""
+        threshold, parts = answer.all_touch_force.value, answer.ridge_model
         if threshold is None or self.design.ridge.count == 1:
             return None
-        if parts is None:  # the coarsest linear mesh is enough for what is scaled anyway
-            rough = Request(self.force, FINEST, parts=True)
-            parts = run("linear", self.design, rough, self.done, self.progress).parts
+        if parts is None:  # the coarsest linear mesh is enough, as the force is scaled
+            rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)
+            parts = run("linear", self.design, rough, self.solved, self.progress).ridge_model
         if parts is None:
             return None
         from skincad.mechanics.manufacture import manufacture
 
         started = perf_counter()
-        unsure = found.all_touch_force.error or 0.0
-        made = manufacture(parts, self.force, threshold, spread_of(self.design), unsure)
-        self.sampling = perf_counter() - started
-        return made
+        uncertainty = answer.all_touch_force.error or 0.0
+        result = manufacture(parts, self.force, threshold, spread_of(self.design), uncertainty)
+        self.sampling_seconds = perf_counter() - started
+        return result
 
-    def _verdict(self, name: str, found: Answer, bounds: tuple[LeftOut, ...]) -> ContactCheck:
+    def _verdict(self, name: str, answer: Answer, bounds: tuple[LeftOut, ...]) -> ContactCheck:
         design, force, small = self.design, self.force, is_small_strain(name)
-        beyond = (small and beyond_small_strain(design, force, found)) or self._fault(name, found)
-        warnings = (*found.warnings, *self.notes, *(strain_warnings(design, found) if small else ()))
+        beyond_reason = (small and small_strain_violation(design, force, answer)) or self._fault(name, answer)
+        warnings = (*answer.warnings, *self.notes, *(strain_warnings(design, answer) if small else ()))
         return ContactCheck(
             design.name,
             force,
             design.ridge.count,
-            found.touching,
-            found.all_touch_force,
-            found.approach,
-            found.ridge_force,
+            answer.touching,
+            answer.all_touch_force,
+            answer.approach,
+            answer.ridge_force,
             name,
-            found.unknowns,
-            found.residual,
-            {"total": self._spent(), **found.seconds},
+            answer.unknowns,
+            answer.residual,
+            {"total": self._spent(), **answer.seconds},
             warnings,
             bounds,
-            tuple(self.climbed),
+            tuple(self.runs),
             self._next(name),
             plate=design.contact.plate.shape,
-            beyond=beyond,
-            tipping=tipping(design, found),
+            out_of_range=beyond_reason,
+            tipping=tipping(design, answer),
             friction=design.contact.friction,
         )
 
-    def _fault(self, name: str, found: Answer) -> str:
-        """What goes through each other unseen: the solid looks at crowns alone, the plane at all."""
-        plane = self.done.get("linear", found)
-        fault = found.fault or (plane.fault if is_small_strain(name) else "")
+    def _fault(self, name: str, answer: Answer) -> str:
+        """Undetected contact of the skin with itself or the plate.
+
+        The solid checks the crowns only, so the plane model's finding counts too.
+        """
+        plane = self.solved.get("linear", answer)
+        fault = answer.fault or (plane.fault if is_small_strain(name) else "")
         return fault and f"at {self.force:g} N {fault}, which the model does not cover"
 
-    def _yield(self) -> float:
-        """Seconds of the yield: those that it took, or by its law at the speed seen so far."""
-        return 0.0 if self.drops else self.sampling or beside("yield", self.design) * self._speed()
+    def _yield_seconds(self) -> float:
+        """Seconds of the yield: measured, or predicted by its law at the speed seen so far."""
+        return (
+            0.0
+            if self.crest_offsets
+            else self.sampling_seconds or overhead_seconds("yield", self.design) * self._speed()
+        )
 
-    def _sampled(self, found: Answer) -> dict[str, float]:
-        """Time of the yield: its model's, which the linear tier built, and its parts'."""
-        return {"yield": found.seconds.get("yield", 0.0) + self.sampling} if self.sampling else {}
+    def _yield_times(self, answer: Answer) -> dict[str, float]:
+        """Time of the yield: of its ridge model, which the linear tier built, and of the sample of parts."""
+        return (
+            {"yield": answer.seconds.get("yield", 0.0) + self.sampling_seconds}
+            if self.sampling_seconds
+            else {}
+        )
 
     def _next(self, name: str) -> tuple[str, float] | None:
-        """The next tier with less left out and its seconds: its law's, at the speed seen so far."""
-        mine, later = TIERS[name], list(TIERS)
+        """The next tier that neglects less, and its predicted seconds."""
+        current, order = TIERS[name], list(TIERS)
         better = [
             other
             for other in self.tiers
-            if later.index(other) > later.index(name)
-            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(mine.leaves_out))
+            if order.index(other) > order.index(name)
+            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(current.leaves_out))
         ]
         if not better:
             return None
         return better[0], self._seconds(better[0])
 
     def _seconds(self, name: str) -> float:
-        """What a tier will take from here: its law's at the speed seen so far, and the yield."""
-        return expected(name, self.design, set(self.done)) * self._speed() + self._yield()
+        """Predicted seconds of a tier from here, by its law at the speed seen so far, with the yield."""
+        return expected_seconds(name, self.design, set(self.solved)) * self._speed() + self._yield_seconds()
 
     def _speed(self) -> float:
-        """Seconds on this design for a second of the laws, by the linear tier; 1 where that is not solved."""
-        plane = self.done.get("linear")
+        """Measured over predicted seconds of the linear tier; 1 if that is not solved."""
+        plane = self.solved.get("linear")
         if plane is None:
             return 1.0
         spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
-        return spent / at_size("linear", plane.unknowns)
+        return spent / seconds_at_size("linear", plane.unknowns)
 
 
-def outgrown(design: Design, found: ContactCheck) -> bool:
-    """Whether a tier for small strains has found that they are not: a better one has to say what then."""
-    return is_small_strain(found.tier) and (bool(found.beyond) or strained(design, found))
+def exceeds_model(design: Design, check: ContactCheck) -> bool:
+    """Whether a small-strain tier found large strains, so that a better tier must judge."""
+    return is_small_strain(check.tier) and (bool(check.out_of_range) or exceeds_small_strain(design, check))
 
 
 def _law_seconds(name: str, design: Design) -> float:
@@ -340,9 +382,9 @@ def _law_seconds(name: str, design: Design) -> float:
 
 
 def mesh_tolerance(name: str, tol: float | None) -> float:
-    """Return the relative error that `auto` asks of a tier's mesh for one of the whole."""
-    share = MESH_SHARE if TIERS[name].leaves_out else LAST_SHARE
-    return FINEST if tol is None else min(FINEST, share * tol)
+    """Return the mesh tolerance, relative, that `auto` sets for a tolerance `tol` of the whole."""
+    share = MESH_SHARE if TIERS[name].leaves_out else FULL_MODEL_MESH_SHARE
+    return FINEST_TOLERANCE if tol is None else min(FINEST_TOLERANCE, share * tol)
 
 
 def spread_of(design: Design) -> Spread:

@@ -1,8 +1,8 @@
 """By how much a pad's free ends move normal force from ridge to ridge, in closed form.
 
-A pad held as endless along y bears nu times its stress in that direction. Free ends take it off, over about
-the base's thickness T from either end, so ridge i goes down by A_ij more per N on ridge j: as nu^2 / E times
-T over the length L, and the less the farther apart they are, for the base spreads a load over T:
+A pad modelled as endless along y carries nu times its stress in that direction. Free ends release it over
+about the base's thickness T from either end. So ridge i sinks by A_ij more per N on ridge j. A_ij scales with
+nu^2 / E times T over the length L, and decays with the distance of the ridges over T:
 
     A_ij = reach nu^2 T / (E L^2) exp(-fall |x_i - x_j| / T).
 
@@ -20,26 +20,28 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.tiers.winkler import ridge_stiffness
 
-HELD, BARE = (1.36, 1.2), (3.2, 1.5)  # reach and fall with bonded strips and without
+BONDED_STRIPS, NO_BONDED_STRIPS = (1.36, 1.2), (3.2, 1.5)  # (reach, fall)
 
 
-def softened(design: Design) -> Array:
-    """Return by how much more ridge i goes down, mm, per N on ridge j `(ridges, ridges)`."""
-    stuff, skin = silicone(design), design.skin
+def end_compliance(design: Design) -> Array:
+    """Return the extra sinking of ridge i, mm, per N on ridge j `(ridges, ridges)`."""
+    material, skin = silicone(design), design.skin
     at = np.arange(design.ridge.count) * design.ridge.spacing
-    apart = np.abs(at[:, None] - at) / skin.thickness
-    reach, fall = HELD if design.film_state == "bonded" else BARE
-    ends = reach * stuff.poisson_ratio**2 * skin.thickness / (stuff.young_modulus.value * skin.length**2)
-    return np.asarray(ends * np.exp(-fall * apart))
+    distance = np.abs(at[:, None] - at) / skin.thickness
+    reach, fall = BONDED_STRIPS if design.film_state == "bonded" else NO_BONDED_STRIPS
+    ends = (
+        reach * material.poisson_ratio**2 * skin.thickness / (material.young_modulus.value * skin.length**2)
+    )
+    return np.asarray(ends * np.exp(-fall * distance))
 
 
-def moved(design: Design, pressed: Array) -> Array:
-    """Return by how much free ends change normal forces `pressed` `(n, ridges)` N, in all 0 at each step.
+def force_changes(design: Design, forces: Array) -> Array:
+    """Return the changes of normal forces `forces` `(n, ridges)` N by free ends; they sum to 0 at each step.
 
-    Each touching ridge is the Winkler tier's spring: what the ends make it sink more than the mean of those
-    that touch, it bears less.
+    Each touching ridge is the Winkler tier's spring. It carries less by its stiffness times the extra sinking
+    beyond the mean of the touching ridges.
     """
-    touching = pressed > 0
-    sunk = pressed @ softened(design)
+    touching = forces > 0
+    sunk = forces @ end_compliance(design)
     mean = (sunk * touching).sum(axis=1) / np.maximum(touching.sum(axis=1), 1)
     return np.asarray(np.where(touching, ridge_stiffness(design) * (mean[:, None] - sunk), 0.0))

@@ -1,20 +1,21 @@
-"""What a tier leaves out, and by how much that may change its answer: indicators with their calibration.
+"""Error bounds for effects that a tier neglects, with their calibration.
 
-Each is a bound on the relative change, from numbers at hand. Calibrated on the seven first templates and 21
-variants of plain-ridges and yamada-2002 (length 6 to 48 mm, thickness 2 to 7, R 40 to 150, nu 0.3 to 0.499,
-5 to 15 ridges, with and without strips): all lie inside. The median bound on F9 is 1.6 (free ends) and 1.8
-(finite strain) times the change, on the approach 2.4 and 1.9, on a share 3.3 and 1.7; at nu 0.3, where finite
-strain hardly changes F9, 50 times. Over 40 random designs (bench/error_bars.py), thick pads among
-them, free ends change F9 within the bound in 97 %, the approach in all; medians 2.0 and 3.2 times the change.
+Each is a bound on the relative change, computed from the design and the answer. Calibrated on the seven first
+templates and 21 variants of plain-ridges and yamada-2002 (length 6 to 48 mm, thickness 2 to 7, R 40 to 150,
+nu 0.3 to 0.499, 5 to 15 ridges, with and without strips): all lie inside. The median bound on the all-touch
+force F is 1.6 (free ends) and 1.8 (finite strain) times the change, on the approach 2.4 and 1.9, on a share
+3.3 and 1.7; at nu 0.3, where finite strain hardly changes F, 50 times. Over 40 random designs
+(bench/error_bars.py), thick pads among them, free ends change F within the bound in 97 %, the approach in
+all; medians 2.0 and 3.2 times the change.
 
 Friction was calibrated at coefficients 0.2 to 1 on nine templates, 24 variants of plain-ridges and
-yamada-2002 (thickness 2 to 7, R 40 to 150, nu 0 to 0.499, 5 ridges, height 0.25 to 0.9, crown 0 to 0.08)
-and the random designs of seeds 0 to 39 (bench/campaign, at the forces of bench/error_bars.py): all lie
-inside. Judged on seeds 100 to 149 it holds F9 of 45 in 46, the approach of all 50 and the shares of 46 in 48,
-at worst 1.58 times too narrow; in the median it is 4, 5 and 5 times the change. From 0.5 on next to nothing
-slips, so at 2 and 5 the same hold. Along y it was set on plain-ridges, 6 to 30 mm long, 2 mm thick or of nu
-0.3, pressed in three dimensions with full stick: 0.4 of what the free ends change is taken back. Judged on
-four others (height 0.9, R 40, crown 0.06, thickness 6 mm) it holds, for F9 by 2 % at the tightest.
+yamada-2002 (thickness 2 to 7, R 40 to 150, nu 0 to 0.499, 5 ridges, height 0.25 to 0.9, crown 0 to 0.08) and
+the random designs of seeds 0 to 39 (bench/campaign, at the forces of bench/error_bars.py): all lie inside.
+Judged on seeds 100 to 149 it holds F of 45 in 46, the approach of all 50 and the shares of 46 in 48, at worst
+1.58 times too narrow; in the median it is 4, 5 and 5 times the change. From 0.5 on the slip is negligible, so
+at 2 and 5 the same hold. Along y it was set on plain-ridges, 6 to 30 mm long, 2 mm thick or of nu 0.3,
+pressed in three dimensions with full stick: 0.4 of what the free ends change is taken back. Judged on four
+others (height 0.9, R 40, crown 0.06, thickness 6 mm) it holds, for F by 2 % at the tightest.
 
 tests/mechanics/test_left_out.py holds a part of them against the tiers that compute the effect.
 """
@@ -38,7 +39,8 @@ FRICTION, ALONG = "friction", "friction along y"
 
 @dataclass(frozen=True)
 class LeftOut:
-    """By how much an effect may change F9 and the approach, relative, and a share against the mean share."""
+    """Bounds of an effect: relative for the all-touch force and the approach, a share against the mean
+    share."""
 
     effect: str
     threshold: float
@@ -59,44 +61,44 @@ def free_ends(design: Design) -> LeftOut:
     return LeftOut(FREE_ENDS, 0.3 * reach, 0.5 * reach, 0.3 * reach)
 
 
-def finite_strain(design: Design, found: Answer, force: float) -> LeftOut:
+def finite_strain(design: Design, answer: Answer, force: float) -> LeftOut:
     """Return the bound for strains taken as small, by the nominal strain of the most loaded ridge."""
-    strain = ridge_strain(design, found)
-    at_threshold = strain * (found.all_touch_force.value or 0.0) / force
+    strain = ridge_strain(design, answer)
+    at_threshold = strain * (answer.all_touch_force.value or 0.0) / force
     return LeftOut(FINITE_STRAIN, 1.3 * at_threshold, 0.8 * strain, 0.9 * strain)
 
 
 def friction(design: Design, carrying: int) -> LeftOut:
-    """Return the bound for a plate that does not grip the skin, of which so many ridges carry.
+    """Return the bound for a frictionless plate, with `carrying` ridges under load.
 
-    Tips that cannot spread stiffen ridge and base (`held`), which tells of the approach. F9 follows on thin
-    pads; on thick ones what the last ridge misses falls with the approach. Ridges that lean bend besides, and
-    what is compressed without spreading draws in.
+    Tips that cannot spread stiffen ridge and base (`tip_constraint`), which changes the approach. On thin
+    pads the all-touch force follows. On thick ones the last ridge's remaining gap falls with the approach.
+    Leaning ridges also bend, and compressible silicone draws in.
     """
     skin, ridges = design.skin, design.ridge.count
     thick = skin.thickness / _spanned(design, ridges)
     slope = abs(design.lean(ridges)) + steepest(design.contact.plate, skin.width / 2)
-    stiffer = held(design, ridges) - 1
+    stiffer = tip_constraint(design, ridges) - 1
     drawn_in = (1 - 2 * silicone(design).poisson_ratio) ** 2
     threshold = 0.015 + 0.41 * stiffer / (1 + (3 * thick) ** 4) + 0.3 * slope + 0.06 * drawn_in
-    softer = 1 - 1 / held(design, max(carrying, 1))
+    softer = 1 - 1 / tip_constraint(design, max(carrying, 1))
     approach = 0.005 + 0.5 * softer + 0.005 * drawn_in
     return LeftOut(FRICTION, threshold, approach, 0.08 + 0.13 * softer)
 
 
 def friction_along(design: Design) -> LeftOut:
-    """Return the bound for tips that do not spread along y: they take back a part of what free ends do."""
+    """Return the bound for tips that cannot spread along y: they reduce the effect of free ends."""
     ends = free_ends(design)
     return LeftOut(ALONG, 0.45 * ends.threshold, 0.25 * ends.approach, 0.35 * ends.share)
 
 
-def held(design: Design, ridges: int) -> float:
-    """Return by what factor ridges and the base under so many of them are stiffer when tips cannot spread.
+def tip_constraint(design: Design, ridges: int) -> float:
+    """Return the stiffening factor of ridges and the base under them when tips cannot spread.
 
-    What is bonded on one side and slides on the other is half a block (`confinement`); bonded on both it is
-    the whole one, twice as slender. The base's tips are the ridges, which shear and bend by `give` mm per
-    strain: between two walls of which one slips so much, 4 (T + give) / (T + 4 give) times the resistance to
-    being squeezed out (Poiseuille's flow, the silicone being as good as incompressible).
+    A layer bonded on one side and sliding on the other is half a block (`confinement`). Bonded on both sides
+    it is a whole block, twice as slender. The base's tips are the ridges, which shear and bend by `give` mm
+    per strain: between two walls of which one slips so much, 4 (T + give) / (T + 4 give) times the resistance
+    to being squeezed out (Poiseuille's flow, the silicone being nearly incompressible).
     """
     skin, ridge, nu = design.skin, design.ridge, silicone(design).poisson_ratio
     column = 2 * median(design.heights) / (ridge.root_width + ridge.tip_width)
@@ -116,12 +118,12 @@ def _spanned(design: Design, ridges: int) -> float:
     return min(design.skin.width, (ridges - 1) * ridge.spacing + mean)
 
 
-def left_out(effects: tuple[str, ...], design: Design, found: Answer, force: float) -> tuple[LeftOut, ...]:
+def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: float) -> tuple[LeftOut, ...]:
     """Return the bounds of the effects that a tier leaves out of its answer at `force` N."""
     bounds = {
         FREE_ENDS: lambda: free_ends(design),
-        FINITE_STRAIN: lambda: finite_strain(design, found, force),
-        FRICTION: lambda: friction(design, found.touching),
+        FINITE_STRAIN: lambda: finite_strain(design, answer, force),
+        FRICTION: lambda: friction(design, answer.touching),
         ALONG: lambda: friction_along(design),
     }
     return tuple(bounds[effect]() for effect in effects)

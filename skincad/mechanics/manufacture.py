@@ -1,7 +1,7 @@
-"""What manufacture and material do to the verdict: sensitivities, and the share of parts that pass.
+"""Yield: the share of cast parts that pass, and its sensitivities.
 
-A part's crests are lower or higher than designed by a normal error of the mold's process, ridge against
-ridge; its modulus lies anywhere in the material's range (uniform: a range says no more). Forces scale with
+A part's crests differ from the design by independent normal errors of the mold's process. Its modulus is
+uniform in the material's range, since a range says no more. Forces scale with
 the modulus exactly, so a part passes when all its ridges touch at force x E / E_part in the model of E.
 """
 
@@ -16,92 +16,100 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.blas import one_blas_thread
 from skincad.base.estimate import Estimate
 from skincad.mechanics.contact.ridge_model import BATCH, ridge_forces
-from skincad.mechanics.problem import FLOOR, Manufacture, RidgeModel, Spread
+from skincad.mechanics.problem import NEGLIGIBLE, RidgeModel, Spread, Yield
 
 BATCHES = 8  # Latin hypercubes, independent of each other: their spread is the sample's error
 # Parts in a batch, of up to MANY ridges; of more so many fewer as pairs of ridges are more. On four templates
 # 8 x 256 already come as near to the share of 100 000 parts as 10 000 drawn at random (rms 0.1 to 0.7 %, 0.03
 # to 0.5 %); of two crests alone, that decide by their difference, as 4000 at random
-BATCH_PARTS, MANY = 512, 32
+BATCH_PARTS, FULL_BATCH_RIDGES = 512, 32
 STUDENT, NORMAL = 2.36, 1.96  # spreads that hold 95 %: of a mean of 8, and of a known spread
 SEED = 20021  # fixed, so that the same design has the same yield
 MODEL_MISCLASSIFIES = 0.02  # share, measured against the condensed model in test_manufacture.py
 SCALED_MISCLASSIFIES = 0.06  # share, where a better tier has scaled the force; by the condensed solid, there
-SCALED = 0.05  # of the force; a larger change is a better tier's
+SCALED_FROM = 0.05  # of the force; a larger change is a better tier's
 HALVINGS = 50
 SECTIONS = 32  # of an interval at once, five halvings: up to 500 parts together take hardly longer than one
 NUDGE = 0.02  # of the largest difference between crests; for the derivative by each crest
 
 
 def manufacture(
-    model: RidgeModel, force: float, threshold: float, spread: Spread, unsure: float = 0.0
-) -> Manufacture:
-    """Return yield and sensitivities of a pad whose all-touch force is `threshold` N, asked for `force` N.
+    model: RidgeModel, force: float, threshold: float, spread: Spread, uncertainty: float = 0.0
+) -> Yield:
+    """Return yield and sensitivities of a pad whose all-touch force is `threshold` N, at `force` N.
 
-    The threshold is known to `unsure` N; the error of the yield holds what another one within it would give.
-    It may be a better tier's than the model's own: what that tier adds is taken as a change of stiffness
-    alone, so the asked force is scaled (measured in test_manufacture.py for free ends).
+    The threshold is known to `uncertainty` N, and the error of the yield covers that. The threshold may come
+    from a better tier than the model. That tier's effects are then taken as a change of stiffness, so the
+    force is scaled (measured in test_manufacture.py for free ends).
     """
     with one_blas_thread():
-        return _manufacture(model, force, threshold, spread, unsure)
+        return _manufacture(model, force, threshold, spread, uncertainty)
 
 
 def _manufacture(
-    model: RidgeModel, force: float, threshold: float, spread: Spread, unsure: float
-) -> Manufacture:
+    model: RidgeModel, force: float, threshold: float, spread: Spread, uncertainty: float
+) -> Yield:
     unit, scale, count = model.unit, model.scale, model.gap.size
-    own = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
-    # two all-touch forces that are as good as nothing are rounding, and so is their ratio
-    softer = own * scale / threshold if min(own * scale, threshold) > FLOOR * force else 1.0
-    asked = force / scale * softer
-    drops, moduli = _parts(spread, unit, count)
-    scaled = asked * spread.modulus[1] / moduli
-    passing = _passing(model, drops, scaled)
+    model_threshold = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
+    # the ratio of two negligible all-touch forces is rounding
+    softer = (
+        model_threshold * scale / threshold
+        if min(model_threshold * scale, threshold) > NEGLIGIBLE * force
+        else 1.0
+    )
+    scaled_force = force / scale * softer
+    crest_offsets, moduli = _parts(spread, unit, count)
+    part_forces = scaled_force * spread.modulus[1] / moduli
+    passing = _passing(model, crest_offsets, part_forces)
     both = float(passing.mean())
-    crests = float(_passing(model, drops, np.full(moduli.size, asked)).mean())
-    material = float((scaled >= own).mean())
-    worst, best = _at_other_thresholds(model, drops, scaled, passing, unsure and unsure / threshold)
-    wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED else SCALED_MISCLASSIFIES
-    low, high = _end(worst, -wrong), _end(best, wrong)
-    return Manufacture(
+    crests = float(_passing(model, crest_offsets, np.full(moduli.size, scaled_force)).mean())
+    material = float((part_forces >= model_threshold).mean())
+    worst, best = _at_other_thresholds(
+        model, crest_offsets, part_forces, passing, uncertainty and uncertainty / threshold
+    )
+    wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED_FROM else SCALED_MISCLASSIFIES
+    low, high = _share_bound(worst, -wrong), _share_bound(best, wrong)
+    return Yield(
         Estimate(both, max(both - low, high - both), "1"),
         (low, high),
-        tuple(float(s) for s in _crest_slopes(model, own) * scale / unit / softer),
+        tuple(float(s) for s in _crest_slopes(model, model_threshold) * scale / unit / softer),
         threshold / spread.modulus[1],
         _largest(spread, both, crests, material) if threshold <= force else _nominal(threshold, force),
     )
 
 
-def all_touch(model: RidgeModel, drops: Array, guess: float) -> Array:
+def all_touch(model: RidgeModel, crest_offsets: Array, guess: float) -> Array:
     """Return the smallest force `(s,)` at which all ridges of each part touch, section by section."""
-    low, high = np.zeros(len(drops)), np.full(len(drops), max(guess, 1e-12))
+    low, high = np.zeros(len(crest_offsets)), np.full(len(crest_offsets), max(guess, 1e-12))
     for _ in range(HALVINGS):
-        short = (ridge_forces(model, drops, high) <= 0).any(axis=1)
+        short = (ridge_forces(model, crest_offsets, high) <= 0).any(axis=1)
         if not short.any():
             break
         low, high = np.where(short, high, low), np.where(short, 2 * high, high)
-    sections = max(2, min(SECTIONS, BATCH // len(drops)))
-    shares, each = np.arange(sections + 1) / sections, np.arange(len(drops))
-    same = np.repeat(drops, sections - 1, axis=0)
+    sections = max(2, min(SECTIONS, BATCH // len(crest_offsets)))
+    shares, part = np.arange(sections + 1) / sections, np.arange(len(crest_offsets))
+    same = np.repeat(crest_offsets, sections - 1, axis=0)
     for _ in range(math.ceil(HALVINGS / math.log2(sections))):
         force = low[:, None] + (high - low)[:, None] * shares
         carried = ridge_forces(model, same, force[:, 1:-1].ravel())
-        short = (carried <= 0).any(axis=1).reshape(len(drops), -1).sum(axis=1)
-        low, high = force[each, short], force[each, short + 1]
+        short = (carried <= 0).any(axis=1).reshape(len(crest_offsets), -1).sum(axis=1)
+        low, high = force[part, short], force[part, short + 1]
     return high
 
 
 def _at_other_thresholds(
-    model: RidgeModel, drops: Array, force: Array, passing: Mask, unsure: float
+    model: RidgeModel, crest_offsets: Array, force: Array, passing: Mask, uncertainty: float
 ) -> tuple[Mask, Mask]:
-    """Which parts pass `(parts,)` where the threshold is larger, and smaller, by a part `unsure`."""
-    if unsure == 0.0:
+    """Which parts pass `(parts,)` where the threshold is larger, and smaller, by a relative `uncertainty`."""
+    if uncertainty == 0.0:
         return passing, passing
-    worst = _passing(model, drops, force / (1 + unsure))
-    return worst, _passing(model, drops, force / (1 - unsure)) if unsure < 1 else np.ones_like(passing)
+    worst = _passing(model, crest_offsets, force / (1 + uncertainty))
+    return worst, _passing(
+        model, crest_offsets, force / (1 - uncertainty)
+    ) if uncertainty < 1 else np.ones_like(passing)
 
 
-def _end(passing: Mask, wrong: float) -> float:
+def _share_bound(passing: Mask, wrong: float) -> float:
     """An end of the interval of the share that passes: the upper one where `wrong` is positive.
 
     `wrong` is the share of parts that the model misjudges where half of them pass. The sample's part is
@@ -128,29 +136,30 @@ def _nominal(threshold: float, force: float) -> str:
 
 
 def _parts(spread: Spread, unit: float, count: int) -> tuple[Array, Array]:
-    """Crest drops `(parts, count)`, in units, and moduli `(parts,)`, MPa, batch after batch.
+    """Crest offsets `(parts, count)`, lower where positive, in units, and moduli `(parts,)`, MPa, batch after
+    batch.
 
     McKay, Beckman and Conover, Technometrics 21 (1979) 239: each number's distribution is hit evenly.
     """
-    size = BATCHES, max(1, int(BATCH_PARTS * min(1.0, (MANY / count) ** 2))), count + 1
+    size = BATCHES, max(1, int(BATCH_PARTS * min(1.0, (FULL_BATCH_RIDGES / count) ** 2))), count + 1
     rng = np.random.default_rng(SEED)
     strata = rng.permuted(np.broadcast_to(np.arange(size[1])[:, None], size), axis=1)
     drawn = ((strata + rng.random(size)) / size[1]).reshape(-1, count + 1)
     low, _, high = spread.modulus
-    drops = spread.crest_sigma / unit * special.ndtri(drawn[:, :count])
-    return np.asarray(drops), low + (high - low) * drawn[:, count]
+    crest_offsets = spread.crest_sigma / unit * special.ndtri(drawn[:, :count])
+    return np.asarray(crest_offsets), low + (high - low) * drawn[:, count]
 
 
-def _passing(model: RidgeModel, drops: Array, force: Array) -> Mask:
+def _passing(model: RidgeModel, crest_offsets: Array, force: Array) -> Mask:
     """Whether all ridges of each part touch `(parts,)`, each under its own force."""
-    return np.asarray((ridge_forces(model, drops, force) > 0).all(axis=1))
+    return np.asarray((ridge_forces(model, crest_offsets, force) > 0).all(axis=1))
 
 
-def _crest_slopes(model: RidgeModel, own: float) -> Array:
+def _crest_slopes(model: RidgeModel, threshold: float) -> Array:
     """One-sided derivative of the all-touch force by lowering each crest alone."""
     count = model.gap.size
     nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0)
-    return (all_touch(model, nudge * np.eye(count), own) - own) / nudge
+    return (all_touch(model, nudge * np.eye(count), threshold) - threshold) / nudge
 
 
 def _largest(spread: Spread, both: float, crests: float, material: float) -> str:

@@ -19,9 +19,9 @@ def rise(plate: Plate, x: Array) -> Array:
         return np.where(x > plate.position, plate.height or 0.0, 0.0)
     if plate.shape == "cylinder":
         radius = plate.radius or math.inf
-        aside = np.abs(x - plate.position) / radius
-        half = np.arcsin(np.minimum(aside, 1.0)) / 2
-        return np.where(aside < 1.0, 2 * radius * np.sin(half) ** 2, np.inf)
+        offset = np.abs(x - plate.position) / radius
+        half = np.arcsin(np.minimum(offset, 1.0)) / 2
+        return np.where(offset < 1.0, 2 * radius * np.sin(half) ** 2, np.inf)
     return np.zeros_like(x)
 
 

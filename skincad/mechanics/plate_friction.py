@@ -1,8 +1,8 @@
-"""Friction between skin and plate in a check: left out with its bound, or computed once for all tiers.
+"""Friction between skin and plate in a check: bounded, or computed once for all tiers.
 
-Tiers press without friction. Where `contact.friction` is not given it is left out, and its bound is part of
-the error; where it is, each tier's answer is changed by what it changes on a coarse mesh (tiers/friction.py).
-The closed form keeps the bound: a mesh costs a thousand times its own price. At 0 nothing is left out.
+Tiers press without friction. Without `contact.friction`, a bound for friction is part of the error. With it,
+each tier's answer gets the change that friction makes on a coarse mesh (tiers/friction.py). The closed form
+keeps the bound, since a mesh costs a thousand times as much. At 0 nothing is left out.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ CLOSED_FORM = "winkler"
 
 
 class PlateFriction:
-    """The friction of one design's plate at `force` N; `drops` as in Request."""
+    """The friction of one design's plate at `force` N; `crest_offsets` as in Request."""
 
-    def __init__(self, design: Design, force: float, drops: tuple[float, ...]) -> None:
-        self.design, self.force, self.drops = design, force, drops
+    def __init__(self, design: Design, force: float, crest_offsets: tuple[float, ...]) -> None:
+        self.design, self.force, self.crest_offsets = design, force, crest_offsets
         self.coefficient = design.contact.friction
         self.solved: TwoPresses | None = None
         self.failed = ""
         self.seconds = 0.0
 
     def left_out(self, tier: str) -> tuple[str, ...]:
-        """What a tier leaves out of friction.
+        """Names of the friction effects that a tier neglects.
 
-        Along y it has a say where ends are free, unless bonded strips hold the ridges; no tier computes it.
+        Friction along y matters where ends are free, unless bonded strips hold the ridges. No tier computes
+        it.
         """
         if self.coefficient == 0.0:
             return ()
@@ -46,8 +47,8 @@ class PlateFriction:
         along = free and self.design.film_state != "bonded"
         return (*([FRICTION] if unknown else []), *([ALONG] if along else []))
 
-    def stays(self, bounds: tuple[LeftOut, ...]) -> float:
-        """What of the relative error of F9 no tier takes away."""
+    def lasting_error(self, bounds: tuple[LeftOut, ...]) -> float:
+        """The relative error of the all-touch force that no tier removes."""
         lasting = (FRICTION, ALONG) if self._unknown else (ALONG,)
         return math.fsum(bound.threshold for bound in bounds if bound.effect in lasting)
 
@@ -56,26 +57,26 @@ class PlateFriction:
         """Whether the coefficient is not given, or of no use."""
         return self.coefficient is None or bool(self.failed)
 
-    def on(self, tier: str, found: Answer, within: float | None, price: float) -> Answer:
-        """Return a tier's answer with friction, where that is known and the tier no closed form.
+    def applied_to(self, tier: str, answer: Answer, available: float | None, price: float) -> Answer:
+        """Return a tier's answer with friction, if that is known and the tier is not the closed form.
 
-        Where it cannot be computed, or its `price`, s, is more than it must stay `within`, that is said and
+        If friction cannot be computed, or its `price`, s, exceeds the `available` time, a warning says so and
         its bound stays.
         """
         if not self.coefficient or tier == CLOSED_FORM:
-            return found
+            return answer
         if self.solved is None and not self.failed:
-            if within is not None and price > within:
+            if available is not None and price > available:
                 self.failed = f"would take about {price:.2g} s"
             else:
                 self._solve()
         if self.solved is None:
             words = f"contact.friction is left out, within its bound: {self.failed}"
-            return replace(found, warnings=(*found.warnings, words))
-        from skincad.mechanics.tiers.friction import rubbed
+            return replace(answer, warnings=(*answer.warnings, words))
+        from skincad.mechanics.tiers.friction import with_friction
 
-        changed = rubbed(found, self.solved, self.force)
-        return replace(changed, seconds={**found.seconds, "friction": self.seconds})
+        changed = with_friction(answer, self.solved, self.force)
+        return replace(changed, seconds={**answer.seconds, "friction": self.seconds})
 
     def _solve(self) -> None:
         from skincad.mechanics.tiers.corrected import plain_pad
@@ -84,7 +85,9 @@ class PlateFriction:
         began = perf_counter()
         try:
             with needing("the press with friction"):
-                self.solved = solve(plain_pad(self.design), self.coefficient or 0.0, self.force, self.drops)
+                self.solved = solve(
+                    plain_pad(self.design), self.coefficient or 0.0, self.force, self.crest_offsets
+                )
         except (ContactError, ExhaustedError, InputError) as failure:
             self.failed = str(failure)
         self.seconds = perf_counter() - began

@@ -1,4 +1,4 @@
-"""What a tier solves and what it answers: the pad and the verdict's numbers, free of any library."""
+"""The input and output of a tier: the pad, the request and the answer. Needs no solver library."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section, section
 
 FLAT = Plate()
-FLOOR = 0.01  # of the asked force; an all-touch force below it is as good as nothing
-SAME_SHARE = 1e-3  # relative: ridges whose forces differ by less, as a mirrored pair's, touch together
+NEGLIGIBLE = 0.01  # of the applied force; a smaller all-touch force is negligible
+EQUAL_FORCES = 1e-3  # relative: ridges whose forces differ by less, as a mirrored pair's, touch together
 PVDF_DENSITY = 1780.0  # kg/m3; source: data sheets
 
 
@@ -45,7 +45,7 @@ class Pad:
 
     Segments of CONTACT_KINDS may touch the plate. `strips` are loops filled with the film's material
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
-    mm/N is by how much more the ridges give way because the pad is no endless one, where that is asked.
+    mm/N is the compliance that free ends add, if requested.
     `law` is the silicone's at finite strain, scaled to its modulus; neo-Hooke's where it is None.
     """
 
@@ -81,8 +81,8 @@ class Pad:
     @property
     def ridges(self) -> tuple[int, ...]:
         """Numbers of the ridges that can touch, ascending."""
-        found = {s.ridge for s in self.section.outline if s.kind in CONTACT_KINDS}
-        return tuple(sorted(r for r in found if r is not None))
+        numbers = {s.ridge for s in self.section.outline if s.kind in CONTACT_KINDS}
+        return tuple(sorted(r for r in numbers if r is not None))
 
     @property
     def top(self) -> float:
@@ -116,12 +116,12 @@ class RidgeModel:
 
 
 @dataclass(frozen=True)
-class Manufacture:
-    """Share of parts in which all ridges touch at the asked force, and its sensitivities.
+class Yield:
+    """Share of parts in which all ridges touch at the applied force, and its sensitivities.
 
-    `interval` is from which share to which the error of model and sample reaches, within 0 and 1.
-    `crest_sensitivity` `(ridges,)` is the change of the all-touch force per lowering of each crest, N/mm;
-    `modulus_sensitivity` its change with E, N/MPa. `largest` names the larger loss and what mends it.
+    `interval` holds the share, with the error of model and sample, within 0 and 1. `crest_sensitivity`
+    `(ridges,)` is the change of the all-touch force per lowering of each crest, N/mm. `modulus_sensitivity`
+    is its change with E, N/MPa. `largest` names the larger loss and its remedy.
     """
 
     passing: Estimate
@@ -138,18 +138,18 @@ def no_yield(failure: Exception) -> str:
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of a tier: at `force` N, to a relative tolerance, or the best in `budget` s.
+    """A request to a tier: at `force` N, to a relative tolerance, or the best within `budget` s.
 
-    `drops` says by how much each crest of one measured part is lower than designed, mm; `parts` whether the
-    ridge model for the yield is wanted too; `must_fit` that a first rung which would overrun the budget is
-    refused with a LateError, not solved as the least.
+    `crest_offsets`, mm, are those of one measured part, positive where a crest is lower than designed.
+    `ridge_model` asks for the model of the yield too. With `must_fit` a first mesh that would overrun the
+    budget raises LateError; otherwise it is solved.
     """
 
     force: float
     tol: float | None = None
     budget: float | None = None
-    drops: tuple[float, ...] = ()
-    parts: bool = False
+    crest_offsets: tuple[float, ...] = ()
+    ridge_model: bool = False
     must_fit: bool = False
 
 
@@ -168,11 +168,11 @@ DeformedPiece = tuple[DeformedLoop, ...]  # of the section: its outer loop and i
 
 @dataclass(frozen=True)
 class Answer:
-    """What a tier found at `force` N: estimates with their error of discretisation, work and residual.
+    """A tier's answer at `force` N: estimates with their discretisation error, work and residual.
 
-    `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form; `fault`
-    says what goes through each other or the plate unseen, "" where nothing does; `took` s is what the tier's
-    own part took, without what it builds on; `deformed` is the section under the force, to be drawn.
+    `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form. `fault`
+    names an undetected contact of the skin with itself or the plate, "" if there is none. `own_seconds` is
+    the tier's own time, without the tiers that it builds on. `deformed` is the section under the force.
     """
 
     touching: int
@@ -184,8 +184,8 @@ class Answer:
     seconds: dict[str, float]
     warnings: tuple[str, ...] = ()
     fault: str = ""
-    parts: RidgeModel | None = None
-    took: float = 0.0
+    ridge_model: RidgeModel | None = None
+    own_seconds: float = 0.0
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False, repr=False)
 
     def consistent(self, force: float) -> Answer:
@@ -199,7 +199,7 @@ class Answer:
         lowest = min(shares)
         if needed is None or len(shares) == 1 or (lowest > 0) == (needed <= force):
             return self
-        late = [share <= lowest * (1 + SAME_SHARE) for share in shares]
+        late = [share <= lowest * (1 + EQUAL_FORCES) for share in shares]
         others = math.fsum(share for share, is_late in zip(shares, late, strict=True) if not is_late)
         if not others:
             return self
@@ -215,17 +215,18 @@ class Answer:
         return replace(self, touching=touching, ridge_force=ridge_force)
 
     def widened(self, threshold: float, approach: float, share: float) -> Answer:
-        """Return the answer with larger errors: by parts of F9 and of the approach, and by `share` N."""
+        """Return the answer with larger errors: relative for the all-touch force and the approach, and by
+        `share` N."""
 
-        def wider(found: Estimate, more: float) -> Estimate:
-            return replace(found, error=None if found.error is None else found.error + more)
+        def wider(estimate: Estimate, more: float) -> Estimate:
+            return replace(estimate, error=None if estimate.error is None else estimate.error + more)
 
         first, down = self.all_touch_force, self.approach
         return replace(
             self,
             all_touch_force=wider(first, (first.value or 0.0) * threshold),
             approach=wider(down, abs(down.value or 0.0) * approach),
-            ridge_force=tuple(wider(each, share) for each in self.ridge_force),
+            ridge_force=tuple(wider(ridge, share) for ridge in self.ridge_force),
         )
 
 
@@ -238,7 +239,7 @@ def pad_of(design: Design) -> Pad:
     if bent is not None:
         rule = "is handled by the winkler tier only: the others take the skin as straight along y"
         raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
-    shape, stuff, film = section(design), silicone(design), design.film
+    shape, material, film = section(design), silicone(design), design.film
     state = design.film_state
     if state == "bonded" and film is not None:
         strips = tuple(slot.loop(film.thickness) for slot in shape.slots)
@@ -246,10 +247,10 @@ def pad_of(design: Design) -> Pad:
     else:
         strips, moduli = (), (0.0, 0.0)
     voids = tuple(slot.loop() for slot in shape.slots) if state == "loose" else ()
-    modulus, ratio, length = stuff.young_modulus.value, stuff.poisson_ratio, design.skin.length
-    densities = stuff.density, PVDF_DENSITY if strips else 0.0
+    modulus, ratio, length = material.young_modulus.value, material.poisson_ratio, design.skin.length
+    densities = material.density, PVDF_DENSITY if strips else 0.0
     plate = design.contact.plate
-    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, plate, *densities, law=stuff.law)
+    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, plate, *densities, law=material.law)
 
 
 def one_ridge(pad: Pad) -> Pad:
@@ -265,7 +266,7 @@ def one_ridge(pad: Pad) -> Pad:
 
 
 def check_flat(plate: Plate, tier: str, other: str) -> None:
-    """Raise InputError for a plate that a tier does not know; `other` is the tier to take."""
+    """Raise InputError for a plate that a tier does not support; `other` is the tier to take."""
     if plate.shape != "flat":
         rule = f"must be 'flat' for the {tier} tier"
         raise InputError("contact.plate.shape", rule, plate.shape, f"take the {other} tier")

@@ -1,4 +1,4 @@
-"""By how much each dimension and modulus moves the all-touch force, by the closed form's exponents.
+"""Sensitivities of the all-touch force to each dimension and the modulus, by the closed form's exponents.
 
 An exponent is percent of force per percent of the key. The closed form alone misleads where a key acts on
 the base that ridges share: it gives the base under a ridge to skin.width / ridge.count, where it is rather
@@ -17,7 +17,7 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.problem import FLOOR
+from skincad.mechanics.problem import NEGLIGIBLE
 from skincad.mechanics.tiers.winkler import all_touch_force
 
 STEP = 1e-3  # relative, of each key, one way
@@ -32,13 +32,21 @@ KEYS = (
     "ridge.tip_width",
 )
 MODULUS = "material.young_modulus"
-# by how much exponents may be off: those of single ridges and of the base circle
-OFF = {"skin.curvature_radius": 0.2, "ridge.height": 0.35, "ridge.root_width": 0.3, "ridge.tip_width": 0.4}
+# half-widths of the exponents of single ridges and of the base circle
+EXPONENT_MARGINS = {
+    "skin.curvature_radius": 0.2,
+    "ridge.height": 0.35,
+    "ridge.root_width": 0.3,
+    "ridge.tip_width": 0.4,
+}
 FREE_ENDS = 0.3  # assumption, of the length's: what free ends add, which the plane does not know
-EXACT = 0.01  # of what is proportional: rounding, and the linear tier's mesh
-CONFINED = 0.4  # by which a thicker base may count for more than its springs; at least it counts for nothing
-EDGE = 0.009  # by the square of the number of ridges: what a margin that gets narrower may change
-BELOW, ABOVE = 0.1, 0.2  # of the pitch's exponent, beyond its gap's alone and beyond its gap's and base's
+PROPORTIONAL_MARGIN = 0.01  # of what is proportional: rounding, and the linear tier's mesh
+CONFINEMENT_MARGIN = (
+    0.4  # by which a thicker base may count for more than its springs; at least it counts for nothing
+)
+EDGE_MARGIN = 0.009  # by the square of the number of ridges: what a margin that gets narrower may change
+# of the pitch's exponent: below that of the gap alone, and above that of gap and base
+PITCH_MARGIN_BELOW, PITCH_MARGIN_ABOVE = 0.1, 0.2
 
 
 @dataclass(frozen=True)
@@ -52,39 +60,43 @@ class Sensitivity:
 
 
 def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
-    """Return what 1 % more of each dimension changes of an all-touch force of `force` N, the largest first.
+    """Return the change of an all-touch force of `force` N by 1 % of each dimension, the largest first.
 
-    Empty for a single ridge, and where all touch as good as at once. A key that a guard lets move neither
-    way is left out.
+    Empty for a single ridge, and for a negligible all-touch force. A key that guards hold fixed is left out.
     """
-    own = all_touch_force(design)
-    if design.ridge.count == 1 or own <= FLOOR * design.contact.force:
+    closed_force = all_touch_force(design)
+    if design.ridge.count == 1 or closed_force <= NEGLIGIBLE * design.contact.force:
         return ()
-    ends = intervals(design, own)
+    ends = intervals(design, closed_force)
     now = {key: _value(design, key) for key in ends if key != MODULUS}
     now[MODULUS] = silicone(design).young_modulus.value
-    found = [
+    rows = [
         Sensitivity(key, now[key], "MPa" if key == MODULUS else "mm", _change(low, high, force))
         for key, (low, high) in ends.items()
     ]
-    return tuple(sorted(found, key=lambda each: (float(f"{-abs(each.change.value or 0.0):.3g}"), each.key)))
+    return tuple(sorted(rows, key=lambda row: (float(f"{-abs(row.change.value or 0.0):.3g}"), row.key)))
 
 
-def intervals(design: Design, own: float) -> dict[str, tuple[float, float]]:
-    """Return the interval of each key's exponent; `own` N is the closed form's force."""
-    closed = {key: each for key in KEYS if (each := _exponent(design, own, key)) is not None}
-    edge = EDGE * design.ridge.count**2
-    found = {key: (closed[key] - off, closed[key] + off) for key, off in OFF.items() if key in closed}
+def intervals(design: Design, closed_force: float) -> dict[str, tuple[float, float]]:
+    """Return the interval of each key's exponent; `closed_force` N is the closed form's."""
+    closed = {key: exponent for key in KEYS if (exponent := _exponent(design, closed_force, key)) is not None}
+    edge = EDGE_MARGIN * design.ridge.count**2
+    result = {
+        key: (closed[key] - off, closed[key] + off) for key, off in EXPONENT_MARGINS.items() if key in closed
+    }
     if "skin.thickness" in closed:
-        found["skin.thickness"] = closed["skin.thickness"] - CONFINED, 0.0
+        result["skin.thickness"] = closed["skin.thickness"] - CONFINEMENT_MARGIN, 0.0
     if "skin.width" in closed:
-        found["skin.width"] = -edge, EXACT
+        result["skin.width"] = -edge, PROPORTIONAL_MARGIN
     if "ridge.pitch" in closed:
         base = closed.get("skin.width", 1.0)  # 1 is the most that it may be
-        found["ridge.pitch"] = closed["ridge.pitch"] - BELOW, closed["ridge.pitch"] + base + edge + ABOVE
-    found["skin.length"] = 1 - FREE_ENDS, 1 + FREE_ENDS
-    found[MODULUS] = 1 - EXACT, 1 + EXACT
-    return found
+        result["ridge.pitch"] = (
+            closed["ridge.pitch"] - PITCH_MARGIN_BELOW,
+            closed["ridge.pitch"] + base + edge + PITCH_MARGIN_ABOVE,
+        )
+    result["skin.length"] = 1 - FREE_ENDS, 1 + FREE_ENDS
+    result[MODULUS] = 1 - PROPORTIONAL_MARGIN, 1 + PROPORTIONAL_MARGIN
+    return result
 
 
 def _change(low: float, high: float, force: float) -> Estimate:
@@ -96,7 +108,7 @@ def _value(design: Design, key: str) -> float:
     return float(getattr(getattr(design, table), name))
 
 
-def _exponent(design: Design, own: float, key: str) -> float | None:
+def _exponent(design: Design, closed_force: float, key: str) -> float | None:
     """The logarithmic derivative of the closed form's force, one-sided where a guard forbids the other; None
     for a key that is not given or not free."""
     table, _, name = key.partition(".")
@@ -107,6 +119,6 @@ def _exponent(design: Design, own: float, key: str) -> float | None:
         try:
             ends.append((math.log(by), all_touch_force(design.with_(**{table: {name: now * by}}))))
         except InputError:
-            ends.append((0.0, own))
+            ends.append((0.0, closed_force))
     (low, first), (high, last) = ends
     return None if low == high or min(first, last) <= 0 else math.log(last / first) / (high - low)

@@ -1,12 +1,12 @@
-"""By how much a ridge's normal force raises what a pull bends it: P-delta.
+"""P-delta: how much a ridge's normal force increases its bending under a pull.
 
-A ridge under a normal force P that a pull moves to a side is bent by P times that way besides. Both grow by
-1 / (1 - P / Pcr), with Pcr the force at which the ridge sways without any pull: Timoshenko and Gere, Theory
-of Elastic Stability, 2nd ed., chap. 1 (beam-columns). Small strain knows none of it.
+A ridge under a normal force P, displaced sideways by a pull, is also bent by P times that displacement. Both
+grow by 1 / (1 - P / Pcr), with Pcr the force at which the ridge sways without any pull: Timoshenko and Gere,
+Theory of Elastic Stability, 2nd ed., chap. 1 (beam-columns). Small strain knows none of it.
 
 Nothing here is fitted. The ridge is a column that bends and shears between two halves of elastic space, which
 its root and its tip turn in: the plate keeps a tip level only as far as silicone does. It is as squat and
-wide as P has pressed it. bench/table_swaying.py holds it against marches at finite strain.
+wide as P has pressed it. bench/table_swaying.py compares it with simulations at finite strain.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import math
 
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.validity import SHEARED, mean_width, plane_modulus
+from skincad.mechanics.validity import SHEAR_FACTOR, mean_width, plane_modulus
 
 BISECTIONS = 60  # of an angle below pi, to rounding
-NO_COLUMN = 0.9  # of the height pressed away, where nothing is left to sway
+LARGEST_SQUEEZE = 0.9  # of the height pressed away, where nothing is left to sway
 
 
 def sway_force(design: Design, normal: float) -> float:
@@ -30,22 +30,24 @@ def sway_force(design: Design, normal: float) -> float:
     in bending (`_sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
     Res. Rep. 3 (1948) 401.
     """
-    modulus, length, stuff = plane_modulus(design), design.skin.length, silicone(design)
-    squeeze = min(normal / (modulus * length * mean_width(design)), NO_COLUMN)
+    modulus, length, material = plane_modulus(design), design.skin.length, silicone(design)
+    squeeze = min(normal / (modulus * length * mean_width(design)), LARGEST_SQUEEZE)
     height = max(design.heights) * (1 - squeeze)
-    width, tip = (each * (1 + squeeze) for each in (mean_width(design), design.ridge.tip_width))
+    width, tip = (
+        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), design.ridge.tip_width)
+    )
     bending = modulus * length * width**3 / 12
     root, top = (
         math.pi * modulus * length * b**2 / 16 * height / bending for b in (design.ridge.root_width, tip)
     )
     straight = _sway_angle(root, top) ** 2 * bending / height**2
-    shear = SHEARED * stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio)) * length * width
+    shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
     return shear / 2 * (math.sqrt(1 + 4 * straight / shear) - 1)
 
 
-def swayed(design: Design, normal: float, most: float) -> float:
-    """Return by what share of itself P-delta raises a ridge's bending under `normal` N: P / (Pcr - P), at
-    most `most`, which it is for a ridge that does not stand."""
+def sway_amplification(design: Design, normal: float, most: float) -> float:
+    """Return the relative increase of a ridge's bending by P-delta under `normal` N: P / (Pcr - P), at most
+    `most`, the value for a ridge that buckles."""
     critical = sway_force(design, normal)
     if normal * (1 + most) >= most * critical:
         return most

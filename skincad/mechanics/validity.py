@@ -14,15 +14,15 @@ from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
 from skincad.shape.crests import full_height
 
-STEEPEST = 0.35  # slope of the plate; half its square, 6 %, is what vertical contact leaves out
+LARGEST_SLOPE = 0.35  # slope of the plate; vertical contact neglects half its square, 6 %
 LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which small strain is meant
-NEARLY = 0.5  # of the force at which a ridge tips over, beyond which a better model is asked
-SHEARED = 5 / 6  # of a rectangular section's area, Timoshenko's
+TIPPING_WARNING = 0.5  # of the force at which a ridge tips over; beyond it a better model is needed
+SHEAR_FACTOR = 5 / 6  # of a rectangular section's area, Timoshenko's
 
 
 class Shares(Protocol):
-    """What says how the force is shared."""
+    """An answer with the force of each ridge."""
 
     @property
     def ridge_force(self) -> tuple[Estimate, ...]: ...  # noqa: D102
@@ -47,19 +47,19 @@ class Limits:
         """The force on a ridge, N, from which on it is in no case within the range."""
         return min(LARGEST_STRAIN * self.squeeze, self.buckling)
 
-    def strain(self, normal: float, across: float = 0.0) -> float:
+    def strain(self, normal: float, tangential: float = 0.0) -> float:
         """Return the largest nominal strain under the largest forces, N, of the plate on a ridge."""
-        return max(normal / self.squeeze, across / self.shear)
+        return max(normal / self.squeeze, tangential / self.shear)
 
-    def crushed(self, approach: float) -> str:
-        """Say that the plate has come as far as there is skin, or return ""."""
+    def crushed_reason(self, approach: float) -> str:
+        """Return why the skin is pressed flat at this approach, mm, or ""."""
         if approach < self.height:
             return ""
         return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of skin and ridges"
 
-    def overloaded(self, normal: float, across: float = 0.0) -> str:
-        """Say why the largest forces, N, of the plate on a ridge are beyond small strain, or return ""."""
-        strain = self.strain(normal, across)
+    def overload_reason(self, normal: float, tangential: float = 0.0) -> str:
+        """Return why the plate's largest forces on a ridge, N, exceed small strain, or ""."""
+        strain = self.strain(normal, tangential)
         if strain > LARGEST_STRAIN:
             return f"the ridges' nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
         if normal > self.buckling:
@@ -96,27 +96,27 @@ def mean_width(design: Design) -> float:
 
 def plane_modulus(design: Design) -> float:
     """Return E / (1 - nu^2) of a design's silicone, MPa."""
-    stuff = silicone(design)
-    return stuff.young_modulus.value / (1 - stuff.poisson_ratio**2)
+    material = silicone(design)
+    return material.young_modulus.value / (1 - material.poisson_ratio**2)
 
 
-def ridge_strain(design: Design, found: Shares) -> float:
+def ridge_strain(design: Design, answer: Shares) -> float:
     """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
-    return limits(design).strain(_largest(found))
+    return limits(design).strain(_largest(answer))
 
 
-def tipping(design: Design, found: Shares) -> float:
-    """Return what the most loaded ridge bears of the force at which it tips over."""
-    return _largest(found) / buckling_force(design)
+def tipping(design: Design, answer: Shares) -> float:
+    """Return the most loaded ridge's force over the force at which it tips over."""
+    return _largest(answer) / buckling_force(design)
 
 
-def strained(design: Design, found: Shares) -> bool:
+def exceeds_small_strain(design: Design, answer: Shares) -> bool:
     """Whether ridges bear more than small strain is meant for, or come near to tipping over."""
-    return ridge_strain(design, found) > SMALL_STRAIN or tipping(design, found) > NEARLY
+    return ridge_strain(design, answer) > SMALL_STRAIN or tipping(design, answer) > TIPPING_WARNING
 
 
-def _largest(found: Shares) -> float:
-    return max(force.value or 0.0 for force in found.ridge_force)
+def _largest(answer: Shares) -> float:
+    return max(force.value or 0.0 for force in answer.ridge_force)
 
 
 def buckling_force(design: Design) -> float:
@@ -128,49 +128,49 @@ def buckling_force(design: Design) -> float:
     high and tapered by up to half, to tip over at 0.84 to 1.20 times this (14 random ones; 0.72 to 1.22 for
     the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
     """
-    stuff, width = silicone(design), mean_width(design)
+    material, width = silicone(design), mean_width(design)
     inertia = design.skin.length * width**3 / 12
     bending = math.pi**2 * plane_modulus(design) * inertia / max(design.heights) ** 2
-    shear_modulus = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
-    shear = SHEARED * shear_modulus * design.skin.length * width
+    shear_modulus = material.young_modulus.value / (2 * (1 + material.poisson_ratio))
+    shear = SHEAR_FACTOR * shear_modulus * design.skin.length * width
     return shear / 2 * (math.sqrt(1 + 4 * bending / shear) - 1)
 
 
-def beyond_small_strain(design: Design, force: float, found: Answer) -> str:
+def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
-    threshold = found.all_touch_force.value
+    threshold = answer.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
-    return limits(design).overloaded(_largest(found) * at)
+    return limits(design).overload_reason(_largest(answer) * at)
 
 
-def strain_warnings(design: Design, found: Answer) -> tuple[str, ...]:
+def strain_warnings(design: Design, answer: Answer) -> tuple[str, ...]:
     """Return warnings where the nominal strain is no small one, and where a ridge nearly tips over."""
-    strain, part = ridge_strain(design, found), tipping(design, found)
-    found_wrong = {
+    strain, part = ridge_strain(design, answer), tipping(design, answer)
+    notes = {
         f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})": strain
         > SMALL_STRAIN,
-        f"the most loaded ridge bears {part:.0%} of the force at which it tips over": part > NEARLY,
+        f"the most loaded ridge bears {part:.0%} of the force at which it tips over": part > TIPPING_WARNING,
     }
-    return tuple(words for words, wrong in found_wrong.items() if wrong)
+    return tuple(words for words, wrong in notes.items() if wrong)
 
 
 def material_warnings(design: Design) -> tuple[str, ...]:
     """Return the warning that the material's name and its modulus are those of two silicones."""
-    if (found := foreign_modulus(design)) is None:
+    if (mismatch := foreign_modulus(design)) is None:
         return ()
-    named, modulus, remedy = found
-    own = f"{named.young_modulus.low:g} to {named.young_modulus.high:g} MPa"
-    return (f"the modulus of {modulus.value:g} MPa is not that of {named.name} ({own}); {remedy}",)
+    named, modulus, remedy = mismatch
+    interval = f"{named.young_modulus.low:g} to {named.young_modulus.high:g} MPa"
+    return (f"the modulus of {modulus.value:g} MPa is not that of {named.name} ({interval}); {remedy}",)
 
 
 def slope_warnings(design: Design) -> tuple[str, ...]:
     """Say what a shaped plate's slopes leave out; raise InputError where they are too steep."""
     plate = design.contact.plate
     slope = steepest(plate, design.skin.width / 2)
-    if slope > STEEPEST:
+    if slope > LARGEST_SLOPE:
         raise InputError(
             "contact.plate",
-            f"must not slope by more than {STEEPEST:g} within the skin (contact is taken as vertical)",
+            f"must not slope by more than {LARGEST_SLOPE:g} within the skin (contact is taken as vertical)",
             slope,
             "take a larger radius",
         )

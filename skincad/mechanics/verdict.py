@@ -1,4 +1,4 @@
-"""The verdict on a design: what `check` found, in numbers with their error, and what follows from them."""
+"""The verdict on a design: the numbers of `check` with their errors, and what follows from them."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.stopwatch import about
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
-from skincad.mechanics.problem import FLOOR, Answer, DeformedPiece, Manufacture
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, Yield
 
 Verdict = Literal["passes", "fails", "undecided"]
 
 
-class AskedTier(NamedTuple):
-    """A tier asked on the way: its all-touch force, the seconds on top of those before, and its unknowns."""
+class ModelRun(NamedTuple):
+    """A tier tried: its all-touch force, its seconds beyond the tiers before, and its unknowns."""
 
     tier: str
     all_touch_force: Estimate
@@ -63,8 +63,8 @@ class ContactCheck(Result):
     """The check at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
 
     Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
-    model's, by effect. `residual` is the largest relative violation of contact and equilibrium. `climbed`
-    holds the tiers before, `next_tier` the next with the seconds expected.
+    model's, by effect. `residual` is the largest relative violation of contact and equilibrium.
+    `models_tried` holds the tiers before, `next_tier` the next with the seconds expected.
     """
 
     shown_by = "skincad.outputs.checks"
@@ -81,16 +81,16 @@ class ContactCheck(Result):
     seconds: dict[str, float]
     warnings: tuple[str, ...]
     left_out: tuple[LeftOut, ...] = ()
-    climbed: tuple[AskedTier, ...] = ()
+    models_tried: tuple[ModelRun, ...] = ()
     next_tier: tuple[str, float] | None = None
-    manufacture: Manufacture | None = None
+    manufacture: Yield | None = None
     plate: str = "flat"
-    beyond: str = ""  # why the verdict is outside the model's range
-    tipping: float = 0.0  # what the most loaded ridge bears of the force at which it tips over
-    cause: str = ""  # why it fails, where that was asked
+    out_of_range: str = ""  # why the verdict is outside the model's range
+    tipping: float = 0.0  # the most loaded ridge's force over that at which it tips over
+    cause: str = ""  # why it fails, if requested
     changes: tuple[Change, ...] | None = None  # single ones with which it would pass; None: not looked for
     changes_notes: tuple[str, ...] = ()  # what the search for changes could not do
-    hurried: bool = False  # whether that search took cheaper models to end in time
+    search_cut_short: bool = False  # whether that search took cheaper models to end in time
     friction: float | None = None  # the plate's coefficient; None where it is not known
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False)  # by the linear tier, if it solved
 
@@ -99,7 +99,7 @@ class ContactCheck(Result):
         """`undecided` where the asked force lies within the all-touch force's interval, or where the model's
         range ends before it."""
         needed, all_touch = self.all_touch_force, self.touching == self.ridges
-        if self.beyond:
+        if self.out_of_range:
             return "undecided"
         if needed.upper is not None and needed.upper <= self.force and all_touch:
             return "passes"
@@ -115,15 +115,15 @@ class ContactCheck(Result):
     @property
     def next_step(self) -> str:
         """What may decide an undecided check, as a sentence; "" where it is decided."""
-        if self.verdict != "undecided" or self.beyond:
-            return "take a force within the model's range." if self.beyond else ""
-        by_friction, by_both = self._lasting
+        if self.verdict != "undecided" or self.out_of_range:
+            return "take a force within the model's range." if self.out_of_range else ""
+        by_friction, by_both = self._friction_errors
         if any(FRICTION_DECIDES in warning for warning in self.warnings):
             return "give contact.friction: without friction's error it is decided."
-        if self.next_tier and not lost(self, by_both):
+        if self.next_tier and not is_undecidable(self, by_both):
             model, seconds = self.next_tier
             return f"`--model {model}` (about {about(seconds)}) may decide."
-        if by_friction and not lost(self, by_both - by_friction):
+        if by_friction and not is_undecidable(self, by_both - by_friction):
             return "give contact.friction: its error alone leaves this open."
         lower, upper = self.all_touch_force.lower or 0.0, self.all_touch_force.upper
         passes = "" if upper is None else f" The design passes from {upper:.3g} N"
@@ -131,9 +131,9 @@ class ContactCheck(Result):
         return f"no model here can decide it.{passes}{below}{passes and '.'}"
 
     @property
-    def _lasting(self) -> tuple[float, float]:
-        """Relative errors of the all-touch force that no better model takes away: of friction, and with that
-        along y. The closed form leaves out both, and better models don't."""
+    def _friction_errors(self) -> tuple[float, float]:
+        """Relative errors of the all-touch force that no better model removes: of friction, and with friction
+        along y. Zero for the closed form, as better models include both."""
         parts = {part.effect: part.threshold for part in self.left_out if self.tier != "winkler"}
         return parts.get(FRICTION, 0.0), parts.get(FRICTION, 0.0) + parts.get(ALONG, 0.0)
 
@@ -177,12 +177,12 @@ class ContactCheck(Result):
             "tier": self.tier,
             "climbed": [
                 {
-                    "tier": asked.tier,
-                    "all_touch_force_N": asked.all_touch_force.as_json(),
-                    "seconds": asked.seconds,
-                    "unknowns": asked.unknowns,
+                    "tier": run.tier,
+                    "all_touch_force_N": run.all_touch_force.as_json(),
+                    "seconds": run.seconds,
+                    "unknowns": run.unknowns,
                 }
-                for asked in self.climbed
+                for run in self.models_tried
             ],
             "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
             "unknowns": self.unknowns,
@@ -190,97 +190,101 @@ class ContactCheck(Result):
             **self._manufacture(),
             "seconds": dict(self.seconds),
             "warnings": list(self.warnings),
-            "beyond_range": self.beyond or None,
+            "beyond_range": self.out_of_range or None,
             "tipping": self.tipping,
             "cause": self.cause or None,
             "changes": [change.as_json() for change in self.changes or ()],
-            "changes_searched": None if self.changes is None else "partial" if self.hurried else "complete",
+            "changes_searched": None
+            if self.changes is None
+            else "partial"
+            if self.search_cut_short
+            else "complete",
             "changes_notes": list(self.changes_notes),
         }
 
     def _manufacture(self) -> dict[str, Any]:
-        made = self.manufacture
-        if made is None:
+        result = self.manufacture
+        if result is None:
             return {"yield": None, "yield_interval": None}
         return {
-            "yield": made.passing.value,
-            "yield_error": made.passing.error,
-            "yield_interval": list(made.interval),
-            "crest_sensitivity_N_per_mm": list(made.crest_sensitivity),
-            "modulus_sensitivity_N_per_MPa": made.modulus_sensitivity,
-            "yield_largest_loss": made.largest,
+            "yield": result.passing.value,
+            "yield_error": result.passing.error,
+            "yield_interval": list(result.interval),
+            "crest_sensitivity_N_per_mm": list(result.crest_sensitivity),
+            "modulus_sensitivity_N_per_MPa": result.modulus_sensitivity,
+            "yield_largest_loss": result.largest,
         }
 
 
 FRICTION_DECIDES = "the verdict depends on friction, which is not known"
 
 
-def relative_error(found: ContactCheck, spared: float) -> float:
-    """Error of the all-touch force, less what is spared of it, against its value or FLOOR."""
-    value, error = found.all_touch_force.value, found.all_touch_force.error
-    return (error - spared) / max(value, FLOOR * found.force) if value and error else 0.0
+def relative_error(check: ContactCheck, spared: float) -> float:
+    """Error of the all-touch force, less the part `spared`, relative to its value or a negligible force."""
+    value, error = check.all_touch_force.value, check.all_touch_force.error
+    return (error - spared) / max(value, NEGLIGIBLE * check.force) if value and error else 0.0
 
 
-def with_shortfall(found: ContactCheck, tol: float | None, spared: float) -> ContactCheck:
+def with_shortfall(check: ContactCheck, tol: float | None, spared: float) -> ContactCheck:
     """Say that the tolerance is not met, where no tier's own warning does."""
-    reached = relative_error(found, spared)
-    if tol is None or reached <= tol or found.beyond or any("not met" in w for w in found.warnings):
-        return found
+    reached = relative_error(check, spared)
+    if tol is None or reached <= tol or check.out_of_range or any("not met" in w for w in check.warnings):
+        return check
     words = f"the all-touch force's error is {reached:.2g} of its value: the tolerance {tol:g} is not met"
-    parts = [part for part in found.left_out if part.effect in (FRICTION, ALONG)]
+    parts = [part for part in check.left_out if part.effect in (FRICTION, ALONG)]
     if parts and not spared:
         words += "; " + " and ".join(f"{part.effect} may change it by {part.threshold:.2g}" for part in parts)
-        words += ": give contact.friction" if found.friction is None else ""
-    return replace(found, warnings=(*found.warnings, words))
+        words += ": give contact.friction" if check.friction is None else ""
+    return replace(check, warnings=(*check.warnings, words))
 
 
-def with_open_friction(found: ContactCheck) -> ContactCheck:
+def with_open_friction(check: ContactCheck) -> ContactCheck:
     """Say that friction of an unknown coefficient alone leaves the verdict open."""
-    force, part = found.all_touch_force, [b.threshold for b in found.left_out if b.effect == FRICTION]
-    if found.beyond or found.friction is not None or not part or decided(found):
-        return found
+    force, part = check.all_touch_force, [b.threshold for b in check.left_out if b.effect == FRICTION]
+    if check.out_of_range or check.friction is not None or not part or is_decided(check):
+        return check
     known = replace(force, error=(force.error or 0.0) - part[0] * (force.value or 0.0))
-    if not decided(replace(found, all_touch_force=known)):
-        return found
+    if not is_decided(replace(check, all_touch_force=known)):
+        return check
     words = f"{FRICTION_DECIDES}: give contact.friction"
-    return replace(found, warnings=(*found.warnings, words))
+    return replace(check, warnings=(*check.warnings, words))
 
 
-def before_refusal(found: ContactCheck, name: str, refusal: Exception) -> ContactCheck:
-    """Return the last verdict before tier `name` refused; none where that tier knows why the force is too
-    large."""
+def before_refusal(check: ContactCheck, name: str, refusal: Exception) -> ContactCheck:
+    """Return the last verdict before tier `name` refused; out of range if the force is too large for it."""
     if isinstance(refusal, InputError) and refusal.key == "force":
-        beyond = f"the force {refusal.rule} (according to the {name} tier)"
-        return replace(found, beyond=beyond, next_tier=None, manufacture=None)
+        reason = f"the force {refusal.rule} (according to the {name} tier)"
+        return replace(check, out_of_range=reason, next_tier=None, manufacture=None)
     words = f"the {name} tier, which leaves out less, cannot judge this: {refusal}"
-    return replace(found, warnings=(*found.warnings, words), next_tier=None)
+    return replace(check, warnings=(*check.warnings, words), next_tier=None)
 
 
-def unasked_left_out(found: ContactCheck) -> ContactCheck:
-    """Leave out that a share of the tolerance was not met: `auto` asked a tier for it, and nobody else."""
-    return replace(found, warnings=tuple(w for w in found.warnings if "not met" not in w))
+def without_mesh_tolerance(check: ContactCheck) -> ContactCheck:
+    """Remove warnings about a mesh's share of the tolerance: `auto` set it, not the user."""
+    return replace(check, warnings=tuple(w for w in check.warnings if "not met" not in w))
 
 
-def decided(found: ContactCheck) -> bool:
+def is_decided(check: ContactCheck) -> bool:
     """Whether the whole interval of the all-touch force lies on one side of the asked force."""
-    force = found.all_touch_force
+    force = check.all_touch_force
     if force.value is None or force.error is None:
         return True
-    return force.value + force.error <= found.force or force.value - force.error > found.force
+    return force.value + force.error <= check.force or force.value - force.error > check.force
 
 
-def lost(found: ContactCheck, stays: float) -> bool:
-    """Whether the asked force lies within what stays of the relative error, wherever better tiers move the
-    rest."""
-    force = found.all_touch_force
+def is_undecidable(check: ContactCheck, stays: float) -> bool:
+    """Whether the force lies within the relative error `stays`, which no better tier removes."""
+    force = check.all_touch_force
     if force.value is None or force.error is None:
         return False
     stays *= force.value
-    return abs(force.value - found.force) + force.error - stays <= stays
+    return abs(force.value - check.force) + force.error - stays <= stays
 
 
-def with_model(found: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:
-    """Add to each error what the model leaves out."""
-    ridges = len(found.ridge_force)
+def with_model_error(answer: Answer, bounds: tuple[LeftOut, ...], force: float) -> Answer:
+    """Add the bounds of the neglected effects to each error."""
+    ridges = len(answer.ridge_force)
     share = (force / ridges if ridges > 1 else 0.0) * math.fsum(b.share for b in bounds)
-    return found.widened(math.fsum(b.threshold for b in bounds), math.fsum(b.approach for b in bounds), share)
+    return answer.widened(
+        math.fsum(b.threshold for b in bounds), math.fsum(b.approach for b in bounds), share
+    )

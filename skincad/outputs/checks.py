@@ -25,8 +25,8 @@ def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
     needed, plate = _shown(check.all_touch_force), f"a {check.plate} plate at {check.force:g} N"
     every = "both ridges" if check.ridges == 2 else f"all {check.ridges} ridges"
-    if check.beyond:
-        return f"UNDECIDED: {check.beyond}."
+    if check.out_of_range:
+        return f"UNDECIDED: {check.out_of_range}."
     if check.ridges == 1:
         return f"Passes: the one ridge touches a {check.plate} plate at any force."
     if check.passed:
@@ -104,7 +104,7 @@ def _model_lines(check: ContactCheck) -> list[str]:
     lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
     lines += [
         f"  tried first    {run.tier}: {_shown(run.all_touch_force)}, {run.seconds:.2f} s"
-        for run in check.climbed
+        for run in check.models_tried
     ]
     if check.next_tier and not check.next_step:
         tier, seconds = check.next_tier

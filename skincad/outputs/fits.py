@@ -11,7 +11,7 @@ import tomlkit
 from skincad.base.result import Writer
 from skincad.base.tables import Ranged
 from skincad.inputs.silicone import Silicone
-from skincad.material.laws import FITTED
+from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import picture, text
 
@@ -53,15 +53,15 @@ def law_lines(fit: MaterialFit) -> list[str]:
     if not fit.laws:
         return []
     reach = fit.laws[0].reach
-    head = f"Laws fitted to strains up to {FITTED * reach:.3g}, and judged beyond, up to {reach:.3g}"
+    head = f"Laws fitted to strains up to {FITTED_SHARE * reach:.3g}, and judged beyond, up to {reach:.3g}"
     how = "missed: rms by the largest stress; *: the least beyond, or as little with fewer constants"
     rows = [("", "constants", "missed there", "missed beyond", "modulus, MPa")]
     rows += [
         (
             ("* " if row.best else "  ") + row.name,
             str(row.constants),
-            f"{row.seen:.2%}",
-            f"{row.judged:.2%}",
+            f"{row.rms_seen:.2%}",
+            f"{row.rms_judged:.2%}",
             f"{row.law.young_modulus(Silicone().poisson_ratio):.4g}",
         )
         for row in fit.laws

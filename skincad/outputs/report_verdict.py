@@ -10,7 +10,7 @@ from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import Request
 from skincad.mechanics.sensitivity import sensitivities
 from skincad.mechanics.tiers import winkler
-from skincad.mechanics.tiers.table import TIERS, below
+from skincad.mechanics.tiers.table import TIERS, prerequisites
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.checks import passing_share
 from skincad.pictures.canvas import svg
@@ -65,16 +65,16 @@ def forces_figure(check: ContactCheck, command: str) -> str:
 
 def models_section(job: Job, check: ContactCheck, command: str) -> str:
     """Return the models tried on the way, and their error against time."""
-    design, known = job.design, {run.tier: run.unknowns for run in check.climbed}
+    design, known = job.design, {run.tier: run.unknowns for run in check.models_tried}
     known[check.tier] = check.unknowns
     springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
-    models = [(run.tier, run.all_touch_force, run.unknowns) for run in check.climbed]
+    models = [(run.tier, run.all_touch_force, run.unknowns) for run in check.models_tried]
     models.append((check.tier, check.all_touch_force, check.unknowns))
     if "winkler" not in {name for name, *_ in models}:
         models.insert(0, ("winkler", springs.all_touch_force, springs.unknowns))
 
     def seconds(name: str) -> float:
-        names = (*below(name), name)
+        names = (*prerequisites(name), name)
         return math.fsum(TIERS[n].law.at(known.get(n) or TIERS[n].size(design)) for n in names)
 
     rows, points = [], []

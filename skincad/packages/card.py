@@ -120,7 +120,7 @@ def _of_springs(package: Package, springs: Springs) -> Iterator[tuple[str, str, 
 def _of_response(response: FilmResponse) -> tuple[str, str, str]:
     largest = max(float(np.abs(stress[..., 0]).max()) for stress in (response.normal, response.tangential))
     error = float(response.error[..., 0].max())
-    change = response.elsewhere[..., 0].max(axis=(1, 2))
+    change = response.at_other_forces[..., 0].max(axis=(1, 2))
     spans = " and ".join(
         f"{c:.2g} MPa/N at {s * response.force:g} N" for c, s in zip(change, RESPONSE_SPANS, strict=True)
     )

@@ -88,8 +88,8 @@ def springs(design: Design, tier: str = "auto", progress: Progress | None = None
         remedy = "--set contact.plate=none, or leave mujoco out by --for"
         raise InputError("contact.plate.shape", rule, design.contact.plate.shape, remedy)
     verdict = check(design, tier=tier, progress=progress)
-    if verdict.beyond:
-        raise RefusedError(f"no springs for mujoco: {verdict.beyond}; take a smaller contact.force")
+    if verdict.out_of_range:
+        raise RefusedError(f"no springs for mujoco: {verdict.out_of_range}; take a smaller contact.force")
     model = _reduced(design, verdict.force, progress)
     nominal = _fit(design, verdict, model)
     elsewhere, refused = [], []
@@ -127,7 +127,7 @@ def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeMo
     if design.skin.curvature_radius_y is not None or design.ridge.count == 1:
         return None
     try:
-        return linear.solve(pad_of(design), Request(force, parts=True), progress).parts
+        return linear.solve(pad_of(design), Request(force, ridge_model=True), progress).ridge_model
     except (SizeError, ContactError):
         return None
 

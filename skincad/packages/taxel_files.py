@@ -78,7 +78,7 @@ def _rows(design: Design, response: FilmResponse) -> Iterator[list[Cell]]:
     strip_charge, charge_error = charges(design, response)
     for w, (way, stress) in enumerate(zip(WAYS, (response.normal, response.tangential), strict=True)):
         for r in range(len(stress)):
-            errors = [*response.error[w, r], *response.elsewhere[:, w, r].ravel()]
+            errors = [*response.error[w, r], *response.at_other_forces[:, w, r].ravel()]
             for s, (ridge, side) in enumerate(response.strips):
                 values = [*stress[r, s], *errors, strip_charge[w, r, s], charge_error[w, r]]
                 yield [str(r + 1), way, f"ridge-{ridge}-{side}", *(f"{v:.9g}" for v in values)]
@@ -93,14 +93,14 @@ def write_response(design: Design, response: FilmResponse, path: Path) -> None:
         path,
         stress=np.stack([response.normal, response.tangential]),
         stress_error=response.error,
-        change=response.elsewhere,
+        change=response.at_other_forces,
         spans=np.array(SPANS),
         charge=strip_charge,
         charge_error=charge_error,
         strips=np.array([f"ridge-{ridge}-{side}" for ridge, side in response.strips]),
         force=np.array(response.force),
         contact=response.contact,
-        pressed=response.pressed,
-        pulled=response.pulled,
+        pressed=response.ridge_force,
+        pulled=response.ridge_force_per_pull,
         about=np.array(about),
     )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from skincad.mechanics.film.whole_state import Shown
+from skincad.mechanics.film.whole_state import DeformedSection
 from skincad.pictures.canvas import (
     Axes,
     Normalize,
@@ -39,7 +39,7 @@ class Moment:
     """A step's section and what is said of it."""
 
     title: str
-    shown: Shown
+    shown: DeformedSection
 
 
 def section_picture(moment: Moment, path: Path) -> None:
@@ -126,7 +126,7 @@ def _sheet(moments: Sequence[Moment]) -> _Sheet:
     return _Sheet(figure, axes, limit, frame)
 
 
-def _draw_section(axes: Axes, shown: Shown, limit: float, frame: Frame) -> None:
+def _draw_section(axes: Axes, shown: DeformedSection, limit: float, frame: Frame) -> None:
     left, right, low, high = frame
     points, silicone = shown.place + shown.shift, shown.triangles[~shown.film]
     skin = Triangulation(points[:, 0], points[:, 1], silicone)

@@ -147,7 +147,9 @@ class _Path:
         of_ridges = self._of_ridges(grip)
         down, across, _ = of_ridges
         loads = tuple(map(float, (down.max(), across.max(), -across.min())))
-        wrong = self.limits.crushed(grip.approach) or self.limits.overloaded(loads[0], max(loads[1:]))
+        wrong = self.limits.crushed_reason(grip.approach) or self.limits.overload_reason(
+            loads[0], max(loads[1:])
+        )
         if wrong:
             return wrong
         self.readings.append(self.pad.reading(self.state, state))

@@ -222,7 +222,7 @@ def _check_force(scene: Scene) -> None:
         max(scene.history.normal_force_N),
     )
     if MASS not in scene.asked and peak > ridges * ends.largest:
-        rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overloaded(peak / ridges)}"
+        rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overload_reason(peak / ridges)}"
         raise InputError("history.normal_force_N", rule, peak, "take smaller forces or a harder silicone")
 
 

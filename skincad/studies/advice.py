@@ -16,7 +16,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import silicones
-from skincad.mechanics.climb import mesh_tolerance, outgrown
+from skincad.mechanics.climb import exceeds_model, mesh_tolerance
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.crests import summits
@@ -84,7 +84,7 @@ def advising(
     time, then each change, at last the notes."""
     if verdict.name != design.name or verdict.ridges != design.ridge.count:
         raise InputError("verdict", f"is the verdict on {verdict.name}, not on {design.name}")
-    if verdict.passed or verdict.beyond:
+    if verdict.passed or verdict.out_of_range:
         yield verdict
         return
     advised = replace(verdict, cause=cause(design, verdict))
@@ -106,7 +106,7 @@ def advising(
         )
     if search.notes or advised.changes is None:
         notes, hurried = tuple(search.notes), bool(search.hurried)
-        yield replace(advised, changes=advised.changes or (), changes_notes=notes, hurried=hurried)
+        yield replace(advised, changes=advised.changes or (), changes_notes=notes, search_cut_short=hurried)
 
 
 def seconds_for_advice(
@@ -153,7 +153,7 @@ class _Search:
     forces: dict[str, Estimate] = field(default_factory=dict)  # of the design as it is, by model
 
     def __post_init__(self) -> None:
-        for run in self.verdict.climbed:
+        for run in self.verdict.models_tried:
             self.forces[run.tier] = run.all_touch_force
         self.forces[self.verdict.tier] = self.verdict.all_touch_force
         self.usual = self.verdict.tier if self.verdict.tier in TIERS else first_able(TIERS, self.design)
@@ -161,7 +161,7 @@ class _Search:
     def plan(self) -> None:
         """Choose the models for a change: the best pair for which the time that is left will do."""
         left = math.inf if self.deadline is None else self.deadline - perf_counter()
-        before = {run.tier: run.seconds for run in self.verdict.climbed}
+        before = {run.tier: run.seconds for run in self.verdict.models_tried}
         whole = self.verdict.seconds["total"]
         once = (
             whole
@@ -240,7 +240,7 @@ def _checked(
         error = (known.error or 0.0) / known.value if known.value else 0.0
         value = upper / (1 + error)
         return Change(key, before, after, Estimate(value, upper - value, "N"), model), None
-    if better.passed and not outgrown(changed(search.design, {key: after}), better):  # type: ignore[arg-type]
+    if better.passed and not exceeds_model(changed(search.design, {key: after}), better):  # type: ignore[arg-type]
         return Change(key, before, after, needed), None
     if needed.upper is None or needed.value is None:
         return None, None

@@ -16,7 +16,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.interrupt import safe_point
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import able, tier_of
+from skincad.mechanics.tiers.table import tier_of, unsupported_reason
 from skincad.mechanics.touching import check, require_force
 from skincad.scenes.scene import Scene
 from skincad.studies.measures import measures
@@ -84,7 +84,7 @@ def question_of(
 
 def first_able(tiers: Sequence[str], design: Design) -> str:
     """Return the first of these tiers that can judge a design; the last ones of all lists take any."""
-    return next(name for name in tiers if not able(name, design, False))
+    return next(name for name in tiers if not unsupported_reason(name, design, False))
 
 
 def evaluate(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:

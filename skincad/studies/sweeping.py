@@ -15,7 +15,7 @@ from skincad.base.errors import InputError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import TIERS, able, expected
+from skincad.mechanics.tiers.table import TIERS, expected_seconds, unsupported_reason
 from skincad.studies.knobs import Knob, Told, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded
@@ -261,6 +261,6 @@ def _next_tier(subject: Subject, question: Question, found: Ranking) -> tuple[st
     names, rough = list(TIERS), question.tier == "winkler"
     least = math.inf if rough else len(TIERS[question.tier].leaves_out)
     for name in names[names.index(question.tier) + 1 :]:
-        if not able(name, subject, False) and len(TIERS[name].leaves_out) <= least:
-            return name, len(first) * expected(name, subject, set())
+        if not unsupported_reason(name, subject, False) and len(TIERS[name].leaves_out) <= least:
+            return name, len(first) * expected_seconds(name, subject, set())
     return None

@@ -12,7 +12,7 @@ from skincad.base.errors import InputError
 from skincad.effects.free_ends import CALIBRATED, LEAST, SLIPPING, FreeEnds
 from skincad.effects.omitted import Omitted
 from skincad.inputs.design import Design
-from skincad.mechanics.end_sharing import moved
+from skincad.mechanics.end_sharing import force_changes
 from skincad.mechanics.tiers.ends import added_compliance
 from skincad.mechanics.touching import check
 from skincad.scenes.levels import LEVELS
@@ -89,7 +89,7 @@ def said(design: Design, slips: float, pull: float = 1.0) -> Omitted:
 def test_what_leaving_ends_out_changes_follows_the_pull_where_all_slips() -> None:
     """Ridges that share evenly, S1 - S2 all by the pull: by the share of force that moves."""
     design = yamada()
-    shift = np.abs(moved(design, np.full((1, 9), 3.0 / 9))).max() / (3.0 / 9)
+    shift = np.abs(force_changes(design, np.full((1, 9), 3.0 / 9))).max() / (3.0 / 9)
     assert said(design, 1.0).change == pytest.approx(CALIBRATED * shift)
     assert said(design, 0.5).change == pytest.approx(max(CALIBRATED * shift * 0.5**SLIPPING, LEAST))
     long = said(design.with_(skin={"length": 24.0}), 1.0)

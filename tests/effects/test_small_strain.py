@@ -10,16 +10,16 @@ import pytest
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import condensed
 from skincad.mechanics.contact.grip import Cone, Drive
-from skincad.mechanics.film.sliding import Sliding
+from skincad.mechanics.film.sliding import ContactPad
 
 FLEXIBLE = 0.25  # mm/N
 
 
-def springs() -> Sliding:
+def springs() -> ContactPad:
     """Two points at the same height on springs of their own, alike in x and in z."""
     one, two = np.eye(4), np.zeros(2)
     ridge = np.array([0, 1])
-    return Sliding(FLEXIBLE * one, two, np.array([-1.0, 1.0]), ridge, np.ones(2), np.zeros((0, 3, 4)), 4)
+    return ContactPad(FLEXIBLE * one, two, np.array([-1.0, 1.0]), ridge, np.ones(2), np.zeros((0, 3, 4)), 4)
 
 
 @pytest.mark.parametrize("coefficient", [0.2, 0.7])

@@ -17,7 +17,7 @@ from skincad.base.outfolder import replaced
 from skincad.ladders import circuit
 from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
-from skincad.mechanics.tiers.measured import FOLDER, NAME, Taken, kept
+from skincad.mechanics.tiers.measured import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
 from skincad.outputs.accuracies import lines
 from skincad.pictures.canvas import save
 from skincad.pictures.ladder_figures import SIZE, STYLES, diagram
@@ -85,24 +85,26 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
 def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
     measure = ErrorMeasure("all", "error", "1", "the truth", "")
-    ladder = Ladder("contact", "contact", (), (measure,), taken={"linear": Taken(size=20_000.0, seconds=4.0)})
+    ladder = Ladder(
+        "contact", "contact", (), (measure,), taken={"linear": TierTiming(size=20_000.0, seconds=4.0)}
+    )
     found = Accuracy("a", (ladder,), {**machine(), "load": 1.4, "cores": 1}, 1, 1.0)
-    monkeypatch.setenv(FOLDER, str(tmp_path))
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
     monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
     assert found.as_json()["cost_law"] == {
         "taken": {"linear": {"size": 20_000.0, "seconds": 4.0}}, "kept": ""
     }  # fmt: skip
     assert not any(tmp_path.iterdir())  # nobody asked for it
     told = found.keep()
-    assert told.kept == f"cost law kept in {Path('~', tmp_path.name, NAME)}; delete it to forget it"
+    assert told.kept == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
     assert lines(told)[-1] == told.kept == told.as_json()["cost_law"]["kept"]
-    assert kept().taken["linear"]["a"] == ladder.taken["linear"]
+    assert timing_cache().timings["linear"]["a"] == ladder.taken["linear"]
     busy = replace(found, machine={**found.machine, "load": 1.6}).keep().kept
     assert busy == f"{told.kept}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
     empty = replace(found, ladders=())
     assert empty.keep() is empty
     (tmp_path / "file").write_text("")
-    monkeypatch.setenv(FOLDER, str(tmp_path / "file" / "below"))
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "below"))
     refused = found.keep()
     assert refused.kept.startswith("the cost law is not kept: ")
     assert str(tmp_path) not in refused.kept

@@ -73,7 +73,7 @@ def test_a_tier_that_refuses_a_design_has_no_price(small: Design, monkeypatch: p
     def refuse(name: str, design: Design) -> float:
         raise InputError("slot", "must lie inside the outline")
 
-    monkeypatch.setattr(contact, "own", refuse)
+    monkeypatch.setattr(contact, "own_seconds", refuse)
     prices = contact.prices(small, 1)
     assert prices["contact: solid"] == prices["contact: corrected"] == 0.0
 
@@ -164,13 +164,13 @@ def test_what_a_tier_took_is_kept_where_its_law_counts_it(plain: Design) -> None
     """Not that of a solid on its second rung; a correction's unknowns are those of what it corrects. Nor what
     is mostly overhead."""
     found = run("winkler", plain, Request(1.0), {}, None)
-    short = replace(found, unknowns=1000, took=3.0)
+    short = replace(found, unknowns=1000, own_seconds=3.0)
     assert "linear" in contact.taken_of(plain, {"linear": short})
     assert contact.taken_of(plain.with_(ridge={"count": 1}), {"linear": short}) == {}
     plain = load("plain-ridges")
     size, small = TIERS["solid"].size(plain), TIERS["corrected"].size(plain)
     for unknowns, tiers in ((1.9 * size, {"solid", "corrected"}), (2.1 * size, {"corrected"})):
-        solved = replace(found, unknowns=round(unknowns), took=3.0)
+        solved = replace(found, unknowns=round(unknowns), own_seconds=3.0)
         taken = contact.taken_of(plain, {"winkler": found, "solid": solved, "corrected": solved})
         assert set(taken) == tiers
         assert (taken["corrected"].size, taken["corrected"].seconds) == (small, 3.0)

@@ -38,12 +38,12 @@ def plane_energy(law: Rubber, gradient: Array, pressure: float = 0.0, bulk: floa
 
 def plane_stress(law: Rubber, gradient: Array) -> Array:
     """First Piola-Kirchhoff stress `(2, 2)`, MPa, without a pressure."""
-    found = np.zeros((2, 2))
+    stress = np.zeros((2, 2))
     for at in np.ndindex(2, 2):
         moved = gradient.astype(complex)
         moved[at] += 1j * STEP
-        found[at] = plane_energy(law, moved).imag / STEP
-    return found
+        stress[at] = plane_energy(law, moved).imag / STEP
+    return stress
 
 
 def solid_stress(law: Rubber, stretch: Array) -> Array:
@@ -51,8 +51,8 @@ def solid_stress(law: Rubber, stretch: Array) -> Array:
     swell = np.full((1, 1), np.linalg.det(stretch) - 1)
     more = excess_at(law, np.zeros(1, dtype=int), stretch[None, None], swell)
     cofactor = np.linalg.inv(stretch).T  # over J
-    found = stretch - cofactor + more.stress()[0, 0] + more.volume[0, 0] * cofactor
-    return law.shear * (found - 2 / 3 * swell[0, 0] * (1 + swell[0, 0]) * cofactor)
+    stress = stretch - cofactor + more.stress()[0, 0] + more.volume[0, 0] * cofactor
+    return law.shear * (stress - 2 / 3 * swell[0, 0] * (1 + swell[0, 0]) * cofactor)
 
 
 def holds(closed: Closed) -> None:
@@ -66,8 +66,8 @@ def holds(closed: Closed) -> None:
             free = stress[2] * stretch[2, 2] / t  # what a pressure takes off
             assert stress[0] - free == pytest.approx(wanted, rel=1e-11, abs=3 * within)
     for shift in SHIFTS:
-        found = plane_stress(law, np.array([[0.0, shift], [0.0, 0.0]]))
-        assert found[0, 1] == pytest.approx(closed.sheared(shift), rel=1e-11, abs=within)
+        result = plane_stress(law, np.array([[0.0, shift], [0.0, 0.0]]))
+        assert result[0, 1] == pytest.approx(closed.sheared(shift), rel=1e-11, abs=within)
         in_space = np.eye(3)
         in_space[:2, :2] += [[0.0, shift], [0.1, 0.2]]
         in_plane = plane_stress(law, in_space[:2, :2] - np.eye(2))

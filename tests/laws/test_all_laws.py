@@ -30,23 +30,23 @@ ALL = [
     for kind in LAWS
     for candidate in law(kind).candidates()
 ]
-each = pytest.mark.parametrize("rubber", ALL)
+every_law = pytest.mark.parametrize("rubber", ALL)
 
 
-@each
+@every_law
 def test_it_is_the_table_that_it_dumps(rubber: Rubber) -> None:
     assert law_of(rubber.model_dump()) == rubber
     assert type(rubber) is law(rubber.kind)
     assert sum(share for share, _ in rubber.powers) == pytest.approx(1.0, rel=1e-14)
 
 
-@each
+@every_law
 def test_scaled_is_scaled(rubber: Rubber) -> None:
     stretch = np.array([0.7, 1.4])
     assert rubber.scaled(0.37).bar(stretch) == pytest.approx(0.37 * rubber.bar(stretch), rel=1e-13)
 
 
-@each
+@every_law
 def test_slopes_are_the_energys(rubber: Rubber) -> None:
     x = np.array([0.0, 0.01, 0.3, 0.8])
     first, second = rubber.slopes(x)
@@ -55,7 +55,7 @@ def test_slopes_are_the_energys(rubber: Rubber) -> None:
     assert (float(rubber.energy(np.zeros(1), np)[0]), float(first[0])) == (0.0, 1.0)
 
 
-@each
+@every_law
 def test_a_bars_stress_is_its_energys_slope(rubber: Rubber) -> None:
     """By the plane body's energy of the same stretches, one of which is 1: a sheet held at its sides."""
     stretch = np.array([0.7, 1.2, 1.8])
@@ -73,7 +73,7 @@ def test_a_bars_stress_is_its_energys_slope(rubber: Rubber) -> None:
     assert rubber.bar(np.array([1 + 1e-6]))[0] == pytest.approx(3e-6 * rubber.shear, rel=1e-5)
 
 
-@each
+@every_law
 def test_small_strain_is_neo_hookes(rubber: Rubber) -> None:
     """What is beyond neo-Hooke's is of the third order: it falls to 1e-3 where strain falls to 0.1."""
     gradient = np.array([[0.3, -0.2], [0.5, 0.4]])
@@ -86,7 +86,7 @@ def plane_body(rubber: Rubber | None) -> neo_hooke.NeoHookeBody:
     return neo_hooke.body(mesh, 2, {"skin": (1.0, 0.49)}, {"skin": rubber} if rubber else {})
 
 
-@each
+@every_law
 def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
     """Residual and condensed tangent by central differences, at small and large strain: 1e-5, truncation."""
     body, random = plane_body(rubber), np.random.default_rng(7)
@@ -107,7 +107,7 @@ def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
         assert np.abs((after - before)[free] / (2 * size) - wanted[free]).max() <= 1e-5 * np.abs(wanted).max()
 
 
-@each
+@every_law
 def test_the_body_has_the_laws_energy(rubber: Rubber, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a uniform deformation: the density at a point times the area, without the clamped ends' own law."""
     monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", -1.0)
@@ -120,13 +120,13 @@ def test_the_body_has_the_laws_energy(rubber: Rubber, monkeypatch: pytest.Monkey
     assert body.energy(np.array(field.vec.FV().NumPy())) == pytest.approx(density * area, rel=1e-12)
 
 
-@each
+@every_law
 def test_the_body_at_rest_is_any_laws(rubber: Rubber) -> None:
     one, other = plane_body(rubber).rest.matrix, plane_body(None).rest.matrix
     assert abs(one - other).max() <= 1e-12 * abs(other).max()  # rounding
 
 
-@each
+@every_law
 def test_the_solids_derivatives_are_its_energys(rubber: Rubber) -> None:
     """As the plane body's: 1e-5, truncation, and at small strain what the energies' differences round to."""
     body, random = solid(rubber), np.random.default_rng(7)
@@ -146,7 +146,7 @@ def test_the_solids_derivatives_are_its_energys(rubber: Rubber) -> None:
         assert np.abs(change + residual[body.free]).max() <= 1e-5 * np.abs(residual).max()
 
 
-@each
+@every_law
 def test_the_solid_at_rest_is_any_laws(rubber: Rubber) -> None:
     one, other = (body.linearised(*np.zeros((2, body.free.size))) for body in (solid(rubber), solid(None)))
     assert one.flexibility == pytest.approx(other.flexibility, abs=1e-11 * np.abs(other.flexibility).max())

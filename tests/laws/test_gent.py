@@ -34,6 +34,6 @@ def test_it_tends_to_neo_hooke() -> None:
 
 def test_it_ends_where_chains_are_straight() -> None:
     """I1 - 3 is 2 at a stretch of 2."""
-    near, beyond = Gent(mu=MU, j_m=2.0).bar(np.array([1.99, 2.01]))
+    near, past_end = Gent(mu=MU, j_m=2.0).bar(np.array([1.99, 2.01]))
     assert near > 50 * MU
-    assert np.isnan(beyond)
+    assert np.isnan(past_end)

@@ -43,15 +43,15 @@ def test_powers_2_and_minus_2_are_mooney_rivlin() -> None:
 def test_the_series_meets_the_root(power: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same stress by both ways where they meet: 1e-10, the rest is what the root's slope loses."""
     law, gradient = Ogden(mu=[1.0], alpha=[power]), np.array([[0.06, 0.07], [0.02, -0.03]])
-    found = []
+    errors = []
     for near in (0.0, 1.0):
         monkeypatch.setattr(law_energy, "NEAR", near)
-        found.append(plane_stress(law, gradient))
-    assert found[0] == pytest.approx(found[1], abs=1e-10)
+        errors.append(plane_stress(law, gradient))
+    assert errors[0] == pytest.approx(errors[1], abs=1e-10)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "words"),
     [
         ({"alpha": [2.0, 3.0]}, "alpha: must have as many numbers as mu, 1"),
         ({"alpha": [0.0]}, "alpha: must be from 0.1 to 14"),
@@ -60,6 +60,6 @@ def test_the_series_meets_the_root(power: float, monkeypatch: pytest.MonkeyPatch
         ({"mu": [3.0, -2.0], "alpha": [-9.0, 4.0]}, "must pull a bar the more the longer it is"),
     ],
 )
-def test_terms_that_are_none_are_refused(change: dict[str, object], told: str) -> None:
-    with pytest.raises(InputError, match=told):
+def test_terms_that_are_none_are_refused(change: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
         Ogden(**{"mu": [1.0], "alpha": [2.0], **change})

@@ -44,10 +44,10 @@ def bar(tmp_path: Path) -> Path:
 
 
 def test_a_bar_gives_a_sentence_and_lines_to_paste(bar: Path) -> None:
-    done = run_skincad("fit-material", "bar.csv", cwd=bar)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("The tensile test gives a Young's modulus of 0.699")
-    pasted = tomllib.loads(done.stdout[done.stdout.index("[material]") :])
+    result = run_skincad("fit-material", "bar.csv", cwd=bar)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.startswith("The tensile test gives a Young's modulus of 0.699")
+    pasted = tomllib.loads(result.stdout[result.stdout.index("[material]") :])
     design = skincad.load("yamada-2002").with_(**pasted)
     assert design.material.young_modulus is not None
     assert design.material.young_modulus.low < 0.7 < design.material.young_modulus.high
@@ -69,9 +69,9 @@ def test_a_pad_writes_a_design_that_checks_with_its_range(tmp_path: Path) -> Non
     rows = "\n".join(f"{a:.5f},{f:.4f}" for a, f in zip(approach, force, strict=True))
     (tmp_path / "pad.csv").write_text(f"approach_mm,force_N\n{rows}\n")
     arguments = ("pad.csv", "--design", "yamada-2002", "--set", "contact.force=5.0", "-o", "mine.toml")
-    done = run_skincad("fit-material", *arguments, "--json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
+    run = run_skincad("fit-material", *arguments, "--json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    result = json.loads(run.stdout)
     assert result["low_MPa"] < 0.8 < result["high_MPa"]
     # straight lines between six points of a bent curve: the touch is a few um off
     assert result["offset_mm"]["value"] == pytest.approx(0.25, abs=0.01)
@@ -117,11 +117,11 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(bar: Path, arguments: list
     (bar / "there.toml").write_text("precious")
     (bar / "pad.csv").write_text("approach_mm,force_N\n" + "".join(f"{i},{i}\n" for i in range(20)))
     before = sorted(bar.iterdir())
-    done = run_skincad("fit-material", *arguments, cwd=bar)
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.startswith(f"skincad: {words}"), done.stderr
-    assert done.stderr.count("\n") == 1
-    assert done.stdout == ""
+    result = run_skincad("fit-material", *arguments, cwd=bar)
+    assert result.returncode == 2, result.stderr
+    assert result.stderr.startswith(f"skincad: {words}"), result.stderr
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
     assert sorted(bar.iterdir()) == before
     assert (bar / "there.toml").read_text() == "precious"
 
@@ -129,19 +129,19 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(bar: Path, arguments: list
 def test_a_curve_that_is_not_the_models_exits_with_1(bar: Path) -> None:
     rows = "".join(f"{i / 100},{(i / 100) ** 0.3}\n" for i in range(30))
     (bar / "odd.csv").write_text(f"strain,stress_MPa\n{rows}")
-    done = run_skincad("fit-material", "odd.csv", "--json", cwd=bar)
-    assert done.returncode == 1
-    assert json.loads(done.stdout)["passed"] is False
-    assert "does not follow the model" in done.stderr
+    result = run_skincad("fit-material", "odd.csv", "--json", cwd=bar)
+    assert result.returncode == 1
+    assert json.loads(result.stdout)["passed"] is False
+    assert "does not follow the model" in result.stderr
 
 
 def test_a_design_of_ones_own_keeps_its_comments_and_a_catalogs_name_goes_where_it_is_said(bar: Path) -> None:
     run_skincad("new", "own.toml", cwd=bar)
-    done = run_skincad(
+    result = run_skincad(
         "fit-material", "bar.csv", "--design", "own.toml", "--set", "slot=none",
         "--set", "contact.film=ignored", "-o", "in/here.toml", cwd=bar,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert result.returncode == 0, result.stderr
     text = (bar / "in" / "here.toml").read_text()
     assert "[slot]" not in [line.strip() for line in text.splitlines()]
     assert "# radius of the base circle" in text

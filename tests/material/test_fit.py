@@ -13,7 +13,7 @@ from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.material_test import MaterialTest, material_test
 from skincad.material.fit import fit_material
 from skincad.material.modulus import MaterialFit
-from skincad.material.pad import fit_curve, fitted_to
+from skincad.material.pad import fit_curve, fit_to_curve
 from skincad.material.pad_curve import PadCurve, finite_strain_curve, small_strain_curve
 from skincad.material.regression import regression
 from tests.mechanics.designs import yamada
@@ -39,17 +39,17 @@ def holds(fit: MaterialFit, modulus: float) -> bool:
 @pytest.mark.parametrize("end", [0.3, 0.05, -0.3])
 def test_an_exact_bar_is_recovered_to_rounding(tmp_path: Path, end: float) -> None:
     strain = np.linspace(0.0, end, 40)
-    found = fit_material(csv(tmp_path, "strain,stress_MPa", strain, neo_hookean(strain, 0.8)))
-    assert found.kind == ("tensile" if end > 0 else "compression")
-    assert found.young_modulus.value == pytest.approx(0.8, rel=1e-8)  # the file has ten digits
-    assert found.young_modulus.error == pytest.approx(0.0, abs=1e-8)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, neo_hookean(strain, 0.8)))
+    assert fit.kind == ("tensile" if end > 0 else "compression")
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)  # the file has ten digits
+    assert fit.young_modulus.error == pytest.approx(0.0, abs=1e-8)
 
 
 def test_small_strain_stress_is_modulus_times_strain(tmp_path: Path) -> None:
     """Another way than the law: Hooke's, which it departs from by as much as the strain."""
     strain = np.linspace(1e-4, 1e-3, 20)
-    found = fit_material(csv(tmp_path, "strain,stress_MPa", strain, 0.8 * strain))
-    assert found.young_modulus.value == pytest.approx(0.8, rel=1e-3)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, 0.8 * strain))
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-3)
 
 
 def test_extension_and_force_are_the_same_bar(tmp_path: Path) -> None:
@@ -57,8 +57,8 @@ def test_extension_and_force_are_the_same_bar(tmp_path: Path) -> None:
     path = csv(
         tmp_path, "time_s,force_N,extension_mm", strain, 12.0 * neo_hookean(strain, 0.8), 33.0 * strain
     )
-    found = fit_material(path, gauge_length=33.0, area=12.0)
-    assert found.young_modulus.value == pytest.approx(0.8, rel=1e-8)
+    fit = fit_material(path, gauge_length=33.0, area=12.0)
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)
 
 
 @pytest.mark.parametrize(("rows", "correlation"), [(60, 0.0), (200, 0.9)])
@@ -69,8 +69,8 @@ def test_noisy_bars_lie_within_their_interval(rows: int, correlation: float) -> 
     inside = 0
     for _ in range(CURVES):
         stress = 0.8 * law + 0.01 * correlated(random, rows, correlation)
-        found = regression(lambda p: p[0] * law, np.array([1.0]), stress)
-        inside += abs(found.values[0] - 0.8) <= found.half_width[0]
+        fit = regression(lambda p: p[0] * law, np.array([1.0]), stress)
+        inside += abs(fit.values[0] - 0.8) <= fit.half_width[0]
     assert inside >= 0.9 * CURVES
 
 
@@ -96,25 +96,25 @@ def test_a_bar_that_stiffens_covers_its_modulus_at_no_strain(tmp_path: Path) -> 
     """10 % stiffer per unit of strain: the law's best fit is 2 % high, and the error says so."""
     strain = np.linspace(0.0, 0.3, 60)
     stress = neo_hookean(strain, 0.8) * (1 + 0.1 * strain)
-    found = fit_material(csv(tmp_path, "strain,stress_MPa", strain, stress))
-    assert found.misfit > found.scatter
-    assert holds(found, 0.8)
-    first, second = (part.young_modulus.value or 0.0 for part in found.parts)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, stress))
+    assert fit.misfit > fit.scatter
+    assert holds(fit, 0.8)
+    first, second = (part.young_modulus.value or 0.0 for part in fit.parts)
     assert 0.8 < first < second
     narrower = fit_material(tmp_path / "test.csv", up_to=0.1)
-    assert narrower.rows_used < found.rows_used
-    assert abs((narrower.young_modulus.value or 0.0) - 0.8) < abs((found.young_modulus.value or 0.0) - 0.8)
+    assert narrower.rows_used < fit.rows_used
+    assert abs((narrower.young_modulus.value or 0.0) - 0.8) < abs((fit.young_modulus.value or 0.0) - 0.8)
 
 
 def test_only_the_loading_is_used(tmp_path: Path) -> None:
     strain = np.linspace(0.0, 0.3, 40)
     both = np.concatenate([strain, strain[::-1][1:]])
     stress = np.concatenate([neo_hookean(strain, 0.8), 0.5 * neo_hookean(strain, 0.8)[::-1][1:]])
-    found = fit_material(csv(tmp_path, "strain,stress_MPa", both, stress))
-    assert found.rows == 79
-    assert found.rows_used == 40
-    assert any("39 rows after the largest strain" in w for w in found.warnings)
-    assert found.young_modulus.value == pytest.approx(0.8, rel=1e-8)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", both, stress))
+    assert fit.rows == 79
+    assert fit.rows_used == 40
+    assert any("39 rows after the largest strain" in w for w in fit.warnings)
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)
 
 
 STRAIN = np.linspace(0.0, 0.3, 40)
@@ -184,11 +184,11 @@ def test_the_written_range_holds_the_interval(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     for modulus in (0.02, 0.8, 30.0, 90.0):
         stress = neo_hookean(STRAIN, modulus) * (1 + 0.02 * random.standard_normal(40))
-        found = fit_material(csv(tmp_path, "strain,stress_MPa", STRAIN, stress))
-        value, error = found.young_modulus.value or 0.0, found.young_modulus.error or 0.0
-        assert found.ranged.low <= value - error + 1e-12 * value
-        assert found.ranged.high >= value + error - 1e-12 * value
-        assert found.ranged.high - found.ranged.low < 2.3 * error  # rounded outwards to its second digit
+        fit = fit_material(csv(tmp_path, "strain,stress_MPa", STRAIN, stress))
+        value, error = fit.young_modulus.value or 0.0, fit.young_modulus.error or 0.0
+        assert fit.ranged.low <= value - error + 1e-12 * value
+        assert fit.ranged.high >= value + error - 1e-12 * value
+        assert fit.ranged.high - fit.ranged.low < 2.3 * error  # rounded outwards to its second digit
 
 
 def test_a_modulus_that_no_design_takes_is_refused(tmp_path: Path) -> None:
@@ -225,11 +225,11 @@ def noisy(test: MaterialTest, random: np.random.Generator, noise: float) -> Mate
 
 @pytest.mark.parametrize("offset", [-3.0, 0.0, 0.37, 12.0])
 def test_an_offset_of_approach_does_not_bias(curve: PadCurve, offset: float) -> None:
-    found = fitted_to(curve, pressed(curve, 0.55, offset))
-    assert found.young_modulus.value == pytest.approx(0.55, rel=1e-6)
-    assert found.offset is not None
-    assert found.offset.value == pytest.approx(offset, abs=1e-6)
-    assert 0.0 < found.model < 0.046 * 0.55  # the curve's own parts add up to 4.3 % (pad_curve.py)
+    fit = fit_to_curve(curve, pressed(curve, 0.55, offset))
+    assert fit.young_modulus.value == pytest.approx(0.55, rel=1e-6)
+    assert fit.offset is not None
+    assert fit.offset.value == pytest.approx(offset, abs=1e-6)
+    assert 0.0 < fit.model < 0.046 * 0.55  # the curve's own parts add up to 4.3 % (pad_curve.py)
 
 
 def test_rows_before_the_touch_do_not_bias(curve: PadCurve) -> None:
@@ -238,7 +238,7 @@ def test_rows_before_the_touch_do_not_bias(curve: PadCurve) -> None:
     longer = MaterialTest(
         "pad", np.append(ahead, test.deformation), np.append(np.zeros(60), test.load), 120, ()
     )
-    assert fitted_to(curve, longer).young_modulus.value == pytest.approx(0.9, rel=1e-6)
+    assert fit_to_curve(curve, longer).young_modulus.value == pytest.approx(0.9, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -265,7 +265,7 @@ def test_leaving_the_free_ends_out_would_bias(small: PadCurve, curve: PadCurve) 
 
 def test_forces_beyond_the_model_are_refused(curve: PadCurve, small: PadCurve) -> None:
     with pytest.raises(InputError, match="up_to: the model ends"):
-        fitted_to(curve, pressed(small, 0.8, 0.0, deepest=0.35))
+        fit_to_curve(curve, pressed(small, 0.8, 0.0, deepest=0.35))
 
 
 def test_a_pads_test_needs_a_flat_plate(tmp_path: Path) -> None:
@@ -289,11 +289,11 @@ def test_strips_keep_their_modulus_whatever_the_design_said(tmp_path: Path, curv
     """
     test = pressed(curve, 0.8, 0.2)
     path = csv(tmp_path, "approach_mm,force_N", test.deformation, test.load)
-    found = fit_material(path, PAD.with_(material={"young_modulus": 0.5}), up_to=0.7)
-    assert found.largest_load <= 0.7
-    assert found.rows == 60
-    assert found.young_modulus.value == pytest.approx(0.8, rel=2e-3)
-    assert any("the design's range so far was 0.5 to 0.5 MPa" in w for w in found.warnings)
+    fit = fit_material(path, PAD.with_(material={"young_modulus": 0.5}), up_to=0.7)
+    assert fit.largest_load <= 0.7
+    assert fit.rows == 60
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=2e-3)
+    assert any("the design's range so far was 0.5 to 0.5 MPa" in w for w in fit.warnings)
 
 
 # Approach of yamada-2002, mm, by tiers `solid`, `finite-strain` and `linear` at their default tolerance:
@@ -310,11 +310,11 @@ def test_the_tiers_own_approaches_give_back_their_modulus() -> None:
     """By a finer solid and finer finite strain; 1 % of E is worth 0.5 % of approach, the solid's error."""
     curve = finite_strain_curve(small_strain_curve(yamada(), 0.8, Stopwatch()), yamada(), 6.0, Stopwatch())
     approach = np.append(0.0, SOLID * FINITE_OVER_LINEAR) + 0.25
-    found = fitted_to(curve, MaterialTest("pad", approach, np.append(0.0, FORCE), 6, ()))
-    assert found.young_modulus.value == pytest.approx(0.8, rel=0.01)
-    assert holds(found, 0.8)
+    fit = fit_to_curve(curve, MaterialTest("pad", approach, np.append(0.0, FORCE), 6, ()))
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=0.01)
+    assert holds(fit, 0.8)
     # small strain alone is within the error too: finite strain's change counts by half in it, not by all
-    assert found.model > abs((fitted_to(curve, solid_alone()).young_modulus.value or 0.0) - 0.8) / 2
+    assert fit.model > abs((fit_to_curve(curve, solid_alone()).young_modulus.value or 0.0) - 0.8) / 2
 
 
 def solid_alone() -> MaterialTest:

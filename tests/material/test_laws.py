@@ -18,7 +18,7 @@ from skincad.laws.ogden import Ogden
 from skincad.laws.rubber import Rubber
 from skincad.laws.yeoh import Yeoh
 from skincad.material.fit import fit_material
-from skincad.material.laws import compared
+from skincad.material.laws import compare_laws
 from tests.material.test_fit import csv
 
 STRAIN = np.linspace(0.03, 1.0, 98)
@@ -40,8 +40,8 @@ def database(name: str) -> np.ndarray:
     return 2 * mu / alpha * (stretch ** (alpha - 1) - stretch ** (-alpha / 2 - 1))
 
 
-def missed(found: Rubber, stress: np.ndarray) -> float:
-    return float(np.sqrt(np.mean((found.bar(1 + STRAIN) - stress) ** 2)) / stress.max())
+def missed(rubber: Rubber, stress: np.ndarray) -> float:
+    return float(np.sqrt(np.mean((rubber.bar(1 + STRAIN) - stress) ** 2)) / stress.max())
 
 
 # five of the six are slow: a second each
@@ -54,12 +54,12 @@ def test_the_databases_curves_are_found_again(name: str, tmp_path: Path) -> None
     path = tmp_path / "bar.csv"
     rows = "\n".join(f"{e:.4f},{p:.4g}" for e, p in zip(STRAIN, stress, strict=True))
     path.write_text(f"strain,stress_MPa\n{rows}\n")
-    found = fit_material(path)
-    assert isinstance(found.law, Ogden)
-    assert missed(found.law, stress) <= 1e-3
-    assert (found.law.mu[0], found.law.alpha[0]) == pytest.approx(DATABASE[name], rel=0.01)
+    fit = fit_material(path)
+    assert isinstance(fit.law, Ogden)
+    assert missed(fit.law, stress) <= 1e-3
+    assert (fit.law.mu[0], fit.law.alpha[0]) == pytest.approx(DATABASE[name], rel=0.01)
     noise = 0.01 * stress.max() * np.random.default_rng(5).standard_normal(stress.size)
-    best = compared(MaterialTest("tensile", STRAIN, stress + noise, 98, ()))[0][0]
+    best = compare_laws(MaterialTest("tensile", STRAIN, stress + noise, 98, ()))[0][0]
     assert missed(best.law, stress) <= 0.015
 
 
@@ -72,15 +72,15 @@ TRUTHS = (
 )
 
 
-@pytest.mark.parametrize("truth", TRUTHS, ids=lambda each: each.kind)
+@pytest.mark.parametrize("truth", TRUTHS, ids=lambda rubber: rubber.kind)
 @pytest.mark.parametrize("sign", [1.0, -0.6])
 def test_a_law_is_found_by_its_own_curve(truth: Rubber, sign: float) -> None:
     strain = sign * STRAIN
     kind = "tensile" if sign > 0 else "compression"
-    laws, _ = compared(MaterialTest(kind, strain, truth.bar(1 + strain), 98, ()))  # type: ignore[arg-type]
+    laws, _ = compare_laws(MaterialTest(kind, strain, truth.bar(1 + strain), 98, ()))  # type: ignore[arg-type]
     assert (laws[0].best, laws[0].law.kind) == (True, truth.kind)
     assert laws[0].law.bar(1 + strain) == pytest.approx(truth.bar(1 + strain), rel=1e-4)  # the solver's end
-    assert [row.judged for row in laws[1:]] == sorted(row.judged for row in laws[1:])
+    assert [row.rms_judged for row in laws[1:]] == sorted(row.rms_judged for row in laws[1:])
 
 
 @pytest.mark.parametrize("curves", [1, pytest.param(20, marks=pytest.mark.slow)])
@@ -90,7 +90,7 @@ def test_more_constants_must_be_better_beyond_what_they_saw(curves: int) -> None
     stress, won = truth.bar(1 + STRAIN), 0
     for _ in range(curves):
         test = MaterialTest("tensile", STRAIN, stress + 0.002 * random.standard_normal(98), 98, ())
-        best = compared(test)[0][0]
+        best = compare_laws(test)[0][0]
         won += best.law.kind == "neo-hooke"
         assert missed(best.law, stress) <= 0.01
     assert won >= 0.75 * curves
@@ -98,34 +98,34 @@ def test_more_constants_must_be_better_beyond_what_they_saw(curves: int) -> None
 
 def test_what_is_no_rubber_is_said() -> None:
     """Dragon Skin's stiffening is no Mooney's and Rivlin's: c01 would be far below 0."""
-    laws, said = compared(MaterialTest("tensile", STRAIN, database("Dragon Skin 10"), 98, ()))
+    laws, said = compare_laws(MaterialTest("tensile", STRAIN, database("Dragon Skin 10"), 98, ()))
     assert "mooney-rivlin" in said
-    tried = {candidate.name for kind in LAWS for candidate in law(kind).candidates()}
-    assert tried - {row.name for row in laws} == {"mooney-rivlin"}
+    names = {candidate.name for kind in LAWS for candidate in law(kind).candidates()}
+    assert names - {row.name for row in laws} == {"mooney-rivlin"}
 
 
 def test_the_judged_rows_are_not_fitted_to() -> None:
     """Another curve beyond half of the range changes what is judged, not what is seen."""
     bent = database("Dragon Skin 10") * np.where(STRAIN > 0.5, 1.3, 1.0)
     one, other = (
-        {row.name: row for row in compared(MaterialTest("tensile", STRAIN, stress, 98, ()))[0]}
+        {row.name: row for row in compare_laws(MaterialTest("tensile", STRAIN, stress, 98, ()))[0]}
         for stress in (database("Dragon Skin 10"), bent)
     )
-    assert other["ogden, 1 term"].seen == pytest.approx(one["ogden, 1 term"].seen, abs=1e-12)
-    assert other["ogden, 1 term"].judged > 0.1
+    assert other["ogden, 1 term"].rms_seen == pytest.approx(one["ogden, 1 term"].rms_seen, abs=1e-12)
+    assert other["ogden, 1 term"].rms_judged > 0.1
 
 
 def test_a_short_bar_says_the_modulus_alone(tmp_path: Path) -> None:
     short = STRAIN[:30]
-    found = fit_material(csv(tmp_path, "strain,stress_MPa", short, NeoHooke(mu=0.2).bar(1 + short)))
-    assert (found.laws, found.law) == ((), None)
-    assert any("strained to 0.4 or more" in warning for warning in found.warnings)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", short, NeoHooke(mu=0.2).bar(1 + short)))
+    assert (fit.laws, fit.law) == ((), None)
+    assert any("strained to 0.4 or more" in warning for warning in fit.warnings)
 
 
 def test_the_lines_to_paste_are_a_design(tmp_path: Path) -> None:
     path = csv(tmp_path, "strain,stress_MPa", STRAIN, database("Dragon Skin 30"))
-    found = fit_material(path)
-    text = str(found)
+    fit = fit_material(path)
+    text = str(fit)
     assert "* ogden, 1 term" in text
     assert "judged beyond, up to 1" in text
     material = tomllib.loads(text[text.index("[material]") :])["material"]
@@ -133,15 +133,17 @@ def test_the_lines_to_paste_are_a_design(tmp_path: Path) -> None:
     assert design.material.law == Ogden(mu=[0.1682], alpha=[3.06])
     assert design.material.young_modulus is not None
     assert design.material.young_modulus.value == pytest.approx(0.5043, rel=1e-3)  # 2 (1 + nu) mu
-    assert found.as_json()["laws"][0]["best"] is True
+    assert fit.as_json()["laws"][0]["best"] is True
 
 
 def test_the_written_design_has_the_law(tmp_path: Path) -> None:
     from tests.conftest import run_skincad
 
     csv(tmp_path, "strain,stress_MPa", STRAIN, database("Dragon Skin 30"))
-    done = run_skincad("fit-material", "test.csv", "--design", "yamada-2002", "-o", "mine.toml", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    result = run_skincad(
+        "fit-material", "test.csv", "--design", "yamada-2002", "-o", "mine.toml", cwd=tmp_path
+    )
+    assert result.returncode == 0, result.stderr
     written = skincad.load(tmp_path / "mine.toml").material
     assert isinstance(written.law, Ogden)
     again = run_skincad(

@@ -69,16 +69,16 @@ def pressed(law: Ogden | None, *, large: bool) -> calculix.Pressed:
 
 def calculixs(law: Ogden | None) -> np.ndarray:
     """CalculiX's approach, mm, and shares, N, at large strain."""
-    found = pressed(law, large=True)
-    return np.array([found.approach, *found.shares])
+    result = pressed(law, large=True)
+    return np.array([result.approach, *result.shares])
 
 
 @cache
 def skincads(law: Ogden | None) -> np.ndarray:
     """This program's."""
     pad = replace(pad_of(filleted()), law=law)
-    found = finite_strain.Levels()(plane_piece(pad, 0.5), 3, FORCE)
-    return np.array([found.approach, *found.ridge_force])
+    solution = finite_strain.Levels()(plane_piece(pad, 0.5), 3, FORCE)
+    return np.array([solution.approach, *solution.ridge_force])
 
 
 def test_ogdens_constants_are_calculixs() -> None:

@@ -42,7 +42,7 @@ def _same_triangles() -> None:
 class Row:
     """What the elements give, what is exact, how far apart they may be (relative to the largest), and why."""
 
-    found: Callable[[], object]
+    computed: Callable[[], object]
     exact: Callable[[], object]
     within: float
     why: str
@@ -171,8 +171,8 @@ ROWS: dict[str, Row] = {
 def test_closed_form(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     no_edge(monkeypatch)
     row = ROWS[name]
-    found, exact = np.asarray(row.found()), np.asarray(row.exact())
-    assert np.abs(found - exact).max() <= row.within * np.abs(exact).max(), row.why
+    computed, exact = np.asarray(row.computed()), np.asarray(row.exact())
+    assert np.abs(computed - exact).max() <= row.within * np.abs(exact).max(), row.why
 
 
 INNER, OUTER = 1.0, 2.0
@@ -199,9 +199,9 @@ def ring_errors(ratio: float, order: int, refined: int) -> tuple[float, float]:
     free = np.concatenate([body.rest.interior, body.rest.contact])
     step = np.zeros(body.free.size)
     step[free] = splu(at.matrix[free][:, free].tocsc()).solve(-at.residual[free])
-    found = ng.GridFunction(body.space)
-    found.vec.FV().NumPy()[:] = at.recover(step)
-    u, q = found.components
+    traction = ng.GridFunction(body.space)
+    traction.vec.FV().NumPy()[:] = at.recover(step)
+    u, q = traction.components
     shear, rest = closed_forms.lame(1.0, ratio)
     a, b, c = closed_forms.spinning_ring(INNER / unit, OUTER / unit, 1.0, shear, rest)
     square = ng.x**2 + ng.y**2
@@ -251,15 +251,17 @@ def edge_errors(order: int, sizes: tuple[float, ...]) -> list[float]:
     errors = []
     for size in sizes:
         meshed = meshed_piece(pad, Sizes(contact=size, ridge=0.3, bulk=0.7, corner=0.05), whole=True)
-        found = level(meshed, order, 1e-3)
+        traction = level(meshed, order, 1e-3)
         weight = elements.assemble(
             elements.curved(meshed.mesh, order), order, {"skin": (1.0, 0.3)}
         ).nodes.weight
         squares = []
         for half_width in np.linspace(0.08, 0.12, 16):
             load = math.pi * pad.young_modulus / (1 - 0.3**2) * half_width**2 / (4 * 50.0)
-            exact = closed_forms.hertz(load, 50.0, pad.young_modulus, 0.3).elliptic(found.x)
-            state = press(found.ridges.flexibility, found.ridges.gap, load * pad.length / found.scale)
+            exact = closed_forms.hertz(load, 50.0, pad.young_modulus, 0.3).elliptic(traction.x)
+            state = press(
+                traction.ridges.flexibility, traction.ridges.gap, load * pad.length / traction.scale
+            )
             pressure = state.force / weight * pad.young_modulus
             squares.append(weight @ (pressure - exact) ** 2 / (weight @ exact**2))
         errors.append(math.sqrt(float(np.mean(squares))))
@@ -276,11 +278,11 @@ def layer_errors(ratio: float) -> tuple[float, float, float]:
     assert exact.half_width == pytest.approx(ratio, rel=1e-12)  # rounding
     pad = block(2 * ratio + 12 * thickness, thickness, poisson)
     pad = replace(pad, plate=Plate(shape="cylinder", radius=radius))
-    found = level(meshed_piece(pad, Sizes(0.25, 0.25, 0.25, 0.02)), 3, load * pad.length)
-    half_width = float(np.abs(found.x[found.pressure > 0]).max())
+    traction = level(meshed_piece(pad, Sizes(0.25, 0.25, 0.25, 0.02)), 3, load * pad.length)
+    half_width = float(np.abs(traction.x[traction.pressure > 0]).max())
     return (
-        abs(float(found.pressure.max()) / exact.peak_pressure - 1),
-        abs(found.approach / exact.approach - 1),
+        abs(float(traction.pressure.max()) / exact.peak_pressure - 1),
+        abs(traction.approach / exact.approach - 1),
         abs(half_width / exact.half_width - 1),
     )
 
@@ -350,8 +352,8 @@ def test_observed_order_of_a_power() -> None:
 
 def test_corner_exponents_of_the_literature() -> None:
     """Williams' figure and tables since: 1 at nu 0, 0.7112 at 0.3, 0.5946 at 1/2; digits as given."""
-    found = [closed_forms.corner_exponent(ratio) for ratio in (0.0, 0.3, 0.5)]
-    assert found == pytest.approx([1.0, 0.7112, 0.5946], abs=5e-5)
+    exponents = [closed_forms.corner_exponent(ratio) for ratio in (0.0, 0.3, 0.5)]
+    assert exponents == pytest.approx([1.0, 0.7112, 0.5946], abs=5e-5)
 
 
 def test_neo_hookean_compression_has_the_known_limits() -> None:
@@ -359,9 +361,9 @@ def test_neo_hookean_compression_has_the_known_limits() -> None:
     for stretch in (0.5, 0.8, 0.999, 1.5):
         width, free = closed_forms.neo_hookean_compression(stretch, 0.35, 0.0)
         assert (width, free) == pytest.approx((1.0, 0.35 * (stretch - 1 / stretch)), rel=1e-12)
-        width, kept = closed_forms.neo_hookean_compression(stretch, 0.35, 3.5e6)
+        width, volume_ratio = closed_forms.neo_hookean_compression(stretch, 0.35, 3.5e6)
         assert width * stretch == pytest.approx(1.0, rel=1e-6)
-        assert kept == pytest.approx(0.35 * (stretch - stretch**-3), rel=1e-6)
+        assert volume_ratio == pytest.approx(0.35 * (stretch - stretch**-3), rel=1e-6)
 
 
 CONTACT = closed_forms.hertz(0.3, 2.0, 0.8, 0.5)
@@ -369,29 +371,29 @@ CONTACT = closed_forms.hertz(0.3, 2.0, 0.8, 0.5)
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 1.0])
 def test_cattaneo_carries_the_tangential_load(share: float) -> None:
-    found = closed_forms.cattaneo(CONTACT, 0.6, share * 0.6 * 0.3)
-    carried = 2 * quad(found.traction, 0.0, CONTACT.half_width, points=[found.stick])[0]
+    traction = closed_forms.cattaneo(CONTACT, 0.6, share * 0.6 * 0.3)
+    carried = 2 * quad(traction.traction, 0.0, CONTACT.half_width, points=[traction.stick])[0]
     assert carried == pytest.approx(share * 0.6 * 0.3, rel=1e-7, abs=1e-12)  # of the quadrature
-    assert found.stick == pytest.approx(CONTACT.half_width * math.sqrt(1 - share), rel=1e-7, abs=1e-9)
+    assert traction.stick == pytest.approx(CONTACT.half_width * math.sqrt(1 - share), rel=1e-7, abs=1e-9)
     x = np.linspace(-CONTACT.half_width, CONTACT.half_width, 801)
-    slack = 0.6 * CONTACT.elliptic(x) - found.traction(x)
-    assert (slack[np.abs(x) < found.stick - 1e-9] > 0).all()
-    assert np.abs(slack[np.abs(x) >= found.stick]).max() <= 1e-12
+    slack = 0.6 * CONTACT.elliptic(x) - traction.traction(x)
+    assert (slack[np.abs(x) < traction.stick - 1e-9] > 0).all()
+    assert np.abs(slack[np.abs(x) >= traction.stick]).max() <= 1e-12
 
 
 def test_cattaneo_sticks_as_one_and_slips_outwards() -> None:
     """The half-plane's surface slope is a Cauchy integral of the traction (Johnson, sec. 2.6): zero where it
     sticks, of one sign on each side where it slips. 1e-5: the quadrature's, at the roots' ends."""
-    found = closed_forms.cattaneo(CONTACT, 0.6, 0.5 * 0.6 * 0.3)
+    traction = closed_forms.cattaneo(CONTACT, 0.6, 0.5 * 0.6 * 0.3)
 
     def slope(x: float) -> float:
         edge = CONTACT.half_width
-        return float(quad(found.traction, -edge, edge, weight="cauchy", wvar=x, limit=400)[0])
+        return float(quad(traction.traction, -edge, edge, weight="cauchy", wvar=x, limit=400)[0])
 
     scale = 0.6 * CONTACT.peak_pressure
     for x in (0.1, 0.5, 0.9):
-        assert abs(slope(x * found.stick)) <= 1e-5 * scale
-    between = (found.stick + CONTACT.half_width) / 2
+        assert abs(slope(x * traction.stick)) <= 1e-5 * scale
+    between = (traction.stick + CONTACT.half_width) / 2
     assert slope(between) < -0.1 * scale
     assert slope(-between) > 0.1 * scale
 

@@ -117,22 +117,22 @@ def test_force_is_the_springs_integral_along_the_ridge(approach: float) -> None:
         edge = np.arccos(1 - depth / arm) if depth > 0 else 0.0
         points = [edge] if 0 < edge < 0.3 else None
         total += 2 * integrate.quad(spring, 0.0, 0.3, points=points, epsabs=0.0)[0]
-    found = line_forces(design, approach).sum()
-    assert found == pytest.approx(total, rel=1e-9)  # the cosines' digits at the smallest approach
+    force = line_forces(design, approach).sum()
+    assert force == pytest.approx(total, rel=1e-9)  # the cosines' digits at the smallest approach
 
 
 @pytest.mark.parametrize("force", [1e-9, 0.3, 4.0])
 def test_shares_balance_at_any_force(force: float) -> None:
-    found = check(bent(yamada(), 30.0), force=force)
-    assert found.residual < 1e-9
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(force, rel=1e-9)
+    verdict = check(bent(yamada(), 30.0), force=force)
+    assert verdict.residual < 1e-9
+    assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(force, rel=1e-9)
 
 
 def test_a_nearly_straight_skin_is_the_straight_one() -> None:
-    straight, found = check(yamada(), tier="winkler"), check(bent(yamada(), 1e8), tier="winkler")
+    straight, verdict = check(yamada(), tier="winkler"), check(bent(yamada(), 1e8), tier="winkler")
     # 0.4 um of fall at the ends of 12 mm, against gaps of 0.13 mm
-    assert found.all_touch_force.value == pytest.approx(straight.all_touch_force.value, rel=1e-5)
-    assert found.approach.value == pytest.approx(straight.approach.value, rel=1e-5)
+    assert verdict.all_touch_force.value == pytest.approx(straight.all_touch_force.value, rel=1e-5)
+    assert verdict.approach.value == pytest.approx(straight.approach.value, rel=1e-5)
 
 
 def test_the_rounder_the_fewer_newtons() -> None:
@@ -141,12 +141,12 @@ def test_the_rounder_the_fewer_newtons() -> None:
 
 
 def test_auto_stays_with_the_only_tier_that_knows_it() -> None:
-    found = check(bent(yamada(), 30.0), tol=0.1)
-    assert found.tier == "winkler"
-    assert found.next_tier is None
-    assert found.manufacture is None
-    assert any("the tolerance 0.1 is not met" in w for w in found.warnings)
-    assert any("slopes of up to" in w and "along y" in w for w in found.warnings)
+    verdict = check(bent(yamada(), 30.0), tol=0.1)
+    assert verdict.tier == "winkler"
+    assert verdict.next_tier is None
+    assert verdict.manufacture is None
+    assert any("the tolerance 0.1 is not met" in w for w in verdict.warnings)
+    assert any("slopes of up to" in w and "along y" in w for w in verdict.warnings)
 
 
 @pytest.mark.parametrize("tier", [name for name in AUTO if name != "winkler"] + ["solid", "finite-strain"])
@@ -167,15 +167,15 @@ def test_measured_crests_are_refused(tmp_path: Path) -> None:
 
 def test_a_crushed_middle_is_no_pass() -> None:
     thin = {"curvature_radius": 12.0, "thickness": 2.5}
-    found = check(bent(yamada().with_(skin=thin, ridge={"height": 0.4}), 40.0), force=50.0)
-    assert "middle is strained by" in found.beyond
-    assert not found.passed
+    verdict = check(bent(yamada().with_(skin=thin, ridge={"height": 0.4}), 40.0), force=50.0)
+    assert "middle is strained by" in verdict.out_of_range
+    assert not verdict.passed
 
 
 def test_a_contact_that_slopes_too_much_is_no_pass() -> None:
-    found = check(bent(yamada().with_(skin={"curvature_radius": 12.0}, slot=None), 8.0), force=50.0)
-    assert "slopes by" in found.beyond
-    assert not found.passed
+    verdict = check(bent(yamada().with_(skin={"curvature_radius": 12.0}, slot=None), 8.0), force=50.0)
+    assert "slopes by" in verdict.out_of_range
+    assert not verdict.passed
 
 
 @pytest.mark.parametrize("radius", [20.0, 40.0])
@@ -183,17 +183,17 @@ def test_the_slope_that_is_told_is_where_the_plate_cuts_the_crest(radius: float)
     """A crest along y is a circle of radius R + h; a plate d below its top cuts it where it slopes by
     sqrt(1 - (1 - d / (R + h))^2)."""
     design = bent(yamada().with_(slot=None, film=None), radius)
-    found = check(design, force=0.5, tier="winkler")
-    depth = (found.approach.value or 0.0) / (radius + design.ridge.height)  # the middle ridge touches first
+    verdict = check(design, force=0.5, tier="winkler")
+    depth = (verdict.approach.value or 0.0) / (radius + design.ridge.height)  # the middle ridge touches first
     slope = math.sqrt(1 - (1 - depth) ** 2)
-    assert f"slopes of up to {slope:.2g} along y" in " ".join(found.warnings)
+    assert f"slopes of up to {slope:.2g} along y" in " ".join(verdict.warnings)
 
 
 @pytest.mark.parametrize("radius", [20.0, 40.0, 1e5])
 def test_the_bars_at_usual_sizes_are_what_was_measured_and_little_more(radius: float) -> None:
     """In 47 cases F9 was up to 2.07 times, the approach 1.53 times and a share 0.17 of the mean off."""
     design = bent(yamada().with_(slot=None, film=None), radius)
-    found = check(design, tier="winkler")
-    threshold, approach = found.all_touch_force, found.approach
+    verdict = check(design, tier="winkler")
+    threshold, approach = verdict.all_touch_force, verdict.approach
     assert 1.07 <= (threshold.error or 0.0) / (threshold.value or 1.0) <= 1.5
     assert 0.53 <= (approach.error or 0.0) / (approach.value or 1.0) <= 0.8

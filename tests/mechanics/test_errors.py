@@ -35,12 +35,12 @@ def truth(name: str) -> PlaneSolution:
     return level(plane_piece(pad, 3.0), 4, force_on(design))
 
 
-def assert_inside(found: Answer, exact: PlaneSolution) -> None:
-    force, approach = found.all_touch_force, found.approach
+def assert_inside(answer: Answer, exact: PlaneSolution) -> None:
+    force, approach = answer.all_touch_force, answer.approach
     assert abs((force.value or 0.0) - (exact.all_touch_force or 0.0)) <= (force.error or 0.0)
     assert abs((approach.value or 0.0) - exact.approach) <= (approach.error or 0.0)
-    missed = np.abs(np.array([f.value for f in found.ridge_force]) - exact.ridge_force)
-    assert missed.max() <= (found.ridge_force[0].error or 0.0)
+    missed = np.abs(np.array([f.value for f in answer.ridge_force]) - exact.ridge_force)
+    assert missed.max() <= (answer.ridge_force[0].error or 0.0)
 
 
 @pytest.mark.parametrize(
@@ -80,5 +80,5 @@ def test_variants_errors(name: str) -> None:
 
 def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(linear, "RUNGS", (replace(linear.RUNGS[0], usual=0.0),))
-    found = linear.answer(reference().with_(ridge={"count": 3}), Request(4.0, 1e-9))
-    assert any("not met" in w for w in found.warnings)
+    answer = linear.answer(reference().with_(ridge={"count": 3}), Request(4.0, 1e-9))
+    assert any("not met" in w for w in answer.warnings)

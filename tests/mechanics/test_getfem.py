@@ -61,7 +61,7 @@ def test_getfem_lets_the_same_ridges_slip_in_the_same_steps() -> None:
     theirs, slips = dragged(0.5), used(ours(), FRICTION) >= WHOLE
     assert (slips == (used(theirs, FRICTION) >= WHOLE)).all()
     assert slips[-1].sum() == 8  # of nine: the trailing one has lifted off
-    ends = [let_go(found, history(), FRICTION) for found in (ours(), theirs)]
+    ends = [let_go(run, history(), FRICTION) for run in (ours(), theirs)]
     assert np.isfinite(ends[0]).all()
     assert np.abs(ends[0] - ends[1]).max() <= 0.1 * TRAVEL * FRICTION / STRIDES
 
@@ -72,8 +72,8 @@ def test_a_ridge_lets_go_between_two_steps() -> None:
     normal = np.array([[1.0, 1.0, 0.0]] * 3)
     tangential = np.array([[0.0, 0.0, 0.0], [0.4, 0.2, 1e-17], [0.6, 0.3, 1e-17]])
     drives = [Drive(2.0, travel=0.1 * i) for i in range(3)]
-    found = Dragged(normal, tangential, np.zeros(3), 0)
-    first, second, third = let_go(found, drives, 0.5)
+    path = Dragged(normal, tangential, np.zeros(3), 0)
+    first, second, third = let_go(path, drives, 0.5)
     assert first == pytest.approx(0.1 + 0.1 * (WHOLE * 0.5 - 0.4) / 0.2, rel=1e-12)
     assert math.isnan(second)
     assert math.isnan(third)
@@ -81,8 +81,8 @@ def test_a_ridge_lets_go_between_two_steps() -> None:
 
 def test_getfems_answer_is_read() -> None:
     text = '{"unknowns": 7, "steps": [{"approach": 0.1, "normal": [1, 2], "tangential": [0.5, 0]}]}'
-    found = getfem.read(text, 12.0)
-    assert found.unknowns == 7
-    assert found.normal.tolist() == [[12.0, 24.0]]
-    assert found.tangential.tolist() == [[6.0, 0.0]]
-    assert found.approach.tolist() == [0.1]
+    path = getfem.read(text, 12.0)
+    assert path.unknowns == 7
+    assert path.normal.tolist() == [[12.0, 24.0]]
+    assert path.tangential.tolist() == [[6.0, 0.0]]
+    assert path.approach.tolist() == [0.1]

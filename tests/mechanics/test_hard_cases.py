@@ -76,8 +76,8 @@ def light(force: float) -> PlaneSolution:
 
 def test_a_single_ridge_under_a_micronewton_is_hertzs() -> None:
     """Half-width 0.3 um on a ridge of 0.5 mm: 0.5 %, the mesh's, as in test_elements.py."""
-    found, exact = light(1e-6), hertz_of(pad_of(one_ridge()), 1e-6)
-    fitted = closed_forms.fitted_line_contact(found.x, found.pressure)
+    answer, exact = light(1e-6), hertz_of(pad_of(one_ridge()), 1e-6)
+    fitted = closed_forms.fitted_line_contact(answer.x, answer.pressure)
     assert fitted.half_width == pytest.approx(exact.half_width, rel=5e-3)
     assert fitted.peak_pressure == pytest.approx(exact.peak_pressure, rel=5e-3)
 

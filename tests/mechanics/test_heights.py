@@ -26,12 +26,12 @@ FORCE = 1.0  # N, at which the three touch
 
 
 def three(heights: Sequence[float] | None = None) -> Design:
-    found = load("plain-ridges").with_(**THREE, contact={"friction": 0.0})
-    return found if heights is None else found.with_(ridge={"heights": list(heights)})
+    design = load("plain-ridges").with_(**THREE, contact={"friction": 0.0})
+    return design if heights is None else design.with_(ridge={"heights": list(heights)})
 
 
-def values(found: Sequence[Estimate]) -> np.ndarray:
-    return np.array([each.value for each in found], dtype=float)
+def values(estimates: Sequence[Estimate]) -> np.ndarray:
+    return np.array([estimate.value for estimate in estimates], dtype=float)
 
 
 def test_half_of_a_levelled_skin_is_enough_and_all_of_an_unlike_one() -> None:
@@ -86,10 +86,10 @@ def test_springs_of_unlike_ridges_by_hand() -> None:
     approach = 0.3
     assert winkler.line_forces(design, approach) == pytest.approx(stiffness * (approach - gaps), rel=1e-10)
     for force in (0.1, 1.0, 4.0):  # one ridge carries, some, all
-        found = check(design, tier="winkler", force=force)
-        carried = stiffness * np.maximum((found.approach.value or 0.0) - gaps, 0.0)
+        verdict = check(design, tier="winkler", force=force)
+        carried = stiffness * np.maximum((verdict.approach.value or 0.0) - gaps, 0.0)
         assert carried.sum() == pytest.approx(force, rel=1e-9)
-        assert values(found.ridge_force) == pytest.approx(carried, rel=1e-9, abs=1e-12)
+        assert values(verdict.ridge_force) == pytest.approx(carried, rel=1e-9, abs=1e-12)
 
 
 def test_rows_of_springs_along_unlike_ridges_by_hand() -> None:
@@ -100,8 +100,8 @@ def test_rows_of_springs_along_unlike_ridges_by_hand() -> None:
     approach, per_mm = 0.05, 0.8 / (1 - 0.499**2) / (9 * 4.0 / 11.0 + 2 * np.array(heights) / 1.25)
     arm = 20.0 - 4.0 + crests
     depth = approach - (crests.max() - crests)
-    pressed = np.maximum(depth[:, None] - arm[:, None] * (1 - np.cos(angle)), 0.0)
-    carried = per_mm * 20.0 * 2 * pressed.sum(axis=1) * 0.3 / 200_000
+    depths = np.maximum(depth[:, None] - arm[:, None] * (1 - np.cos(angle)), 0.0)
+    carried = per_mm * 20.0 * 2 * depths.sum(axis=1) * 0.3 / 200_000
     # the midpoint rule where contact ends
     assert winkler.line_forces(design, approach) == pytest.approx(carried, rel=1e-6, abs=1e-12)
 
@@ -130,15 +130,15 @@ def test_crowns_highest_points_over_their_summits() -> None:
             for s in outline
             if s.kind == "crown"
         ]
-        assert winkler_error.unlevel(design) == pytest.approx(max(over) - min(over), abs=1e-9)
-    assert winkler_error.unlevel(yamada()) == 0.0
+        assert winkler_error.crown_height_spread(design) == pytest.approx(max(over) - min(over), abs=1e-9)
+    assert winkler_error.crown_height_spread(yamada()) == 0.0
 
 
 def test_the_highest_ridge_says_when_one_tips_over() -> None:
     tall = three((0.5, 0.5, 1.5))
     assert buckling_force(tall) == buckling_force(three().with_(ridge={"height": 1.5}))
-    found = check(tall, tier="winkler", force=0.01)
-    assert ridge_strain(tall, found) == ridge_strain(three(), found)  # by width and length
+    verdict = check(tall, tier="winkler", force=0.01)
+    assert ridge_strain(tall, verdict) == ridge_strain(three(), verdict)  # by width and length
 
 
 @pytest.mark.slow
@@ -157,9 +157,9 @@ def test_films_of_unlike_ridges_are_mirrored_too() -> None:
 def test_nine_ridges_touch_at_half_the_force_of_ridges_alike() -> None:
     """2.64 ± 0.38 N by `auto` without levelling: half of that is 1.32 N."""
     levelled = load("yamada-2002", ["ridge.levelling=0.7"])
-    found = check(levelled, force=1.32)
-    assert found.passed
-    assert found.touching == 9
-    assert (found.all_touch_force.upper or 9.0) <= 1.32
-    assert found.manufacture is not None
-    assert (found.manufacture.passing.value or 0.0) > 0.99  # of parts, with the process's crest errors
+    verdict = check(levelled, force=1.32)
+    assert verdict.passed
+    assert verdict.touching == 9
+    assert (verdict.all_touch_force.upper or 9.0) <= 1.32
+    assert verdict.manufacture is not None
+    assert (verdict.manufacture.passing.value or 0.0) > 0.99  # of parts, with the process's crest errors

@@ -73,14 +73,14 @@ def test_a_scene_without_friction_is_the_tiers_state() -> None:
     assert set(pad.laws) == {"skin", "film"}
     mesh, unit = triangles(pad, default_sizes(pad, 0.25)), unit_of(pad)
     large = FiniteStrain().marched(piece_of(pad, thickness, halved=False), mesh, 2, True, [])
-    found = march(large, np.arange(2.0), [Drive(0.0, 0.0), Drive(0.8, 0.0)], []).column("approach")[-1]
+    depth = march(large, np.arange(2.0), [Drive(0.0, 0.0), Drive(0.8, 0.0)], []).column("approach")[-1]
     approach = []
     for laws in (pad.laws, {"skin": law}, {}):
         body = neo_hooke.body(elements.curved(mesh, 2), 2, pad.materials, laws)
         state = press_to(Pressed(body, pad.top / unit), 0.8 / (pad.young_modulus * unit * pad.length))
         approach.append(state.approach * unit)
-    assert found == pytest.approx(approach[0], rel=1e-8)
-    assert found * 1.00003 < approach[1] < approach[2] * 0.999  # without the slots, without the law
+    assert depth == pytest.approx(approach[0], rel=1e-8)
+    assert depth * 1.00003 < approach[1] < approach[2] * 0.999  # without the slots, without the law
 
 
 @pytest.mark.parametrize(
@@ -121,15 +121,15 @@ def test_strips_stress_is_the_laws(law: Rubber) -> None:
     stretch, shear, bulk = np.eye(2) + gradient, 1 / 2.6, 1 / 1.2
     swell = np.linalg.det(stretch) - 1
     pressure = bulk * swell
-    found = strips.at(affine(what, gradient, pressure))
+    stress = strips.at(affine(what, gradient, pressure))
     # q enters as q cof F beside what has none, in units of E
     nominal = plane_stress(law, gradient) / law.shear * shear
     cauchy = nominal @ stretch.T / (1 + swell) + pressure * np.eye(2)
-    for got, slot in zip(found, piece.slots, strict=True):
+    for got, slot in zip(stress, piece.slots, strict=True):
         along = stretch @ np.array(slot.direction)
         along /= np.linalg.norm(along)
-        across = np.array([-along[1], along[0]])
-        wanted = [across @ cauchy @ across, along @ cauchy @ along, pressure - 2 / 3 * shear * swell]
+        normal = np.array([-along[1], along[0]])
+        wanted = [normal @ cauchy @ normal, along @ cauchy @ along, pressure - 2 / 3 * shear * swell]
         assert got == pytest.approx(wanted, abs=1e-10)  # rounding
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from skincad import load
 from skincad.base.estimate import Estimate
-from skincad.mechanics.left_out import ALONG, LeftOut, free_ends, friction_along, held, left_out
+from skincad.mechanics.left_out import ALONG, LeftOut, free_ends, friction_along, left_out, tip_constraint
 from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.left_out import friction as grip
 from skincad.mechanics.problem import Answer, Request
@@ -76,8 +76,8 @@ def test_friction_lies_within_its_bound(name: str, coefficient: float) -> None:
     template, change = GRIPPED[name]
     design = load(template).with_(**change)
     force = design.contact.force
-    found = friction.solve(corrected.plain_pad(design), coefficient, force)
-    without, with_it = found.without, found.gripped
+    presses = friction.solve(corrected.plain_pad(design), coefficient, force)
+    without, with_it = presses.without, presses.gripped
     bound = grip(design, int((without.ridge_force > 0).sum()))
     assert abs((with_it.all_touch_force or 0.0) / (without.all_touch_force or 1.0) - 1) <= bound.threshold
     assert abs(with_it.approach / without.approach - 1) <= bound.approach
@@ -95,7 +95,7 @@ def test_the_bound_of_friction_is_not_a_blanket() -> None:
         assert loosest < usual < widest
     assert bounds[1].threshold < 0.07
     assert bounds[1].approach < 0.13
-    assert 1 < held(loose, 9) < 1.1 < held(plain, 9) < 1.5 < held(wide, 21)
+    assert 1 < tip_constraint(loose, 9) < 1.1 < tip_constraint(plain, 9) < 1.5 < tip_constraint(wide, 21)
     assert grip(plain, 3).approach < grip(plain, 9).approach  # few ridges confine little
 
 

@@ -28,33 +28,33 @@ from tests.mechanics.designs import linear_check, reference
 def case(request: pytest.FixtureRequest) -> tuple[PlaneSolution, RidgeModel, float, float]:
     design = load(request.param)
     pad, force = pad_of(design), design.contact.force
-    found = level(plane_piece(pad, 0.5, whole=True), 2, force)
-    return found, ridge_model(found.ridges, force, unit_of(pad), found.scale), unit_of(pad), force
+    solution = level(plane_piece(pad, 0.5, whole=True), 2, force)
+    return solution, ridge_model(solution.ridges, force, unit_of(pad), solution.scale), unit_of(pad), force
 
 
 def test_reduced_forces_are_the_condensed_ones(case: tuple[PlaneSolution, RidgeModel, float, float]) -> None:
-    found, model, _, force = case
-    reduced = ridge_forces(model, np.zeros((1, model.gap.size)), np.array([force / found.scale]))[0]
+    solution, model, _, force = case
+    reduced = ridge_forces(model, np.zeros((1, model.gap.size)), np.array([force / solution.scale]))[0]
     # coupling by a fixed pressure under each crown: 2 % of the mean share
-    assert reduced * found.scale == pytest.approx(found.ridge_force, abs=0.02 * force / model.gap.size)
+    assert reduced * solution.scale == pytest.approx(solution.ridge_force, abs=0.02 * force / model.gap.size)
 
 
 def test_reduced_model_judges_parts_as_the_condensed_one(
     case: tuple[PlaneSolution, RidgeModel, float, float],
 ) -> None:
-    found, model, _, force = case
+    solution, model, _, force = case
     sigma = 0.15 * float(np.ptp(model.gap))
     drops = np.random.default_rng(1).normal(0.0, sigma, (200, model.gap.size))
-    asked = force / found.scale
-    reduced = ridge_forces(model, drops, np.full(200, asked))
-    ridges = found.ridges
-    touching = press(ridges.flexibility, ridges.gap, asked).active
+    scaled_force = force / solution.scale
+    reduced = ridge_forces(model, drops, np.full(200, scaled_force))
+    ridges = solution.ridges
+    touching = press(ridges.flexibility, ridges.gap, scaled_force).active
     exact = np.array([
         [state.force[ridges.of_point == r].sum() for r in ridges.numbers]
         for row in drops
-        for state in [press(ridges.flexibility, ridges.lowered(row).gap, asked, touching)]
+        for state in [press(ridges.flexibility, ridges.lowered(row).gap, scaled_force, touching)]
     ])  # fmt: skip
-    assert np.abs(reduced - exact).max() < 0.02 * asked
+    assert np.abs(reduced - exact).max() < 0.02 * scaled_force
     wrong = np.mean((reduced > 0).all(axis=1) != (exact > 0).all(axis=1))
     assert wrong <= MODEL_MISCLASSIFIES + 0.02  # 200 parts: two standard errors of a 2 % share
 
@@ -66,20 +66,20 @@ def test_a_force_far_below_what_closes_the_gaps_settles() -> None:
         np.array([0.3, 0.0, 0.3]), 0.4 * (1 - np.eye(3)), force, np.tile(force, (3, 1)), 1.0, 1.0
     )
     drops = np.array([[0.0, 0.0, 0.0], [0.0, 0.5, 0.0]])
-    found = ridge_forces(springs, drops, np.full(2, 1e-9))
-    assert found[0] == pytest.approx([0.0, 1e-9, 0.0], rel=0, abs=1e-13)
-    assert found[1] == pytest.approx([5e-10, 0.0, 5e-10], rel=0, abs=1e-13)
+    forces = ridge_forces(springs, drops, np.full(2, 1e-9))
+    assert forces[0] == pytest.approx([0.0, 1e-9, 0.0], rel=0, abs=1e-13)
+    assert forces[1] == pytest.approx([5e-10, 0.0, 5e-10], rel=0, abs=1e-13)
 
 
 def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
     """docs/facts.md#manufacture: F9 +32 % and +65 %."""
     design = reference()
     pad = pad_of(design)
-    found = level(plane_piece(pad, whole=True), 2, 4.0)
-    model = ridge_model(found.ridges, 6.0, unit_of(pad), found.scale)
+    solution = level(plane_piece(pad, whole=True), 2, 4.0)
+    model = ridge_model(solution.ridges, 6.0, unit_of(pad), solution.scale)
     outer = np.zeros((3, 9))
     outer[1, [0, -1]], outer[2, [0, -1]] = 0.025 / unit_of(pad), 0.05 / unit_of(pad)
-    force = all_touch(model, outer, 4.0 / found.scale)
+    force = all_touch(model, outer, 4.0 / solution.scale)
     assert force[1:] / force[0] - 1 == pytest.approx([0.32, 0.65], abs=0.02)
 
 
@@ -91,42 +91,42 @@ def test_share_of_failing_reference_parts() -> None:
     of 0.97 N over 42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
     """
     pad = pad_of(reference())
-    found = level(plane_piece(pad, 0.5, whole=True), 2, 4.0)
-    asked, ridges = 4.0 / found.scale, found.ridges
-    model = ridge_model(ridges, 4.0, unit_of(pad), found.scale)
+    solution = level(plane_piece(pad, 0.5, whole=True), 2, 4.0)
+    scaled_force, ridges = 4.0 / solution.scale, solution.ridges
+    model = ridge_model(ridges, 4.0, unit_of(pad), solution.scale)
     rigid = (0.8, 0.8, 0.8)
     spreads = [Spread("test", sigma, rigid) for sigma in (0.02, 0.03)]
-    made = [manufacture(model, 4.0, 3.0265, spread) for spread in spreads]
-    failing = [1 - m.passing.value for m in made]
+    yields = [manufacture(model, 4.0, 3.0265, spread) for spread in spreads]
+    failing = [1 - m.passing.value for m in yields]
     assert failing == pytest.approx([0.27, 0.45], abs=0.015)
     drops = np.random.default_rng(1).normal(0.0, 0.02 / unit_of(pad), (400, 9))
-    start = press(ridges.flexibility, ridges.gap, asked).active
-    states = [press(ridges.flexibility, ridges.lowered(row).gap, asked, start) for row in drops]
+    start = press(ridges.flexibility, ridges.gap, scaled_force).active
+    states = [press(ridges.flexibility, ridges.lowered(row).gap, scaled_force, start) for row in drops]
     touching = [np.unique(ridges.of_point[state.force > 0]).size for state in states]
     # 400 parts: two standard errors of a share near a quarter
     assert np.mean([t < 9 for t in touching]) == pytest.approx(failing[0], abs=0.045)
 
 
 def test_yield_by_the_modulus_alone_is_the_share_of_its_range_that_passes(case) -> None:
-    found, model, _, force = case
-    threshold = found.all_touch_force
-    made = manufacture(model, force, threshold, Spread("edm", 1e-9, (0.5, 0.8, 1.5)))
-    assert made.passing.value == pytest.approx((0.8 * force / threshold - 0.5) / 1.0, abs=0.015)  # 3 sigma
-    assert made.largest.startswith("the modulus (0.5 to 1.5 MPa)")
-    assert made.modulus_sensitivity == pytest.approx(threshold / 0.8)
+    solution, model, _, force = case
+    threshold = solution.all_touch_force
+    result = manufacture(model, force, threshold, Spread("edm", 1e-9, (0.5, 0.8, 1.5)))
+    assert result.passing.value == pytest.approx((0.8 * force / threshold - 0.5) / 1.0, abs=0.015)  # 3 sigma
+    assert result.largest.startswith("the modulus (0.5 to 1.5 MPa)")
+    assert result.modulus_sensitivity == pytest.approx(threshold / 0.8)
 
 
 def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
     """The outer crests alone decide: both must be low by less than the margin over the sensitivity."""
-    found, model, unit, force = case
-    threshold = found.all_touch_force
+    solution, model, unit, force = case
+    threshold = solution.all_touch_force
     sigma = 0.5 * (force - threshold) / (threshold / (0.5 * float(np.ptp(model.gap)) * unit))
-    made = manufacture(model, force, threshold, Spread("sla", sigma, (0.8, 0.8, 0.8)))
-    margin = (force - threshold) / (max(made.crest_sensitivity) * sigma)
+    result = manufacture(model, force, threshold, Spread("sla", sigma, (0.8, 0.8, 0.8)))
+    margin = (force - threshold) / (max(result.crest_sensitivity) * sigma)
     alone = 0.5 * (1 + math.erf(margin / math.sqrt(2)))
     # the other crests' smaller slopes widen it, nonlinearity moves it: within 0.1 of the two-sided share
-    assert made.passing.value == pytest.approx(alone**2, abs=0.1)
-    assert made.largest.startswith("crest errors of the sla mold")
+    assert result.passing.value == pytest.approx(alone**2, abs=0.1)
+    assert result.largest.startswith("crest errors of the sla mold")
 
 
 @pytest.mark.slow
@@ -160,17 +160,17 @@ def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: st
     """What the yield of better tiers rests on: free ends as a change of stiffness alone."""
     design = load(name)
     force, sigma = design.contact.force, 0.03
-    made = corrected.answer(design, Request(force, 0.05, parts=True))
+    answer = corrected.answer(design, Request(force, 0.05, ridge_model=True))
     meshed = meshed_piece(
         corrected.plain_pad(design), coarse_sizes(corrected.plain_pad(design), 1.0), whole=True
     )
     small, scale = condensed_pad(meshed, forms_of(meshed, corrected.ORDER), corrected.LAYERS, {})
     ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, meshed.unit)
     drops = np.random.default_rng(1).normal(0.0, sigma, (150, design.ridge.count))
-    model, threshold = made.parts, made.all_touch_force.value
-    own = all_touch(model, np.zeros((1, design.ridge.count)), threshold / model.scale)[0]
-    asked = np.full(len(drops), force / model.scale * own / (threshold / model.scale))
-    scaled = (ridge_forces(model, drops / model.unit, asked) > 0).all(axis=1)
+    model, threshold = answer.ridge_model, answer.all_touch_force.value
+    model_threshold = all_touch(model, np.zeros((1, design.ridge.count)), threshold / model.scale)[0]
+    scaled_force = np.full(len(drops), force / model.scale * model_threshold / (threshold / model.scale))
+    scaled = (ridge_forces(model, drops / model.unit, scaled_force) > 0).all(axis=1)
     start = press(ridges.flexibility, ridges.gap, force / scale).active
     states = [
         press(ridges.flexibility, ridges.lowered(row / meshed.unit).gap, force / scale, start)
@@ -192,35 +192,35 @@ def test_yield_and_slopes_of_two_springs_are_those_by_hand(stiffer: float) -> No
     """Both touch where the force is above the difference of the crests, which scatters by sqrt(2) sigma. A
     better tier's threshold is a change of the springs' stiffness."""
     unit, scale, gap, sigma = 0.5, 3.0, 0.2, 0.04  # mm, N, of the unit, mm
-    own, force = gap * scale, 0.75
-    made = manufacture(
-        two_springs(gap, unit, scale), force, own * stiffer, Spread("sla", sigma, (0.8, 0.8, 0.8))
+    all_touch, force = gap * scale, 0.75
+    result = manufacture(
+        two_springs(gap, unit, scale), force, all_touch * stiffer, Spread("sla", sigma, (0.8, 0.8, 0.8))
     )
     wide = sigma / unit * math.sqrt(2)
-    asked = force / scale / stiffer
+    scaled_force = force / scale / stiffer
 
     def below(difference: float) -> float:
         return (1 + math.erf((difference - gap) / wide / math.sqrt(2))) / 2
 
-    passing = below(asked) - below(-asked)
-    found = made.passing.value or 0.0
+    passing = below(scaled_force) - below(-scaled_force)
+    share = result.passing.value or 0.0
     # the sample's error, and what the reduced model misjudges where half of the parts pass
     wrong = MODEL_MISCLASSIFIES if abs(stiffer - 1) < 0.05 else SCALED_MISCLASSIFIES
-    sample = (made.passing.error or 0.0) - wrong * 4 * found * (1 - found)
-    assert abs(found - passing) <= sample <= 0.02  # three standard errors of 10 000 parts drawn at random
+    sample = (result.passing.error or 0.0) - wrong * 4 * share * (1 - share)
+    assert abs(share - passing) <= sample <= 0.02  # three standard errors of 10 000 parts drawn at random
     slope = scale / unit * stiffer
-    assert made.crest_sensitivity == pytest.approx((-slope, slope), rel=1e-6)
-    assert made.modulus_sensitivity == pytest.approx(own * stiffer / 0.8, rel=1e-12)
-    if asked > gap:  # a part as designed passes
-        assert made.largest.startswith("crest errors of the sla mold (sigma 0.04 mm)")
+    assert result.crest_sensitivity == pytest.approx((-slope, slope), rel=1e-6)
+    assert result.modulus_sensitivity == pytest.approx(all_touch * stiffer / 0.8, rel=1e-12)
+    if scaled_force > gap:  # a part as designed passes
+        assert result.largest.startswith("crest errors of the sla mold (sigma 0.04 mm)")
 
 
 def test_a_modulus_that_scatters_more_than_the_crests_is_the_larger_loss() -> None:
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 1e-4, (0.4, 0.8, 1.6))
-    made = manufacture(springs, 0.75, 0.6, spread)
+    result = manufacture(springs, 0.75, 0.6, spread)
     # stiffer than 0.8 MPa by 0.75 / 0.6 they no longer touch
-    assert made.passing.value == pytest.approx((0.8 * 0.75 / 0.6 - 0.4) / 1.2, abs=0.02)
-    assert made.largest.startswith("the modulus (0.4 to 1.6 MPa)")
+    assert result.passing.value == pytest.approx((0.8 * 0.75 / 0.6 - 0.4) / 1.2, abs=0.02)
+    assert result.largest.startswith("the modulus (0.4 to 1.6 MPa)")
     sure = manufacture(springs, 2.0, 0.6, Spread("sla", 1e-4, (0.7, 0.8, 0.9)))
     assert (sure.passing.value, sure.largest) == (1.0, "")
     lowest = 1 / (1 + 1.96**2 / 4096)  # Wilson's interval where none of 4096 fails
@@ -238,15 +238,15 @@ def test_a_better_tiers_misjudged_share_is_what_was_measured_and_little_more() -
 def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float) -> None:
     """Two ridges that touch from 0.6 N on, asked for 0.75 N; at a threshold of up to 1.08 N none does."""
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.8, 0.8, 0.8))
-    made = manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
+    result = manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
     worst, sure, best = (
         manufacture(springs, 0.75 / (1 + more), 0.6, spread) for more in (unsure, 0.0, -unsure)
     )
-    assert made.passing.value == sure.passing.value
-    assert made.interval == (worst.interval[0], best.interval[1])
-    low, high = made.interval
+    assert result.passing.value == sure.passing.value
+    assert result.interval == (worst.interval[0], best.interval[1])
+    low, high = result.interval
     assert 0 <= low <= (worst.passing.value or 0.0) <= (best.passing.value or 0.0) <= high <= 1
-    assert made.passing.error == max((sure.passing.value or 0.0) - low, high - (sure.passing.value or 0.0))
+    assert result.passing.error == max((sure.passing.value or 0.0) - low, high - (sure.passing.value or 0.0))
 
 
 def test_a_yield_and_its_interval_lie_inside_0_to_100_percent() -> None:
@@ -259,15 +259,15 @@ def test_a_yield_and_its_interval_lie_inside_0_to_100_percent() -> None:
             "sla", 10 ** dice.uniform(-4, 0), (dice.uniform(0.3, 0.8), 0.8, dice.uniform(0.8, 2.0))
         )
         unsure = dice.choice([0.0, 1.0]) * needed * dice.uniform(0, 1.5)
-        made = manufacture(
+        result = manufacture(
             two_springs(gap, unit, scale), needed * dice.uniform(0.5, 2), needed, spread, unsure
         )
-        low, high = made.interval
-        assert 0 <= low <= (made.passing.value or 0.0) <= high <= 1
+        low, high = result.interval
+        assert 0 <= low <= (result.passing.value or 0.0) <= high <= 1
         assert low < high  # a sample leaves something open
 
 
 def test_a_design_that_needs_more_than_asked_is_told_so_and_not_to_refine_its_mold() -> None:
     springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.4, 0.8, 1.6))
-    made = manufacture(springs, 0.4, 0.6, spread)
-    assert made.largest.startswith("the design itself, which needs 0.6 N of 0.4 N")
+    result = manufacture(springs, 0.4, 0.6, spread)
+    assert result.largest.startswith("the design itself, which needs 0.6 N of 0.4 N")

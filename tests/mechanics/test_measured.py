@@ -36,10 +36,10 @@ def judged(
     return check(design, tier=tier, force=FORCE, measured=folder / "crests.csv")
 
 
-def numbers(found: ContactCheck) -> np.ndarray:
+def numbers(verdict: ContactCheck) -> np.ndarray:
     """F9, approach and the ridges' forces, each with its error."""
-    told = [found.all_touch_force, found.approach, *found.ridge_force]
-    return np.array([[each.value, each.error] for each in told], dtype=float)
+    estimates = [verdict.all_touch_force, verdict.approach, *verdict.ridge_force]
+    return np.array([[estimate.value, estimate.error] for estimate in estimates], dtype=float)
 
 
 @pytest.mark.parametrize("tier", TIERS)

@@ -32,8 +32,8 @@ def flat() -> Answer:
         return plane(PLAIN, tol=0.01)
 
 
-def shares(found) -> np.ndarray:
-    return np.array([f.value for f in found.ridge_force])
+def shares(verdict) -> np.ndarray:
+    return np.array([f.value for f in verdict.ridge_force])
 
 
 @pytest.mark.slow
@@ -43,10 +43,10 @@ def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
         {"shape": "cylinder", "radius": 1e8},
         {"shape": "step", "height": 0.0},
     ):
-        found = on(**plate)
+        verdict = on(**plate)
         # the first touch is a sample here, the exact summit there: 1e-6 mm
-        assert found.all_touch_force.value == pytest.approx(flat().all_touch_force.value, rel=1e-4)
-        assert shares(found) == pytest.approx(shares(flat()), abs=1e-4)
+        assert verdict.all_touch_force.value == pytest.approx(flat().all_touch_force.value, rel=1e-4)
+        assert shares(verdict) == pytest.approx(shares(flat()), abs=1e-4)
 
 
 def test_tilting_the_other_way_mirrors_the_shares() -> None:
@@ -74,15 +74,15 @@ def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
 @pytest.mark.parametrize("tier", ["winkler", "linear"])
 def test_a_plate_that_is_higher_everywhere_is_the_flat_one(tier: str) -> None:
     raised = PLAIN.with_(contact={"plate": {"shape": "step", "height": 0.3, "position": -100.0}})
-    found, same = (run(tier, each, Request(2.2, 0.9), {}, None) for each in (raised, PLAIN))
-    assert found.approach.value == pytest.approx(same.approach.value, rel=1e-4)  # first touch is sampled
-    assert shares(found) == pytest.approx(shares(same), abs=1e-4)
+    answer, same = (run(tier, design, Request(2.2, 0.9), {}, None) for design in (raised, PLAIN))
+    assert answer.approach.value == pytest.approx(same.approach.value, rel=1e-4)  # first touch is sampled
+    assert shares(answer) == pytest.approx(shares(same), abs=1e-4)
 
 
 def test_a_step_unloads_the_ridges_under_it() -> None:
-    found = on(shape="step", height=0.05, position=0.5)
-    assert (shares(found)[3:] < shares(flat())[3:]).all()
-    assert shares(found)[:3].sum() > shares(flat())[:3].sum()
+    verdict = on(shape="step", height=0.05, position=0.5)
+    assert (shares(verdict)[3:] < shares(flat())[3:]).all()
+    assert shares(verdict)[:3].sum() > shares(flat())[:3].sum()
 
 
 @pytest.mark.parametrize(

@@ -28,40 +28,40 @@ def smooth() -> ContactCheck:
     return linear_check(small(0.0), tol=0.05)
 
 
-def of(found: ContactCheck) -> list[str]:
-    return [part.effect for part in found.left_out]
+def of(verdict: ContactCheck) -> list[str]:
+    return [part.effect for part in verdict.left_out]
 
 
 def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactCheck) -> None:
-    found, bound = linear_check(small(None), tol=0.05), friction(small(None), smooth.touching)
+    verdict, bound = linear_check(small(None), tol=0.05), friction(small(None), smooth.touching)
     assert of(smooth) == ["free ends", "finite strain"]
-    assert of(found) == ["free ends", "finite strain", "friction"]
+    assert of(verdict) == ["free ends", "finite strain", "friction"]
     for name, more in (("all_touch_force", bound.threshold), ("approach", bound.approach)):
-        wider, before = getattr(found, name), getattr(smooth, name)
+        wider, before = getattr(verdict, name), getattr(smooth, name)
         assert wider.value == before.value
         assert wider.error == pytest.approx(before.error + more * before.value, rel=1e-9)
-    assert found.ridge_force[0].error > smooth.ridge_force[0].error
-    assert any("N for leaving out friction" in line for line in lines(found))
-    assert found.as_json()["left_out"][-1]["effect"] == "friction"
+    assert verdict.ridge_force[0].error > smooth.ridge_force[0].error
+    assert any("N for leaving out friction" in line for line in lines(verdict))
+    assert verdict.as_json()["left_out"][-1]["effect"] == "friction"
 
 
 @pytest.mark.parametrize(("coefficient", "left"), [(None, True), (0.0, False), (0.5, True)])
 def test_the_closed_form_computes_no_friction(coefficient: float | None, left: bool) -> None:
-    found, without = (check(small(c), tier="winkler") for c in (coefficient, 0.0))
-    assert of(found) == (["friction"] if left else [])
-    assert found.all_touch_force.value == without.all_touch_force.value
-    assert (found.all_touch_force.error > without.all_touch_force.error) == left
+    verdict, without = (check(small(c), tier="winkler") for c in (coefficient, 0.0))
+    assert of(verdict) == (["friction"] if left else [])
+    assert verdict.all_touch_force.value == without.all_touch_force.value
+    assert (verdict.all_touch_force.error > without.all_touch_force.error) == left
 
 
 def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck) -> None:
-    found, design = linear_check(small(0.5), tol=0.05), small(0.5)
-    assert of(found) == of(smooth)
+    verdict, design = linear_check(small(0.5), tol=0.05), small(0.5)
+    assert of(verdict) == of(smooth)
     change = solve(plain_pad(design), 0.5, 0.65)
     ratio = change.gripped.approach / change.without.approach
-    assert found.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
-    assert found.approach.value < 0.995 * smooth.approach.value
-    assert sum(f.value for f in found.ridge_force) == pytest.approx(0.65, rel=1e-9)
-    assert found.seconds["friction"] > 0
+    assert verdict.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
+    assert verdict.approach.value < 0.995 * smooth.approach.value
+    assert sum(f.value for f in verdict.ridge_force) == pytest.approx(0.65, rel=1e-9)
+    assert verdict.seconds["friction"] > 0
 
 
 def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -71,18 +71,18 @@ def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.Monk
     monkeypatch.setattr(pressing, "solve", fails)
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    found = check(load("yamada-2002").with_(contact={"friction": 15.0}), tier="linear")
-    assert of(found) == ["free ends", "finite strain", "friction"]
-    assert any("contact.friction is left out, within its bound: the sets" in w for w in found.warnings)
+    verdict = check(load("yamada-2002").with_(contact={"friction": 15.0}), tier="linear")
+    assert of(verdict) == ["free ends", "finite strain", "friction"]
+    assert any("contact.friction is left out, within its bound: the sets" in w for w in verdict.warnings)
 
 
 def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    found = check(load("yamada-2002").with_(contact={"friction": 0.5}), tier="linear", budget=2.1)
-    assert "friction" in of(found)
-    assert any("contact.friction is left out" in w and "would take about" in w for w in found.warnings)
+    verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), tier="linear", budget=2.1)
+    assert "friction" in of(verdict)
+    assert any("contact.friction is left out" in w and "would take about" in w for w in verdict.warnings)
 
 
 @pytest.mark.parametrize(
@@ -120,9 +120,9 @@ def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
 ) -> None:
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    found = check(load("yamada-2002"), tol=tol)
-    assert found.tier == tier
-    missed = [w for w in found.warnings if "not met" in w]
+    verdict = check(load("yamada-2002"), tol=tol)
+    assert verdict.tier == tier
+    missed = [w for w in verdict.warnings if "not met" in w]
     assert bool(missed) == said
     assert all("friction may change it by 0.03: give contact.friction" in w for w in missed)
 
@@ -141,36 +141,36 @@ def test_no_tier_is_climbed_for_what_friction_leaves_open(
 ) -> None:
     MadeUp(monkeypatch, value)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    found = check(load("yamada-2002"), force=4.0)
-    assert found.tier == tier
+    verdict = check(load("yamada-2002"), force=4.0)
+    assert verdict.tier == tier
     words = "the verdict depends on friction, which is not known: give contact.friction"
-    assert (words in found.warnings) == hangs
+    assert (words in verdict.warnings) == hangs
 
 
 def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction(monkeypatch: pytest.MonkeyPatch) -> None:
     """A tier by name is asked for its mesh's error alone."""
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    found = check(load("yamada-2002"), tier="linear", tol=0.005)
-    assert [w for w in found.warnings if "not met" in w] == [
+    verdict = check(load("yamada-2002"), tier="linear", tol=0.005)
+    assert [w for w in verdict.warnings if "not met" in w] == [
         "the all-touch force's error is 0.01 of its value: the tolerance 0.005 is not met"
     ]
 
 
 def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Along y none computes it: what is said of a missed tolerance names the effect alone."""
-    made = MadeUp(monkeypatch)
-    made.mesh = 0.01
+    fake = MadeUp(monkeypatch)
+    fake.mesh = 0.01
     monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.2)
-    monkeypatch.setattr(PlateFriction, "on", lambda *asked: asked[2])
-    found = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
-    assert found.tier == "corrected"  # 0.1 and its mesh; 0.2 stays in any case
-    assert [w for w in found.warnings if "not met" in w] == [
+    monkeypatch.setattr(PlateFriction, "applied_to", lambda *arguments: arguments[2])
+    verdict = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
+    assert verdict.tier == "corrected"  # 0.1 and its mesh; 0.2 stays in any case
+    assert [w for w in verdict.warnings if "not met" in w] == [
         "the all-touch force's error is 0.31 of its value: the tolerance 0.12 is not met; "
         "friction along y may change it by 0.2"
     ]
-    assert found.friction == found.as_json()["friction"] == 0.5
+    assert verdict.friction == verdict.as_json()["friction"] == 0.5
 
 
 def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:

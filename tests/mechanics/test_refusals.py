@@ -53,10 +53,10 @@ def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
     pad = pad_of(small)
     best = plane_level.level(plane_piece(pad, 1.0), 3, small.contact.force)
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 1.0, 3))
-    found = plane(small, tol=1e-4)
-    assert found.unknowns == best.unknowns
-    assert found.all_touch_force.value == best.all_touch_force
-    assert any("a finer mesh takes more than" in w for w in found.warnings)
+    answer = plane(small, tol=1e-4)
+    assert answer.unknowns == best.unknowns
+    assert answer.all_touch_force.value == best.all_touch_force
+    assert any("a finer mesh takes more than" in w for w in answer.warnings)
 
 
 def test_a_first_mesh_that_is_too_large_gives_way_to_a_coarser(
@@ -66,11 +66,11 @@ def test_a_first_mesh_that_is_too_large_gives_way_to_a_coarser(
     assert coarse < fine
     before = linear_check(small, tol=2e-3)
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", coarse)
-    found = linear_check(small, tol=2e-3)
-    assert found.unknowns < before.unknowns
-    assert any("a finer mesh takes more than" in w for w in found.warnings)
-    apart = abs(found.all_touch_force.value - before.all_touch_force.value)
-    assert apart <= found.all_touch_force.error  # what it says of itself holds
+    verdict = linear_check(small, tol=2e-3)
+    assert verdict.unknowns < before.unknowns
+    assert any("a finer mesh takes more than" in w for w in verdict.warnings)
+    difference = abs(verdict.all_touch_force.value - before.all_touch_force.value)
+    assert difference <= verdict.all_touch_force.error  # what it says of itself holds
 
 
 def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
@@ -80,11 +80,13 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
     monkeypatch.setattr(plane_level, "_level", unsolved)
     with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
         linear_check(small)
-    for asked in ({}, {"tol": 0.01}, {"budget": 500.0}):
-        found = check(small, **asked)
-        assert found.tier == "winkler"
-        assert found.all_touch_force == check(small, tier="winkler").all_touch_force
-        assert any("tier, which leaves out less, cannot judge this: ridge.count" in w for w in found.warnings)
+    for options in ({}, {"tol": 0.01}, {"budget": 500.0}):
+        verdict = check(small, **options)
+        assert verdict.tier == "winkler"
+        assert verdict.all_touch_force == check(small, tier="winkler").all_touch_force
+        assert any(
+            "tier, which leaves out less, cannot judge this: ridge.count" in w for w in verdict.warnings
+        )
 
 
 def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,8 +98,8 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
 
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", 6000)
     monkeypatch.setattr(linear, "triangles", counted)
-    found = check(wide(250))
-    assert (found.tier, found.ridges, meshed) == ("winkler", 250, [1])
+    verdict = check(wide(250))
+    assert (verdict.tier, verdict.ridges, meshed) == ("winkler", 250, [1])
 
 
 def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
@@ -115,20 +117,22 @@ def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) ->
     alone, whole = (
         elements.contact_unknowns(elements.curved(triangles(p, sizes), 1), 1) for p in (one_ridge(pad), pad)
     )
-    assert whole >= linear.ALONE * alone * len(pad.ridges)
-    assert plane_level.contact_unknowns(plane_piece(pad, 0.5), 1) >= linear.ALONE * alone * len(pad.ridges)
+    assert whole >= linear.SINGLE_RIDGE_FACTOR * alone * len(pad.ridges)
+    assert plane_level.contact_unknowns(plane_piece(pad, 0.5), 1) >= linear.SINGLE_RIDGE_FACTOR * alone * len(
+        pad.ridges
+    )
 
 
 def test_a_better_tier_that_is_too_large_leaves_the_one_before(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(solid_level, "MOST_CONTACT", 10)
-    found = check(small, tol=0.02)
-    assert found.tier == "linear"
-    assert found.all_touch_force == linear_check(small, tol=climbing.FINEST).all_touch_force
+    verdict = check(small, tol=0.02)
+    assert verdict.tier == "linear"
+    assert verdict.all_touch_force == linear_check(small, tol=climbing.FINEST_TOLERANCE).all_touch_force
     assert any(
         "the corrected tier, which leaves out less, cannot judge this: ridge.count" in w
-        for w in found.warnings
+        for w in verdict.warnings
     )
 
 
@@ -143,13 +147,12 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
         check_size(forms, line)
 
     monkeypatch.setattr(solid, "check_size", seen)
-    monkeypatch.setattr(solid, "pressed", unsolved)
+    monkeypatch.setattr(solid, "solve_level", unsolved)
     with pytest.raises(AssertionError, match="solved, and then refused"):
         check(small, tier="solid")
     assert len(sizes) == 2
-    monkeypatch.setattr(
-        solid_level, "MOST_UNKNOWNS", min(sizes)
-    )  # what the first level takes, and not all do
+    # what the first level takes, and not all do
+    monkeypatch.setattr(solid_level, "MOST_UNKNOWNS", min(sizes))
     with pytest.raises(SizeError, match="three dimensions take at most"):
         check(small, tier="solid")
 
@@ -158,20 +161,20 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
 def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
     design = load("yamada-2002", ["ridge.count=3", "skin.width=5.0"])
     whole = film_stresses(design, 1.3, (0.0,), tol=0.5)[0]
-    asked: list[int] = []
+    orders: list[int] = []
     counted = rungs._contact_unknowns
 
     def seen(mesh: Any, order: int) -> int:
-        asked.append(counted(mesh, order))
-        return asked[-1]
+        orders.append(counted(mesh, order))
+        return orders[-1]
 
     monkeypatch.setattr(rungs, "_contact_unknowns", seen)
     film_stresses(design, 1.3, (0.0,), tol=0.5)
-    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", max(asked))
-    found = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
-    assert found.differential == whole.differential
-    assert any("a finer mesh takes more than" in w for w in found.warnings)
-    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", asked[0] - 1)
+    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", max(orders))
+    stress = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
+    assert stress.differential == whole.differential
+    assert any("a finer mesh takes more than" in w for w in stress.warnings)
+    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", orders[0] - 1)
     monkeypatch.setattr(rungs, "level", unsolved)
     with pytest.raises(SizeError, match="films' stresses take at most"):
         film_stresses(design, 1.3, (0.0,))
@@ -179,29 +182,31 @@ def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_scene_keeps_the_mesh_that_it_marched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=4", "readout.ridges=[1, 3]")
-    asked: list[int] = []
+    orders: list[int] = []
     counted = elements.contact_unknowns
 
     def seen(mesh: Any, order: int) -> int:
-        asked.append(counted(mesh, order))
-        return asked[-1]
+        orders.append(counted(mesh, order))
+        return orders[-1]
 
     monkeypatch.setattr(elements, "contact_unknowns", seen)
     simulate(scene, budget=1e-3)
-    monkeypatch.setattr(sliding, "MOST_CONTACT_UNKNOWNS", 2 * 2 * asked[0])  # both components, both halves
-    found = simulate(scene)
-    assert any("a finer mesh is refused (ridge.count: a scene takes at most" in w for w in found.warnings)
-    assert len(found.march.readings) == 5
-    assert found.error is None
+    monkeypatch.setattr(sliding, "MOST_CONTACT_UNKNOWNS", 2 * 2 * orders[0])  # both components, both halves
+    simulation = simulate(scene)
+    assert any(
+        "a finer mesh is refused (ridge.count: a scene takes at most" in w for w in simulation.warnings
+    )
+    assert len(simulation.march.readings) == 5
+    assert simulation.error is None
 
 
 def test_two_columns_that_touch_at_once_have_a_verdict_and_a_yield() -> None:
-    found = check(load("plain-ridges", [*COLUMNS, "contact.force=4.0"]))
-    assert found.touching == 2
-    assert found.manufacture is not None
+    verdict = check(load("plain-ridges", [*COLUMNS, "contact.force=4.0"]))
+    assert verdict.touching == 2
+    assert verdict.manufacture is not None
     # both touch from next to nothing on, and crests of 0.015 mm against an approach of 1.3 mm change little
-    assert found.manufacture.passing.value == pytest.approx(1.0, abs=0.01)
-    assert max(found.manufacture.crest_sensitivity) < 10.0  # N/mm; 4 N press them by 1.3 mm
+    assert verdict.manufacture.passing.value == pytest.approx(1.0, abs=0.01)
+    assert max(verdict.manufacture.crest_sensitivity) < 10.0  # N/mm; 4 N press them by 1.3 mm
 
 
 @pytest.mark.parametrize("place", ["manufacture", "ridge model"])
@@ -217,11 +222,11 @@ def test_a_yield_that_does_not_settle_is_no_veto(
         monkeypatch.setattr("skincad.mechanics.manufacture.manufacture", unsettled)
     else:
         monkeypatch.setattr(linear, "ridge_model", unsettled)
-    found = linear_check(small, tol=0.05)
-    assert (found.passed, found.all_touch_force) == (whole.passed, whole.all_touch_force)
-    assert (found.manufacture, whole.manufacture is None) == (None, False)
-    assert "no yield: does not settle" in found.warnings
-    assert found.as_json()["yield"] is None
+    verdict = linear_check(small, tol=0.05)
+    assert (verdict.passed, verdict.all_touch_force) == (whole.passed, whole.all_touch_force)
+    assert (verdict.manufacture, whole.manufacture is None) == (None, False)
+    assert "no yield: does not settle" in verdict.warnings
+    assert verdict.as_json()["yield"] is None
 
 
 @pytest.mark.parametrize(("ridges", "parts"), [(9, 4096), (33, 3848), (48, 1816)])
@@ -231,7 +236,7 @@ def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int
     springs = RidgeModel(
         np.zeros(ridges), np.zeros((ridges, ridges)), force, np.tile(force, (ridges, 1)), 1.0, 1.0
     )
-    made = manufacture(springs, 0.5 * ridges, 1e-9, Spread("sla", 1e-3, (0.8, 0.8, 0.8)))
-    assert made.passing.value == 1.0
+    result = manufacture(springs, 0.5 * ridges, 1e-9, Spread("sla", 1e-3, (0.8, 0.8, 0.8)))
+    assert result.passing.value == 1.0
     # Wilson's score interval at 95 % if none of n fails: 1 - z^2 / (n + z^2)
-    assert made.passing.error == pytest.approx(1.96**2 / (parts + 1.96**2), rel=1e-9)
+    assert result.passing.error == pytest.approx(1.96**2 / (parts + 1.96**2), rel=1e-9)

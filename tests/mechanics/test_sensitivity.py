@@ -12,22 +12,22 @@ from skincad.mechanics.sensitivity import KEYS, MODULUS, sensitivities
 
 def test_the_modulus_counts_in_proportion_and_the_pitch_as_its_square() -> None:
     """The last crest's fall goes with the square of its arm; what the base adds is within the error."""
-    found = {each.key: each.change for each in sensitivities(skincad.load("plain-ridges"), 100.0)}
-    assert found[MODULUS].value == 1.0
-    pitch = found["ridge.pitch"]
+    changes = {row.key: row.change for row in sensitivities(skincad.load("plain-ridges"), 100.0)}
+    assert changes[MODULUS].value == 1.0
+    pitch = changes["ridge.pitch"]
     assert pitch.lower == pytest.approx(2.0 - 0.1, rel=5e-3)
     assert (pitch.upper or 0.0) > 2.0
-    assert found["skin.length"].value == pytest.approx(1.0, rel=1e-6)
+    assert changes["skin.length"].value == pytest.approx(1.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", skincad.template_names())
 def test_the_largest_comes_first_and_each_has_its_error(name: str) -> None:
-    found = sensitivities(skincad.load(name), 2.0)
-    sizes = [abs(each.change.value or 0.0) for each in found]
+    rows = sensitivities(skincad.load(name), 2.0)
+    sizes = [abs(row.change.value or 0.0) for row in rows]
     rises = [later - first for first, later in pairwise(sizes)]
     assert max(rises) <= 1e-3 * sizes[0]  # those that round to the same stand by name
-    assert {each.key for each in found} == {*KEYS, MODULUS}
-    assert all((each.change.error or 0.0) > 0 for each in found)
+    assert {row.key for row in rows} == {*KEYS, MODULUS}
+    assert all((row.change.error or 0.0) > 0 for row in rows)
 
 
 def test_a_single_ridge_and_heights_of_ones_own() -> None:
@@ -36,8 +36,8 @@ def test_a_single_ridge_and_heights_of_ones_own() -> None:
     level = skincad.load("plain-ridges").with_(ridge={"levelling": 1.0})
     assert sensitivities(level, 1.0) == ()  # its force is rounding
     heights = {"count": 3, "heights": [0.5, 0.5, 0.5]}
-    own = skincad.load("plain-ridges").with_(ridge=heights, skin={"width": 5.0})
-    assert "ridge.height" not in {each.key for each in sensitivities(own, 1.0)}
+    uneven = skincad.load("plain-ridges").with_(ridge=heights, skin={"width": 5.0})
+    assert "ridge.height" not in {row.key for row in sensitivities(uneven, 1.0)}
 
 
 @pytest.mark.slow
@@ -55,6 +55,6 @@ def test_the_error_holds_what_the_linear_tier_finds(key: str, by: float) -> None
     assert low.value is not None
     assert high.value is not None
     assert middle is not None
-    found = {each.key: each.change for each in sensitivities(design, middle)}[key]
+    change = {row.key: row.change for row in sensitivities(design, middle)}[key]
     slope = (high.value - low.value) / (2 * 100 * by)
-    assert abs(slope - (found.value or 0.0)) <= (found.error or 0.0)
+    assert abs(slope - (change.value or 0.0)) <= (change.error or 0.0)

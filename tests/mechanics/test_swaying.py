@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from skincad.mechanics.swaying import _sway_angle, sway_force, swayed
+from skincad.mechanics.swaying import _sway_angle, sway_amplification, sway_force
 from skincad.mechanics.validity import buckling_force, mean_width
 from tests.mechanics.designs import yamada
 
@@ -19,13 +19,13 @@ def beam(root: float, top: float, elements: int = 40) -> float:
     """phi of the smallest load at which a beam of E I = h = 1 sways, from Hermite elements' stiffness."""
     size = 2 * (elements + 1)
     bends, tilts, h = np.zeros((size, size)), np.zeros((size, size)), 1 / elements
-    own = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
-    own = np.vstack([own, -own[0], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3
+    stiffness = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
+    stiffness = np.vstack([stiffness, -stiffness[0], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3
     tilt = np.array([[36, 3 * h, -36, 3 * h], [3 * h, 4 * h**2, -3 * h, -(h**2)]])
     tilt = np.vstack([tilt, -tilt[0], [3 * h, -(h**2), -3 * h, 4 * h**2]]) / (30 * h)
     for i in range(elements):
         part = slice(2 * i, 2 * i + 4)
-        bends[part, part] += own
+        bends[part, part] += stiffness
         tilts[part, part] += tilt
     bends[1, 1] += root
     bends[-1, -1] += top
@@ -72,8 +72,8 @@ def test_similar_ridges_sway_at_similar_forces() -> None:
 
 def test_a_ridge_that_does_not_stand_is_told_as_the_most() -> None:
     design = yamada()
-    assert swayed(design, 0.0, 2.0) == 0.0
+    assert sway_amplification(design, 0.0, 2.0) == 0.0
     critical = sway_force(design, 0.5)
-    assert swayed(design, 0.5, 2.0) == pytest.approx(0.5 / (critical - 0.5), rel=1e-12)
-    assert swayed(design, 0.5, 0.1) == 0.1
-    assert swayed(design, 100.0, 2.0) == 2.0
+    assert sway_amplification(design, 0.5, 2.0) == pytest.approx(0.5 / (critical - 0.5), rel=1e-12)
+    assert sway_amplification(design, 0.5, 0.1) == 0.1
+    assert sway_amplification(design, 100.0, 2.0) == 2.0

@@ -25,36 +25,35 @@ from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad
 from skincad.mechanics.tiers import linear, prices
 from skincad.mechanics.tiers import table as tiers
 from skincad.mechanics.tiers.plane_level import level
-from skincad.mechanics.tiers.table import TIERS, expected, own
+from skincad.mechanics.tiers.table import TIERS, expected_seconds, own_seconds
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 
 
 def test_reference_section() -> None:
-    found = plane(reference())
+    answer = plane(reference())
     # 0.5 % and 0.003 N are what docs/facts.md's own numbers claim
-    assert found.all_touch_force.value == pytest.approx(3.026, rel=5e-3)
-    assert found.approach.value == pytest.approx(0.1733, rel=5e-3)
-    shares = [f.value for f in found.ridge_force]
+    assert answer.all_touch_force.value == pytest.approx(3.026, rel=5e-3)
+    assert answer.approach.value == pytest.approx(0.1733, rel=5e-3)
+    shares = [f.value for f in answer.ridge_force]
     assert shares[:5] == pytest.approx([0.0885, 0.378, 0.551, 0.646, 0.676], abs=0.003)
 
 
 def test_filleted_section() -> None:
-    found = plane(filleted())
-    assert found.all_touch_force.value == pytest.approx(3.046, rel=5e-3)
-    assert found.approach.value == pytest.approx(0.17306, rel=5e-3)
-    assert found.ridge_force[0].value == pytest.approx(0.0866, abs=0.003)
+    answer = plane(filleted())
+    assert answer.all_touch_force.value == pytest.approx(3.046, rel=5e-3)
+    assert answer.approach.value == pytest.approx(0.17306, rel=5e-3)
+    assert answer.ridge_force[0].value == pytest.approx(0.0866, abs=0.003)
 
 
 @pytest.mark.parametrize(
     ("thickness", "force"), [(0.04, 2.90), pytest.param(0.10, 2.71, marks=pytest.mark.slow)]
 )
 def test_void_slots_lower_the_force(thickness: float, force: float) -> None:
-    found = plane(void_slots(thickness))
-    assert found.all_touch_force.value == pytest.approx(
-        force, rel=0.02
-    )  # the slots of docs/facts.md lay elsewhere by a bit
+    answer = plane(void_slots(thickness))
+    # the slots of docs/facts.md lie slightly elsewhere
+    assert answer.all_touch_force.value == pytest.approx(force, rel=0.02)
 
 
 @pytest.fixture(scope="module")
@@ -64,16 +63,16 @@ def judged() -> ContactCheck:
 
 @pytest.mark.slow
 def test_yamada_passes() -> None:
-    found = check(yamada())
-    assert (found.passed, found.touching, found.tier) == (True, 9, "corrected")
+    verdict = check(yamada())
+    assert (verdict.passed, verdict.touching, verdict.tier) == (True, 9, "corrected")
 
 
 def test_plain_ridges_pass_with_all_nine(judged: ContactCheck) -> None:
-    found = judged
-    assert (found.passed, found.touching, found.ridges, found.force) == (True, 9, 9, 4.0)
+    verdict = judged
+    assert (verdict.passed, verdict.touching, verdict.ridges, verdict.force) == (True, 9, 9, 4.0)
     # the plate's force is the sum of the shares: the contact residual
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(4.0, rel=1e-9)
-    assert found.residual < 1e-6
+    assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(4.0, rel=1e-9)
+    assert verdict.residual < 1e-6
 
 
 @pytest.mark.slow
@@ -95,9 +94,9 @@ def by_linear() -> ContactCheck:
 
 
 def test_shares_are_symmetric(by_linear: ContactCheck) -> None:
-    found = by_linear
-    shares = np.array([f.value for f in found.ridge_force])
-    error = found.ridge_force[0].error or 0.0
+    verdict = by_linear
+    shares = np.array([f.value for f in verdict.ridge_force])
+    error = verdict.ridge_force[0].error or 0.0
     assert np.abs(shares - shares[::-1]).max() <= error  # the mesh is not symmetric, its error covers that
 
 
@@ -170,11 +169,11 @@ DEAR = ("compressible", "nearly flat", "eight", "tilted voids")
 )
 def test_extremes(name: str) -> None:
     design = EXTREMES[name]()
-    found = plane(design, tol=0.05)
-    assert found.touching == design.ridge.count
-    assert not [w for w in found.warnings if "not met" in w]
-    assert found.residual <= 1e-6
-    shares = np.array([f.value for f in found.ridge_force])
+    answer = plane(design, tol=0.05)
+    assert answer.touching == design.ridge.count
+    assert not [w for w in answer.warnings if "not met" in w]
+    assert answer.residual <= 1e-6
+    shares = np.array([f.value for f in answer.ridge_force])
     assert shares.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium, solved exactly
     assert (shares > 0).all()
 
@@ -190,19 +189,19 @@ def test_force_falls_with_the_curvature() -> None:
 
 
 def test_one_ridge_touches_at_once() -> None:
-    found = linear_check(yamada().with_(ridge={"count": 1}), force=1.0)
-    assert found.all_touch_force.value == 0.0
-    assert found.passed
-    assert any("nominal ridge strain 0.1" in w for w in found.warnings)
+    verdict = linear_check(yamada().with_(ridge={"count": 1}), force=1.0)
+    assert verdict.all_touch_force.value == 0.0
+    assert verdict.passed
+    assert any("nominal ridge strain 0.1" in w for w in verdict.warnings)
 
 
 @pytest.mark.slow
 def test_101_ridges() -> None:
     skin = {"curvature_radius": 4000.0, "width": 103.0, "length": 12.0}
     design = reference().with_(skin=skin, ridge={"count": 101}, contact={"force": 500.0})
-    found = plane(design, tol=0.05)
-    assert found.touching == 101
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(500.0, rel=1e-9)
+    answer = plane(design, tol=0.05)
+    assert answer.touching == 101
+    assert sum(f.value or 0.0 for f in answer.ridge_force) == pytest.approx(500.0, rel=1e-9)
 
 
 def test_too_many_ridges_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -225,19 +224,19 @@ def test_light_and_heavy_loads(force: float, touching: int) -> None:
 
 @pytest.mark.parametrize(("force", "said"), [(0.65, False), (2.0, True)])
 def test_a_heavy_load_strains_more_than_small(force: float, said: bool) -> None:
-    found = linear_check(small(), force=force, tol=0.05)
-    assert any("small-strain" in w for w in found.warnings) == said
+    verdict = linear_check(small(), force=force, tol=0.05)
+    assert any("small-strain" in w for w in verdict.warnings) == said
 
 
 @pytest.mark.slow
 def test_ridges_that_tip_over_or_are_crushed_have_no_verdict() -> None:
     tall = linear_check(filleted().with_(ridge={"height": 6.0}), force=4.0, tol=0.05)
-    assert "tips over at" in tall.beyond
+    assert "tips over at" in tall.out_of_range
     assert not tall.passed
     crushed = linear_check(filleted().with_(skin={"curvature_radius": 9.0}), force=60.0, tol=0.05)
-    assert "nominal strain" in crushed.beyond
+    assert "nominal strain" in crushed.out_of_range
     assert not crushed.passed
-    assert linear_check(filleted(), force=12.0, tol=0.05).beyond == ""  # all touch long before
+    assert linear_check(filleted(), force=12.0, tol=0.05).out_of_range == ""  # all touch long before
 
 
 def test_a_crushing_force_is_refused() -> None:
@@ -248,9 +247,9 @@ def test_a_crushing_force_is_refused() -> None:
 @pytest.mark.parametrize("name", template_names())
 @pytest.mark.parametrize("tier", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
 def test_every_template_is_checked(tier: str, name: str) -> None:
-    found = check(load(name), tier=tier, tol=0.05)
-    assert found.ridges == len(found.ridge_force)
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(found.force, rel=1e-9)
+    verdict = check(load(name), tier=tier, tol=0.05)
+    assert verdict.ridges == len(verdict.ridge_force)
+    assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(verdict.force, rel=1e-9)
 
 
 @pytest.mark.parametrize("tier", ["solid-finite", "liner"])
@@ -266,22 +265,22 @@ def test_bad_arguments_are_refused(bad: dict[str, float]) -> None:
 
 
 def test_json_has_the_contracts_keys() -> None:
-    found = linear_check(small(), tol=0.05).as_json()
+    data = linear_check(small(), tol=0.05).as_json()
     keys = (
         "name passed force_N ridges touching all_touch_force_N approach_mm ridge_force_N tier unknowns "
         "residual yield seconds warnings"
     )
-    assert set(keys.split()) <= found.keys()
-    assert set(found["seconds"]) == {"total", "mesh", "assemble", "condense", "contact", "yield"}
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
+    assert set(keys.split()) <= data.keys()
+    assert set(data["seconds"]) == {"total", "mesh", "assemble", "condense", "contact", "yield"}
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
 
 
 def test_progress_is_told() -> None:
-    told: list[tuple[str, float | None]] = []
-    linear_check(small(), tol=0.05, progress=lambda stage, left=None: told.append((stage, left)))
-    assert [stage.partition(":")[0] for stage, _ in told] == ["linear tier"] * 3
-    assert told[0][1] > 0  # the whole tier's, by its law
-    assert [left for _, left in told[1:]] == [None, None]
+    reports: list[tuple[str, float | None]] = []
+    linear_check(small(), tol=0.05, progress=lambda stage, left=None: reports.append((stage, left)))
+    assert [stage.partition(":")[0] for stage, _ in reports] == ["linear tier"] * 3
+    assert reports[0][1] > 0  # the whole tier's, by its law
+    assert [left for _, left in reports[1:]] == [None, None]
 
 
 @pytest.mark.slow
@@ -309,13 +308,13 @@ def small() -> Design:
 
 
 def test_auto_climbs_until_the_verdict_is_clear(judged: ContactCheck) -> None:
-    found = judged
-    assert found.tier == "corrected"
-    assert [tier for tier, *_ in found.climbed] == ["linear"]
-    before = found.climbed[0][1]
+    verdict = judged
+    assert verdict.tier == "corrected"
+    assert [tier for tier, *_ in verdict.models_tried] == ["linear"]
+    before = verdict.models_tried[0][1]
     assert before.value < 4.0 < before.upper  # what the linear tier leaves open
-    assert found.all_touch_force.upper < 4.0
-    assert found.passed
+    assert verdict.all_touch_force.upper < 4.0
+    assert verdict.passed
     assert check(small()).tier == "linear"  # clear at once
 
 
@@ -327,48 +326,48 @@ SLOW = [
 
 @pytest.mark.parametrize(("tol", "tier"), [(0.95, "winkler"), (0.45, "linear"), *SLOW])
 def test_auto_takes_the_cheapest_tier_that_meets_the_tolerance(tol: float, tier: str) -> None:
-    found = check(small() if tol > 0.1 else yamada(), tol=tol)
-    assert found.tier == tier
-    assert found.all_touch_force.error <= tol * found.all_touch_force.value
-    assert not any("not met" in w for w in found.warnings)
+    verdict = check(small() if tol > 0.1 else yamada(), tol=tol)
+    assert verdict.tier == tier
+    assert verdict.all_touch_force.error <= tol * verdict.all_touch_force.value
+    assert not any("not met" in w for w in verdict.warnings)
 
 
 def test_the_error_is_the_meshs_and_the_models(by_linear: ContactCheck) -> None:
-    found = by_linear
-    mesh = found.all_touch_force.error - found.model_error
-    assert 0 < mesh < 0.01 * found.all_touch_force.value < 0.1 * found.model_error
-    assert [bound.effect for bound in found.left_out] == ["free ends", "finite strain"]
-    assert found.margin == pytest.approx(4.0 - found.all_touch_force.upper)
-    assert found.next_tier[0] == "corrected"
+    verdict = by_linear
+    mesh = verdict.all_touch_force.error - verdict.model_error
+    assert 0 < mesh < 0.01 * verdict.all_touch_force.value < 0.1 * verdict.model_error
+    assert [bound.effect for bound in verdict.left_out] == ["free ends", "finite strain"]
+    assert verdict.margin == pytest.approx(4.0 - verdict.all_touch_force.upper)
+    assert verdict.next_tier[0] == "corrected"
 
 
 @pytest.mark.slow
 def test_parts_that_go_through_each_other_have_no_verdict() -> None:
     """The skin between ridges reaches the plate: linear contact knows crowns and tip fillets alone."""
-    found = linear_check(yamada(), force=40.0, tol=0.05)
-    assert "meets the plate" in found.beyond
-    assert not found.passed
-    assert "meets the plate" in check(filleted(), tier="solid", force=40.0, tol=0.05).beyond
+    verdict = linear_check(yamada(), force=40.0, tol=0.05)
+    assert "meets the plate" in verdict.out_of_range
+    assert not verdict.passed
+    assert "meets the plate" in check(filleted(), tier="solid", force=40.0, tol=0.05).out_of_range
     shallow = reference().with_(ridge={"height": 0.1, "crown": 0.02})
-    assert "meets the plate" in linear_check(shallow, force=20.0, tol=0.05).beyond
+    assert "meets the plate" in linear_check(shallow, force=20.0, tol=0.05).out_of_range
 
 
 def test_slots_that_close_have_no_verdict() -> None:
     """Empty slots lying flat under the ridges close under their load."""
     flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05}, **THREE)
-    assert linear_check(flat, tol=0.05, force=0.4).beyond == ""
-    assert "closes" in linear_check(flat, tol=0.05, force=2.7).beyond
+    assert linear_check(flat, tol=0.05, force=0.4).out_of_range == ""
+    assert "closes" in linear_check(flat, tol=0.05, force=2.7).out_of_range
 
 
 def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """By the law alone, and where that lets it try, by what the first mesh took."""
-    for hopeless in (climbing.HOPELESS, math.inf):
-        monkeypatch.setattr(climbing, "HOPELESS", hopeless)
-        found = check(yamada(), budget=1e-3)
-        assert found.tier == "winkler"
-        assert any("would take about" in w and "of the budget of 0.001 s" in w for w in found.warnings)
-        assert found.next_tier[0] == "linear"
-        assert found.next_tier[1] > 1e-3
+    for hopeless in (climbing.MAX_BUDGET_RATIO, math.inf):
+        monkeypatch.setattr(climbing, "MAX_BUDGET_RATIO", hopeless)
+        verdict = check(yamada(), budget=1e-3)
+        assert verdict.tier == "winkler"
+        assert any("would take about" in w and "of the budget of 0.001 s" in w for w in verdict.warnings)
+        assert verdict.next_tier[0] == "linear"
+        assert verdict.next_tier[1] > 1e-3
 
 
 @pytest.mark.slow
@@ -376,9 +375,9 @@ def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
     """Three plain ridges: clear by the linear tier, and much of the budget is left."""
     hard = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 1.5})
     assert check(hard).tier == "linear"
-    found = check(hard, budget=1e3)
-    assert found.next_tier is None
-    assert [tier for tier, *_ in found.climbed][:2] == ["linear", "corrected"]
+    verdict = check(hard, budget=1e3)
+    assert verdict.next_tier is None
+    assert [tier for tier, *_ in verdict.models_tried][:2] == ["linear", "corrected"]
 
 
 def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict() -> None:
@@ -388,29 +387,29 @@ def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict()
     first = linear_check(pad, force=1.3)
     assert first.passed
     assert any("small-strain range" in w for w in first.warnings)
-    found = check(pad, force=1.3)
-    assert found.tier == "corrected-finite-strain"
-    assert found.passed
+    verdict = check(pad, force=1.3)
+    assert verdict.tier == "corrected-finite-strain"
+    assert verdict.passed
 
 
 @pytest.mark.slow
 def test_two_models_of_one_law_agree_on_a_steep_pad() -> None:
     """By the small strains of `linear` it passes from 1.9 N on; what auto asks then the solid says too."""
-    found, best = (check(load("steep-fingertip"), tier=tier) for tier in ("auto", "solid-finite-strain"))
-    assert (found.tier, found.passed, best.passed) == ("corrected-finite-strain", True, True)
+    verdict, best = (check(load("steep-fingertip"), tier=tier) for tier in ("auto", "solid-finite-strain"))
+    assert (verdict.tier, verdict.passed, best.passed) == ("corrected-finite-strain", True, True)
     for of in (attrgetter("all_touch_force"), attrgetter("approach")):
-        assert abs(of(found).value - of(best).value) <= of(found).error + of(best).error
+        assert abs(of(verdict).value - of(best).value) <= of(verdict).error + of(best).error
 
 
 @pytest.mark.slow
 def test_a_force_out_of_a_better_tiers_range_has_no_verdict() -> None:
     """The small strains of `corrected` would say that all touch; at finite strain a ridge tips over."""
     hard = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 12.0})
-    found = check(hard, tol=0.01)
-    assert found.tier == "corrected"
-    assert not found.passed
-    assert "finite-strain model's range" in found.beyond
-    assert found.next_tier is None
+    verdict = check(hard, tol=0.01)
+    assert verdict.tier == "corrected"
+    assert not verdict.passed
+    assert "finite-strain model's range" in verdict.out_of_range
+    assert verdict.next_tier is None
 
 
 def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -424,11 +423,11 @@ def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.Monke
 
     load_tier = tiers.load
     monkeypatch.setattr(tiers, "load", refuse)
-    for asked in ({}, {"tol": 0.1}):  # with the tolerance corrected comes first, built on linear
-        found = check(small(), force=UNDECIDED, **asked)
-        assert found.tier == "linear"
-        assert any("the corrected tier" in w and "does not balance" in w for w in found.warnings)
-        assert any("not met" in w for w in found.warnings) == bool(asked)
+    for options in ({}, {"tol": 0.1}):  # with the tolerance corrected comes first, built on linear
+        verdict = check(small(), force=UNDECIDED, **options)
+        assert verdict.tier == "linear"
+        assert any("the corrected tier" in w and "does not balance" in w for w in verdict.warnings)
+        assert any("not met" in w for w in verdict.warnings) == bool(options)
     refused.append("linear")
     with pytest.raises(RefusedError, match="does not balance"):
         check(small())  # there is none before
@@ -449,9 +448,9 @@ def test_a_tier_that_runs_out_of_memory_leaves_what_it_builds_on(
 
     load_tier, lacking = tiers.load, {"corrected"}
     monkeypatch.setattr(tiers, "load", lambda name: too_large if name in lacking else load_tier(name))
-    found = check(small(), tol=0.1)  # begins with corrected
-    assert found.tier == "linear"
-    assert any("the corrected tier needs more memory" in w for w in found.warnings)
+    verdict = check(small(), tol=0.1)  # begins with corrected
+    assert verdict.tier == "linear"
+    assert any("the corrected tier needs more memory" in w for w in verdict.warnings)
     lacking.add("linear")
     with pytest.raises(ExhaustedError, match="the linear tier needs more memory than there is"):
         check(small())
@@ -463,18 +462,19 @@ def test_a_climb_that_runs_out_of_memory_leaves_the_verdict_before(monkeypatch: 
 
     load_tier = tiers.load
     monkeypatch.setattr(tiers, "load", lambda name: too_large if name == "corrected" else load_tier(name))
-    found = check(small(), force=UNDECIDED)
-    assert found.tier == "linear"
-    assert any("the corrected tier needs more memory" in w for w in found.warnings)
+    verdict = check(small(), force=UNDECIDED)
+    assert verdict.tier == "linear"
+    assert any("the corrected tier needs more memory" in w for w in verdict.warnings)
 
 
 def test_a_tier_is_priced_by_its_unknowns() -> None:
     plain, strips = filleted(), yamada()
     for tier in TIERS:
-        assert own(tier, plain) <= own(tier, strips)
-    done = {"linear", "corrected"}
-    assert expected("corrected-finite-strain", plain, set()) == pytest.approx(
-        expected("corrected-finite-strain", plain, done) + sum(own(t, plain) for t in done)
+        assert own_seconds(tier, plain) <= own_seconds(tier, strips)
+    solved = {"linear", "corrected"}
+    assert expected_seconds("corrected-finite-strain", plain, set()) == pytest.approx(
+        expected_seconds("corrected-finite-strain", plain, solved)
+        + sum(own_seconds(t, plain) for t in solved)
     )
     # what the law is asked at, against what is counted
     three = strips.with_(**THREE)
@@ -486,21 +486,21 @@ def test_within_a_budget_the_linear_tier_is_taken_where_its_law_lets_it(
     hopeful: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A budget a little above or below its law's seconds over HOPELESS: solved, or not even loaded."""
-    asked: list[float | None] = []
+    budgets: list[float | None] = []
 
     def plane(design: Any, request: Any, *_: object) -> Answer:
-        asked.append(request.budget)
+        budgets.append(request.budget)
         shares = (Estimate(4.0 / 9, 0.0, "N"),) * 9
         first, down = Estimate(3.0, 0.0, "N"), Estimate(0.1, 0.0, "mm")
         return Answer(9, first, down, shares, 10, 0.0, {"mesh": 1e-3})
 
-    law, load_tier = expected("linear", yamada(), set()), tiers.load
+    law, load_tier = expected_seconds("linear", yamada(), set()), tiers.load
     monkeypatch.setattr(tiers, "load", lambda name: plane if name == "linear" else load_tier(name))
-    budget = law / climbing.HOPELESS * (1.01 if hopeful else 0.99)
-    found = check(yamada(), budget=budget, tol=0.45)
-    assert found.tier == ("linear" if hopeful else "winkler")
-    assert len(asked) == hopeful
-    late = [w for w in found.warnings if "would take about" in w]
+    budget = law / climbing.MAX_BUDGET_RATIO * (1.01 if hopeful else 0.99)
+    verdict = check(yamada(), budget=budget, tol=0.45)
+    assert verdict.tier == ("linear" if hopeful else "winkler")
+    assert len(budgets) == hopeful
+    late = [w for w in verdict.warnings if "would take about" in w]
     assert late == (
         [] if hopeful else [f"the linear tier would take about {law:.2g} s of the budget of {budget:g} s"]
     )
@@ -523,9 +523,9 @@ class MadeUp:
             tiers, "load", lambda name: winkler if name == "winkler" else partial(self.answer, name)
         )
         patch.setattr(climbing, "perf_counter", lambda: self.now)
-        patch.setattr(climbing, "expected", self.expected)
-        patch.setattr(climbing, "beside", self.beside)
-        patch.setattr(climbing, "at_size", lambda _, size: size / 10.0)
+        patch.setattr(climbing, "expected_seconds", self.expected_seconds)
+        patch.setattr(climbing, "overhead_seconds", self.overhead_seconds)
+        patch.setattr(climbing, "seconds_at_size", lambda _, size: size / 10.0)
         patch.setattr(climbing, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
 
     def answer(self, name: str, _: Any, request: Request, *__: object) -> Answer:
@@ -540,11 +540,13 @@ class MadeUp:
         shares = (Estimate(request.force / 9, 0.0, "N"),) * 9
         return Answer(9, first, down, shares, 10, 0.0, {"contact": seconds, "yield": 50.0})
 
-    def expected(self, name: str, _: Any, done: set[str]) -> float:
-        return math.fsum(PRICES.get(each, 3.0) for each in {*tiers.below(name), name} - done - {"winkler"})
+    def expected_seconds(self, name: str, _: Any, solved: set[str]) -> float:
+        return math.fsum(
+            PRICES.get(tier, 3.0) for tier in {*tiers.prerequisites(name), name} - solved - {"winkler"}
+        )
 
-    def beside(self, what: str, design: Design) -> float:
-        return self.sampling if what == "yield" else tiers.beside(what, design)
+    def overhead_seconds(self, what: str, design: Design) -> float:
+        return self.sampling if what == "yield" else tiers.overhead_seconds(what, design)
 
     def bound(self, effect: str) -> LeftOut:
         return LeftOut(effect, LEFT[effect], LEFT[effect], LEFT[effect])
@@ -565,32 +567,34 @@ class MadeUp:
 def test_a_tolerance_begins_with_the_first_tier_that_may_meet_it(
     tol: float, tier: str, climbed: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = MadeUp(monkeypatch)
-    found = check(yamada(), tol=tol)
-    assert (found.tier, [name for name, *_ in found.climbed]) == (tier, climbed)
+    fake = MadeUp(monkeypatch)
+    verdict = check(yamada(), tol=tol)
+    assert (verdict.tier, [name for name, *_ in verdict.models_tried]) == (tier, climbed)
     model = {"linear": 0.3, "corrected": 0.1}.get(tier, 0.0)
     if tier != "winkler":
-        assert found.all_touch_force.error == pytest.approx((0.01 + model) * 3.0, rel=1e-12)
-        mesh = made.asked[tier].tol
+        assert verdict.all_touch_force.error == pytest.approx((0.01 + model) * 3.0, rel=1e-12)
+        mesh = fake.asked[tier].tol
         assert 0.2 * min(tol, 0.02) <= (mesh or 0.0) <= 0.5 * tol  # a part of it is the mesh's
-    assert [w for w in found.warnings if "not met" in w] == (
+    assert [w for w in verdict.warnings if "not met" in w] == (
         ["the all-touch force's error is 0.01 of its value: the tolerance 0.001 is not met"]
         if tol < 0.01
         else []
     )
-    assert all(request.budget is None and not request.must_fit for request in made.asked.values())
+    assert all(request.budget is None and not request.must_fit for request in fake.asked.values())
 
 
 def test_a_force_that_a_plane_model_refuses_is_asked_of_the_solid(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where plane strain finds no equilibrium, free ends may; and where neither does, there is no verdict."""
-    made = MadeUp(monkeypatch, 3.9)
-    made.refusals["finite-strain"] = InputError("force", "must lie below 3 N", 4.0)
-    found = check(yamada(), force=4.0)
-    assert (found.tier, found.passed, found.beyond) == ("solid-finite-strain", True, "")
-    made.refusals["solid"] = InputError("force", "must lie below 3.5 N", 4.0)
-    found = check(yamada(), force=4.0)
-    assert (found.tier, found.passed) == ("corrected", False)
-    assert found.beyond == "the force must lie below 3.5 N (according to the solid-finite-strain tier)"
+    fake = MadeUp(monkeypatch, 3.9)
+    fake.refusals["finite-strain"] = InputError("force", "must lie below 3 N", 4.0)
+    verdict = check(yamada(), force=4.0)
+    assert (verdict.tier, verdict.passed, verdict.out_of_range) == ("solid-finite-strain", True, "")
+    fake.refusals["solid"] = InputError("force", "must lie below 3.5 N", 4.0)
+    verdict = check(yamada(), force=4.0)
+    assert (verdict.tier, verdict.passed) == ("corrected", False)
+    assert (
+        verdict.out_of_range == "the force must lie below 3.5 N (according to the solid-finite-strain tier)"
+    )
 
 
 @pytest.mark.parametrize(
@@ -608,17 +612,23 @@ def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
     value: float, tier: str, climbed: list[str], passed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     MadeUp(monkeypatch, value)
-    told: list[tuple[str, float | None]] = []
-    found = check(yamada(), force=4.0, progress=lambda stage, left=None: told.append((stage, left)))
-    assert (found.tier, [name for name, *_ in found.climbed], found.passed) == (tier, climbed, passed)
-    assert [seconds for _, _, seconds, _ in found.climbed] == pytest.approx([2.0, 4.0, 9.0][: len(climbed)])
+    reports: list[tuple[str, float | None]] = []
+    verdict = check(yamada(), force=4.0, progress=lambda stage, left=None: reports.append((stage, left)))
+    assert (verdict.tier, [name for name, *_ in verdict.models_tried], verdict.passed) == (
+        tier,
+        climbed,
+        passed,
+    )
+    assert [seconds for _, _, seconds, _ in verdict.models_tried] == pytest.approx(
+        [2.0, 4.0, 9.0][: len(climbed)]
+    )
     following = {"linear": ("corrected", 4.0), "corrected": ("corrected-finite-strain", 9.0)}
     last = ("solid-finite-strain", 22.0)
     expected_next = None if tier == "solid-finite-strain" else following.get(tier, last)
-    assert found.next_tier == expected_next
+    assert verdict.next_tier == expected_next
     # the first by the law's machine, the others at the speed seen: half as fast
-    assert told[:2] == [("linear tier", 1.0), ("corrected tier", 4.0)][: 1 + bool(climbed)]
-    assert not any("not met" in w for w in found.warnings)
+    assert reports[:2] == [("linear tier", 1.0), ("corrected tier", 4.0)][: 1 + bool(climbed)]
+    assert not any("not met" in w for w in verdict.warnings)
 
 
 @pytest.mark.parametrize(
@@ -639,92 +649,93 @@ def test_a_budget_is_climbed_as_far_as_the_next_tier_fits(
     budget: float, tier: str, late: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At half the laws' speed the tiers end after 2, 6, 15 and 37 s, however clear the verdict is."""
-    made = MadeUp(monkeypatch)
-    found = check(yamada(), budget=budget)
-    assert found.tier == tier
-    assert [w for w in found.warnings if "budget" in w] == (
+    fake = MadeUp(monkeypatch)
+    verdict = check(yamada(), budget=budget)
+    assert verdict.tier == tier
+    assert [w for w in verdict.warnings if "budget" in w] == (
         [f"the linear tier {late} of {budget:g} s"] if late else []
     )
     if late:
-        assert found.next_tier == ("linear", 1.0 if budget < 0.67 else 2.0)
+        assert verdict.next_tier == ("linear", 1.0 if budget < 0.67 else 2.0)
         return
     ends = {"linear": 0.0, "corrected": 2.0, "finite-strain": 6.0, "solid": 15.0}
-    for name, begun in ends.items():
-        if name in made.asked:
-            assert made.asked[name].budget == pytest.approx(budget - begun)
-            assert made.asked[name].must_fit == (name == "linear")
+    for name, expected in ends.items():
+        if name in fake.asked:
+            assert fake.asked[name].budget == pytest.approx(budget - expected)
+            assert fake.asked[name].must_fit == (name == "linear")
 
 
 def test_a_budget_ends_where_a_tolerance_is_met_and_what_took_longer_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = MadeUp(monkeypatch)
+    fake = MadeUp(monkeypatch)
     assert check(yamada(), budget=100.0, tol=0.4).tier == "linear"
     assert check(yamada(), budget=100.0, tol=0.2).tier == "corrected"
     assert check(yamada(), budget=6.1, tol=0.05).tier == "corrected"
     monkeypatch.setitem(PRICES, "corrected", 5.0)
-    monkeypatch.setattr(made, "expected", lambda *_: 0.5)
-    monkeypatch.setattr(climbing, "expected", made.expected)
+    monkeypatch.setattr(fake, "expected_seconds", lambda *_: 0.5)
+    monkeypatch.setattr(climbing, "expected_seconds", fake.expected_seconds)
     slow = check(yamada(), budget=4.0, tol=0.2)
     assert slow.tier == "corrected"
     assert [w for w in slow.warnings if "took" in w] == ["took 12 s, more than the budget of 4 s"]
 
 
 def test_a_pad_too_large_for_any_mesh_has_the_closed_forms_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = MadeUp(monkeypatch)
-    made.refusals["linear"] = SizeError("ridge.count", "too many", 900, "take fewer ridges")
-    found = check(yamada())
-    assert (found.tier, found.next_tier) == ("winkler", None)
+    fake = MadeUp(monkeypatch)
+    fake.refusals["linear"] = SizeError("ridge.count", "too many", 900, "take fewer ridges")
+    verdict = check(yamada())
+    assert (verdict.tier, verdict.next_tier) == ("winkler", None)
     assert any(
-        w.startswith("the linear tier, which leaves out less, cannot judge this") for w in found.warnings
+        w.startswith("the linear tier, which leaves out less, cannot judge this") for w in verdict.warnings
     )
-    made.refusals["linear"] = InputError("ridge.count", "too many", 900, "take fewer ridges")
+    fake.refusals["linear"] = InputError("ridge.count", "too many", 900, "take fewer ridges")
     with pytest.raises(InputError, match="too many"):
         check(yamada())
 
 
 def test_a_force_that_a_better_tier_calls_too_large_is_no_pass(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = MadeUp(monkeypatch, 3.5)
-    made.refusals["corrected"] = InputError("force", "must be below 3 N", 4.0)
-    made.refusals["solid"] = InputError("force", "must be below 3.2 N", 4.0)  # asked after the plane ones
-    found = check(yamada(), force=4.0)
-    assert (found.tier, found.passed, found.next_tier) == ("linear", False, None)
-    assert found.beyond == "the force must be below 3.2 N (according to the solid-finite-strain tier)"
-    made.refusals["corrected"] = RefusedError("it does not balance")
-    found = check(yamada(), force=4.0)
-    assert (found.tier, found.beyond, found.next_tier) == ("linear", "", None)
+    fake = MadeUp(monkeypatch, 3.5)
+    fake.refusals["corrected"] = InputError("force", "must be below 3 N", 4.0)
+    fake.refusals["solid"] = InputError("force", "must be below 3.2 N", 4.0)  # asked after the plane ones
+    verdict = check(yamada(), force=4.0)
+    assert (verdict.tier, verdict.passed, verdict.next_tier) == ("linear", False, None)
+    assert verdict.out_of_range == "the force must be below 3.2 N (according to the solid-finite-strain tier)"
+    fake.refusals["corrected"] = RefusedError("it does not balance")
+    verdict = check(yamada(), force=4.0)
+    assert (verdict.tier, verdict.out_of_range, verdict.next_tier) == ("linear", "", None)
 
 
 def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_next(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = MadeUp(monkeypatch, 3.9)
-    made.sampling = 1.5
-    answer = made.answer
+    fake = MadeUp(monkeypatch, 3.9)
+    fake.sampling = 1.5
+    answer = fake.answer
 
-    def with_parts(*asked: Any) -> Answer:
-        return replace(answer(*asked), parts=object())
+    def with_parts(*arguments: Any) -> Answer:
+        return replace(answer(*arguments), ridge_model=object())
 
     def sampled(*_: object) -> object:
-        made.now += 2.5
+        fake.now += 2.5
         return object()
 
-    monkeypatch.setattr(made, "answer", with_parts)
+    monkeypatch.setattr(fake, "answer", with_parts)
     winkler = tiers.load("winkler")
     monkeypatch.setattr(
-        tiers, "load", lambda name: winkler if name == "winkler" else partial(made.answer, name)
+        tiers, "load", lambda name: winkler if name == "winkler" else partial(fake.answer, name)
     )
     monkeypatch.setattr(manufacturing, "manufacture", sampled)
-    found = check(yamada(), force=4.0)
-    assert [name for name, *_ in found.climbed] == ["linear", "corrected"]
+    verdict = check(yamada(), force=4.0)
+    assert [name for name, *_ in verdict.models_tried] == ["linear", "corrected"]
     # each tier's own time (see above); the yield's model took the linear tier 50 s
-    assert [seconds for _, _, seconds, _ in found.climbed] == pytest.approx([2.0, 4.0])
-    assert found.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
-    assert found.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
-    assert found.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 2.5))  # not the 2 * 1.5 of its law
+    assert [seconds for _, _, seconds, _ in verdict.models_tried] == pytest.approx([2.0, 4.0])
+    assert verdict.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
+    assert verdict.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
+    # not the 2 * 1.5 of its law
+    assert verdict.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 2.5))
     # within a budget it has its place before it is known what it takes
     for budget, tier in ((8.9, "linear"), (9.1, "corrected")):
         within = check(yamada(), force=4.0, budget=budget)
         assert (within.tier, within.manufacture is None) == (tier, False)
-        assert made.asked["linear"].budget == pytest.approx(budget - 1.5)
+        assert fake.asked["linear"].budget == pytest.approx(budget - 1.5)
         assert not any("budget" in w for w in within.warnings)

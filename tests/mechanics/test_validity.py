@@ -12,18 +12,18 @@ from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer
 from skincad.mechanics.validity import (
+    LARGEST_SLOPE,
     LARGEST_STRAIN,
     SMALL_STRAIN,
-    STEEPEST,
     Limits,
-    beyond_small_strain,
     buckling_force,
+    exceeds_small_strain,
     limits,
     refuse_crushed,
     ridge_strain,
     slope_warnings,
+    small_strain_violation,
     strain_warnings,
-    strained,
     tipping,
 )
 
@@ -36,7 +36,7 @@ def design() -> Design:
     return load("plain-ridges").with_(ridge=ridge, skin={"length": 12.0, "thickness": 4.0}, material=material)
 
 
-def found(threshold: float | None, *forces: float) -> Answer:
+def answer(threshold: float | None, *forces: float) -> Answer:
     shares = tuple(Estimate(f, 0.0, "N") for f in forces)
     return Answer(
         len(forces), Estimate(threshold, 0.0, "N"), Estimate(0.1, 0.0, "mm"), shares, 1, 0.0, {"total": 1.0}
@@ -51,7 +51,7 @@ def test_a_force_on_a_ridge_is_strained_by_its_mean_width_and_length(design: Des
     assert ends.shear == pytest.approx(0.8 / (1 + 0.4) * 0.8 * 12.0, rel=1e-12)
     assert ends.strain(0.1 * ends.squeeze) == pytest.approx(0.1)
     assert ends.strain(0.1 * ends.squeeze, 0.2 * ends.shear) == pytest.approx(0.2)
-    assert ridge_strain(design, found(1.0, 0.1, 0.3, 0.2)) == pytest.approx(0.3 / ends.squeeze)
+    assert ridge_strain(design, answer(1.0, 0.1, 0.3, 0.2)) == pytest.approx(0.3 / ends.squeeze)
 
 
 @pytest.mark.parametrize("height", [0.3, 0.6, 1.7])
@@ -61,35 +61,35 @@ def test_a_ridge_tips_over_as_a_column_that_shears(design: Design, height: float
     euler = math.pi**2 * 0.8 / (1 - 0.4**2) * 12.0 * 0.8**3 / 12 / height**2
     shear, tips = 5 / 6 * 0.8 / 2.8 * 0.8 * 12.0, buckling_force(ridge)
     assert tips * (1 + tips / shear) == pytest.approx(euler, rel=1e-12)
-    assert tipping(ridge, found(1.0, 0.1, 0.3)) == pytest.approx(0.3 / tips)
+    assert tipping(ridge, answer(1.0, 0.1, 0.3)) == pytest.approx(0.3 / tips)
 
 
 def test_strained_is_what_bears_much_or_nearly_tips_over(design: Design) -> None:
     squeeze, slender = limits(design).squeeze, design.with_(ridge={"height": 4.0})
-    assert not strained(design, found(1.0, 0.05, 0.099 * squeeze))
-    assert strained(design, found(1.0, 0.05, 0.101 * squeeze))
+    assert not exceeds_small_strain(design, answer(1.0, 0.05, 0.099 * squeeze))
+    assert exceeds_small_strain(design, answer(1.0, 0.05, 0.101 * squeeze))
     tips = buckling_force(slender)
     assert tips < 0.1 * squeeze
-    assert not strained(slender, found(1.0, 0.49 * tips))
-    assert strained(slender, found(1.0, 0.51 * tips))
-    assert "51% of the force at which it tips over" in strain_warnings(slender, found(1.0, 0.51 * tips))[0]
+    assert not exceeds_small_strain(slender, answer(1.0, 0.49 * tips))
+    assert exceeds_small_strain(slender, answer(1.0, 0.51 * tips))
+    assert "51% of the force at which it tips over" in strain_warnings(slender, answer(1.0, 0.51 * tips))[0]
 
 
 def test_beyond_its_range_a_model_says_why() -> None:
     ends = Limits(4.6, squeeze=10.0, shear=5.0, buckling=2.5)
     assert ends.largest == 2.5
     assert Limits(4.6, squeeze=5.0, buckling=2.5).largest == pytest.approx(LARGEST_STRAIN * 5.0)
-    assert ends.overloaded(2.5) == ""
-    assert ends.overloaded(2.6) == "a ridge tips over at 2.5 N and would carry 2.6 N"
-    assert ends.overloaded(4.0) == "the ridges' nominal strain is 0.4; the model's range ends at 0.3"
-    assert ends.overloaded(2.5, 1.5) == ""  # as much as may be, across
+    assert ends.overload_reason(2.5) == ""
+    assert ends.overload_reason(2.6) == "a ridge tips over at 2.5 N and would carry 2.6 N"
+    assert ends.overload_reason(4.0) == "the ridges' nominal strain is 0.4; the model's range ends at 0.3"
+    assert ends.overload_reason(2.5, 1.5) == ""  # as much as may be, across
     weak = Limits(4.6, squeeze=10.0, shear=0.1)  # what does not press across does not shear
-    assert (weak.overloaded(2.5), weak.strain(2.5)) == ("", 0.25)
-    assert ends.overloaded(0.0, 2.0).startswith("the ridges' nominal strain is 0.4")
-    assert ends.crushed(4.59) == ""
-    assert ends.crushed(4.6) == "pressed flat: an approach of 4.6 mm into 4.6 mm of skin and ridges"
+    assert (weak.overload_reason(2.5), weak.strain(2.5)) == ("", 0.25)
+    assert ends.overload_reason(0.0, 2.0).startswith("the ridges' nominal strain is 0.4")
+    assert ends.crushed_reason(4.59) == ""
+    assert ends.crushed_reason(4.6) == "pressed flat: an approach of 4.6 mm into 4.6 mm of skin and ridges"
     large = Limits(4.6)
-    assert (large.overloaded(1e9, 1e9), large.strain(1e9, 1e9), large.largest) == ("", 0.0, math.inf)
+    assert (large.overload_reason(1e9, 1e9), large.strain(1e9, 1e9), large.largest) == ("", 0.0, math.inf)
 
 
 def test_a_skin_pressed_flat_is_refused_with_the_force_that_would_do_so(design: Design) -> None:
@@ -103,13 +103,13 @@ def test_a_skin_pressed_flat_is_refused_with_the_force_that_would_do_so(design: 
 def test_the_verdict_is_judged_where_all_begin_to_touch_and_the_warning_at_the_force(design: Design) -> None:
     """A force of twice the threshold strains the ridges half as much there."""
     squeeze = limits(design).squeeze
-    strained = 0.5 * squeeze  # on the most loaded ridge
-    assert beyond_small_strain(design, 8.0, found(4.0, 0.1, strained)) == ""
-    assert "strain is 0.5" in beyond_small_strain(design, 8.0, found(None, 0.1, strained))
-    assert "strain is 0.5" in beyond_small_strain(design, 8.0, found(12.0, 0.1, strained))
-    assert "strain is 0.4" in beyond_small_strain(design, 8.0, found(6.4, 0.1, strained))
-    assert strain_warnings(design, found(4.0, SMALL_STRAIN * squeeze * (1 - 1e-9))) == ()
-    assert strain_warnings(design, found(4.0, 0.1, strained)) == (
+    half = 0.5 * squeeze  # on the most loaded ridge
+    assert small_strain_violation(design, 8.0, answer(4.0, 0.1, half)) == ""
+    assert "strain is 0.5" in small_strain_violation(design, 8.0, answer(None, 0.1, half))
+    assert "strain is 0.5" in small_strain_violation(design, 8.0, answer(12.0, 0.1, half))
+    assert "strain is 0.4" in small_strain_violation(design, 8.0, answer(6.4, 0.1, half))
+    assert strain_warnings(design, answer(4.0, SMALL_STRAIN * squeeze * (1 - 1e-9))) == ()
+    assert strain_warnings(design, answer(4.0, 0.1, half)) == (
         "nominal ridge strain 0.5 is beyond the small-strain range (0.1)",
         "the most loaded ridge bears 102% of the force at which it tips over",
     )
@@ -122,14 +122,14 @@ def plate(design: Design, **values: object) -> Design:
 def test_a_plates_slope_is_told_with_what_it_leaves_out_and_refused_where_too_steep(design: Design) -> None:
     assert slope_warnings(design) == ()
     assert slope_warnings(plate(design, shape="step", position=0.0, height=0.1)) == ()
-    (told,) = slope_warnings(plate(design, shape="cylinder", radius=55.0))
+    (warning,) = slope_warnings(plate(design, shape="cylinder", radius=55.0))
     # half of 11 mm by 55 mm; half its square is 0.5 %
-    assert told == "contact is taken as vertical: with slopes of up to 0.1 that is 0.5% off"
-    (aside,) = slope_warnings(plate(design, shape="cylinder", radius=55.0, position=-5.5))
-    assert aside == "contact is taken as vertical: with slopes of up to 0.2 that is 2.0% off"
+    assert warning == "contact is taken as vertical: with slopes of up to 0.1 that is 0.5% off"
+    (off_centre,) = slope_warnings(plate(design, shape="cylinder", radius=55.0, position=-5.5))
+    assert off_centre == "contact is taken as vertical: with slopes of up to 0.2 that is 2.0% off"
     (tilted,) = slope_warnings(plate(design, shape="tilted", tilt=-math.degrees(math.atan(0.08))))
     assert tilted == "contact is taken as vertical: with slopes of up to 0.08 that is 0.3% off"
-    edge = 5.5 / STEEPEST
+    edge = 5.5 / LARGEST_SLOPE
     slope_warnings(plate(design, shape="cylinder", radius=edge * 1.0001))
     with pytest.raises(
         InputError, match=r"contact\.plate: must not slope by more than 0\.35 within the skin"

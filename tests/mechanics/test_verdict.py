@@ -27,50 +27,50 @@ def near_the_needed_force(model: str, members: int) -> Iterator[ContactCheck]:
             needed = check(design, tier=model, tol=0.05).all_touch_force.value
             if not needed or needed < 0.01 * design.contact.force:  # 0.01: FLOOR, known in parts of the force
                 continue
-            found = check(design, tier=model, tol=0.05, force=needed * dice.uniform(1 - NEAR, 1 + NEAR))
+            verdict = check(design, tier=model, tol=0.05, force=needed * dice.uniform(1 - NEAR, 1 + NEAR))
         except (InputError, RefusedError):  # crushed by such a force
             continue
         members -= 1
-        yield found
+        yield verdict
 
 
-def consistent(found: ContactCheck) -> None:
-    force, value = found.all_touch_force, found.all_touch_force.value
+def consistent(verdict: ContactCheck) -> None:
+    force, value = verdict.all_touch_force, verdict.all_touch_force.value
     assert value is not None
     assert force.lower is not None
     assert force.upper is not None
     expected = (
-        "passes" if force.upper <= found.force else "fails" if force.lower > found.force else "undecided"
+        "passes" if force.upper <= verdict.force else "fails" if force.lower > verdict.force else "undecided"
     )
-    assert found.verdict == (expected if not found.beyond else "undecided")
-    assert found.passed == (found.verdict == "passes")
-    assert str(found).upper().startswith(found.verdict.upper())
-    assert ("\nNext: " in str(found)) == (found.verdict == "undecided")
+    assert verdict.verdict == (expected if not verdict.out_of_range else "undecided")
+    assert verdict.passed == (verdict.verdict == "passes")
+    assert str(verdict).upper().startswith(verdict.verdict.upper())
+    assert ("\nNext: " in str(verdict)) == (verdict.verdict == "undecided")
     # the count and the ridge forces say the same as the all-touch force
-    shares = np.array([share.value for share in found.ridge_force], dtype=float)
-    assert (found.touching == found.ridges) == (value <= found.force)
-    assert np.count_nonzero(shares) == found.touching
-    assert shares.sum() == pytest.approx(found.force, rel=1e-6)  # the contact residual
+    shares = np.array([share.value for share in verdict.ridge_force], dtype=float)
+    assert (verdict.touching == verdict.ridges) == (value <= verdict.force)
+    assert np.count_nonzero(shares) == verdict.touching
+    assert shares.sum() == pytest.approx(verdict.force, rel=1e-6)  # the contact residual
 
 
 def test_winkler_verdicts_near_the_needed_force_agree_with_themselves() -> None:
-    for found in near_the_needed_force("winkler", 40):
-        consistent(found)
+    for verdict in near_the_needed_force("winkler", 40):
+        consistent(verdict)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("model", "members"), [("linear", 8), ("corrected", 6)])
 def test_verdicts_near_the_needed_force_agree_with_themselves(model: str, members: int) -> None:
     """Before, a corrected count contradicted its force: "4 of 6 touch at 2.49 N; all need 2.44 N"."""
-    for found in near_the_needed_force(model, members):
-        consistent(found)
+    for verdict in near_the_needed_force(model, members):
+        consistent(verdict)
 
 
 def test_without_tolerance_or_budget_no_late_model_is_begun(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """An undecided check names the next model and its time; with a tolerance it takes the time it needs."""
-    monkeypatch.setattr(climb, "PATIENCE", 0.0)
+    monkeypatch.setattr(climb, "DEFAULT_BUDGET", 0.0)
     design = load("plain-ridges", ["contact.force=3.0"])
     early = check(design)
     assert (early.tier, early.verdict) == ("linear", "undecided")
@@ -80,8 +80,8 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(
 
 def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """999 ridges had no answer in 250 s. Here every pad is large, and there is no time."""
-    monkeypatch.setattr(climb, "PATIENCE", 1e-6)
-    monkeypatch.setattr(climb, "LARGE", 0.0)
+    monkeypatch.setattr(climb, "DEFAULT_BUDGET", 1e-6)
+    monkeypatch.setattr(climb, "LARGE_PAD_SECONDS", 0.0)
     verdict = check(load("plain-ridges", ["contact.force=3.0"]))
     assert verdict.tier == "winkler"
     assert any("without --budget a check takes about" in note for note in verdict.warnings)

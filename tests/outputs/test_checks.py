@@ -42,9 +42,9 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
             "FAILS: 5 of 9 ridges touch a flat plate at 5 N; "
             "the force that all need is beyond the model's range.",
         ),
-        ({"beyond": "too soft"}, "UNDECIDED: too soft."),
+        ({"out_of_range": "too soft"}, "UNDECIDED: too soft."),
         ({"ridges": 1, "touching": 1}, "Passes: the one ridge touches a flat plate at any force."),
-        ({"ridges": 1, "touching": 1, "beyond": "crushed"}, "UNDECIDED: crushed."),
+        ({"ridges": 1, "touching": 1, "out_of_range": "crushed"}, "UNDECIDED: crushed."),
     ):
         check = replace(passed, **change)
         assert verdict(check).startswith(words)

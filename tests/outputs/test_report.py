@@ -199,7 +199,7 @@ def test_every_kind_of_design_has_a_report(name: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"beyond": "it is crushed", "manufacture": None}, "UNDECIDED: it is crushed."),
+        ({"out_of_range": "it is crushed", "manufacture": None}, "UNDECIDED: it is crushed."),
         ({"all_touch_force": Estimate(None, None, "N"), "touching": 3}, "beyond the model"),
         ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": ()}, "already do at 0 N"),
     ],

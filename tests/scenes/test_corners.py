@@ -12,7 +12,7 @@ from skincad.base.errors import InputError
 from skincad.circuit.low_pass import band_limited
 from skincad.effects.friction import Friction
 from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.film.sliding import Sliding
+from skincad.mechanics.film.sliding import ContactPad
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.march import March, march
 from skincad.scenes.moments import frames
@@ -28,7 +28,9 @@ FRICTION, SPRING = 0.5, 4.0  # N/mm along
 def block() -> CondensedPad:
     """One point on springs of 0.25 and 0.1 mm/N."""
     one, none = np.ones(1), np.zeros(1)
-    pad = Sliding(np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1)
+    pad = ContactPad(
+        np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1
+    )
     return condensed(pad)
 
 

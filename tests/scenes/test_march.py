@@ -16,7 +16,7 @@ from skincad.effects.friction import Friction
 from skincad.effects.kinds import Law, PadChange, Reader, Share, Step, Term
 from skincad.effects.small_strain import CondensedPad, condensed
 from skincad.mechanics.contact.grip import Drive, Grip
-from skincad.mechanics.film.sliding import Sliding
+from skincad.mechanics.film.sliding import ContactPad
 from skincad.mechanics.problem import ContactError
 from skincad.scenes.march import march
 from skincad.scenes.scene import load_scene
@@ -29,7 +29,9 @@ TIMES = np.linspace(0.0, 1.0, 5)
 def block() -> CondensedPad:
     """One point on springs of 0.25 and 0.1 mm/N."""
     one, none = np.ones(1), np.zeros(1)
-    pad = Sliding(np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1)
+    pad = ContactPad(
+        np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1
+    )
     return condensed(pad)
 
 
@@ -55,7 +57,7 @@ def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
     """Two ridges of unlike springs in z: the stiffer bears 2/3 of 3 N, by hand; then the plate eases off."""
     none, two = np.zeros(2), np.ones(2)
     springs = np.diag([0.25, 0.25, 0.1, 0.2])
-    pad = Sliding(springs, none, none, np.array([1, 2]), two, np.zeros((0, 3, 4)), 2)
+    pad = ContactPad(springs, none, none, np.array([1, 2]), two, np.zeros((0, 3, 4)), 2)
     drives = [Drive(force, 0.0) for force in (0.0, 1.0, 3.0, 2.0, 1.0)]
     found = march(condensed(pad), TIMES, drives, [Friction(coefficient=0.5)])
     assert found.loads[:, 0].max() == pytest.approx(2.0, rel=1e-9)

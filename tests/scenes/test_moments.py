@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skincad.mechanics.film.whole_state import Shown
+from skincad.mechanics.film.whole_state import DeformedSection
 from skincad.pictures.section_figures import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.moments import frames, kept_steps
@@ -85,7 +85,8 @@ def test_colours_are_one_scale_for_all_frames() -> None:
     def shown(stress: float) -> Moment:
         each = np.full((3, 4), stress)
         return Moment(
-            "", Shown(place, 0 * place, each, np.array([[0, 1, 2]]), np.zeros(1, dtype=bool), 1.0, 0.0)
+            "",
+            DeformedSection(place, 0 * place, each, np.array([[0, 1, 2]]), np.zeros(1, dtype=bool), 1.0, 0.0),
         )
 
     assert _limit([shown(-2.0), shown(1.0)]) == pytest.approx(2.0)

@@ -37,7 +37,7 @@ class MovingBody:
     strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
 
 
-def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
+def moving_matrices(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
     """Return the matrices of netgen's mesh of a piece; `films` asks for the strips' stresses."""
     pad, unit = piece.pad, piece.unit
     materials, densities = pad.materials, {"skin": pad.density, "film": pad.film_density}
@@ -114,12 +114,12 @@ def _strips(
     mean = (h[0, 0] + h[1, 1]) / 3
     parts = 2 * (h[0, 0] - mean), h[0, 1] + h[1, 0], 2 * (h[1, 1] - mean), -2 * mean
     inside = ng.dx(definedon=film)
-    by_element = [fe.assembled(shear * each * test * inside, forms.space, flat) for each in parts]
+    by_element = [fe.assembled(shear * part * test * inside, forms.space, flat) for part in parts]
     volumetric = fe.assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
     sums = _by_strip(piece, body, list(film.Elements()), flat)
     count = len(piece.slots)
     order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
-    relaxing = sparse.vstack([sums @ each for each in by_element]).tocsr()[order]
+    relaxing = sparse.vstack([sums @ part for part in by_element]).tocsr()[order]
     steady = sparse.vstack([sums @ volumetric * share for share in (1.0, 0.0, 1.0, 1.0)]).tocsr()[order]
     return sparse.csr_matrix(relaxing + steady), relaxing * float("film" in silicone.split("|"))
 

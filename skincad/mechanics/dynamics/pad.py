@@ -1,6 +1,6 @@
-"""A meshed pad's equations with mass, as dynamics.py advances them.
+"""A meshed pad's equations with mass, as steps.py advances them.
 
-The contact points bear no mass; what theirs would be is spread over the rest. Points with mass of their own
+The contact points bear no mass; theirs is spread over the rest. Points with mass of their own
 stop or bounce at the plate by a rule that no mesh has, chatter, and gain energy: a bar that a plate strikes
 ends with up to 2.9 times the work too much at small steps, without their mass with 5e-5 of it (undamped,
 tests/mechanics/dynamics/test_steps.py). Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27 (2008) 918.
@@ -13,10 +13,10 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
-from skincad.mechanics.dynamics.moving_body import MovingBody, moving
+from skincad.mechanics.dynamics.moving_body import MovingBody, moving_matrices
 from skincad.mechanics.dynamics.state import Half, PadEquations
 from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
-from skincad.mechanics.film.stick import PadPiece, on_whole, resolved
+from skincad.mechanics.film.stick import PadPiece, in_strip_axes, on_whole
 from skincad.mechanics.problem import SizeError
 
 
@@ -26,9 +26,9 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
     Raises SizeError for more contact unknowns than a dense block can hold.
     """
     with one_blas_thread():
-        found = moving(piece, mesh, order, films)
-    body, unit = found.body, piece.unit
-    nodes, size = body.system.nodes, found.stiff.shape[0]
+        moving_body = moving_matrices(piece, mesh, order, films)
+    body, unit = moving_body.body, piece.unit
+    nodes, size = body.system.nodes, moving_body.stiff.shape[0]
     x, z = (nodes.position * unit).T
     lay = layout(x, piece.mirrored, ON_AXIS * unit)
     if 2 * lay.of.size > MOST_CONTACT_UNKNOWNS:
@@ -40,18 +40,20 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
         (np.ones(contact.size), (np.arange(contact.size), contact)), (contact.size, size)
     )
     halves = []
-    for parity, held in parities(piece, body):
-        last = np.setdiff1d(contact, held)
+    for parity, fixed in parities(piece, body):
+        last = np.setdiff1d(contact, fixed)
         points = lay.spread(parity).T / lay.share @ rows @ at_unknowns
         # what is held on the cut does not move, so that no force on it counts
-        points = sparse.csr_matrix(points @ sparse.diags(_marked(np.setdiff1d(found.free, held), size)))
-        inner = np.setdiff1d(found.free, np.concatenate([last, held]))
-        halves.append(Half(points, inner, last, _strips(piece, found, parity, films)))
+        points = sparse.csr_matrix(
+            points @ sparse.diags(_marked(np.setdiff1d(moving_body.free, fixed), size))
+        )
+        inner = np.setdiff1d(moving_body.free, np.concatenate([last, fixed]))
+        halves.append(Half(points, inner, last, _strips(piece, moving_body, parity, films)))
     gap = (piece.whole.top - z)[lay.of]
     return PadEquations(
-        found.stiff,
-        found.soft,
-        _spread(found.mass, contact, body.system.lift[:size]),
+        moving_body.stiff,
+        moving_body.soft,
+        _spread(moving_body.mass, contact, body.system.lift[:size]),
         tuple(halves),
         lay.share,
         gap - gap.min(),
@@ -64,8 +66,8 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
 
 def _spread(mass: sparse.csr_matrix, massless: Index, lift: Array) -> sparse.csr_matrix:
     """The mass with none at some unknowns, the rest heavier by as much; `lift` is a rigid motion by 1."""
-    kept = sparse.diags(1.0 - _marked(massless, lift.size))
-    rest = sparse.csr_matrix(kept @ mass @ kept)
+    mask = sparse.diags(1.0 - _marked(massless, lift.size))
+    rest = sparse.csr_matrix(mask @ mass @ mask)
     return rest * float((lift @ (mass @ lift)) / (lift @ (rest @ lift)))
 
 
@@ -76,15 +78,15 @@ def _marked(of: Index, size: int) -> Array:
 
 
 def _strips(
-    piece: PadPiece, found: MovingBody, parity: int, films: bool
+    piece: PadPiece, moving: MovingBody, parity: int, films: bool
 ) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
     """The stresses of all strips, each in its own axes, `(3 strips of the whole, n)`."""
     if not films:
-        none = sparse.csr_matrix((0, found.stiff.shape[0]))
+        none = sparse.csr_matrix((0, moving.stiff.shape[0]))
         return none, none
     count = len(piece.slots)
     turned = []
     for one in np.eye(4 * count):
-        turned.append(on_whole(piece, resolved(one.reshape(count, 4), piece.slots), parity or 1).ravel())
+        turned.append(on_whole(piece, in_strip_axes(one.reshape(count, 4), piece.slots), parity or 1).ravel())
     turn = sparse.csr_matrix(np.array(turned).T)
-    return sparse.csr_matrix(turn @ found.strips[0]), sparse.csr_matrix(turn @ found.strips[1])
+    return sparse.csr_matrix(turn @ moving.strips[0]), sparse.csr_matrix(turn @ moving.strips[1])

@@ -1,4 +1,4 @@
-"""How a mass on a spring rings about what a slowly rising load would give: closed form.
+"""Ringing of a mass on a spring about its quasi-static response: closed form.
 
 Under a load f(t) of straight lines, x'' + 2 z w x' + w^2 x = w^2 f, x follows f, less what damping makes it
 lag, and rings: a corner, where the slope changes by s, adds x'' = s w^2 / w_d exp(-z w t) sin(w_d t) with
@@ -17,7 +17,7 @@ from skincad.base.arrays import Array
 
 RETARDATION = 2.4e-5  # s; assumption, docs/facts.md#friction-and-motion
 MOST_DAMPED = 0.99  # of critical damping; beyond it nothing rings
-LOOKS = 65  # at two periods of ringing after each corner
+SAMPLES_PER_CORNER = 65  # at two periods of ringing after each corner
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What dynamics.py advances: a pad's equations, split by symmetry, and its states."""
+"""The equations of motion of a pad, split by symmetry, and its states; steps.py advances them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ AT_REST = Matter()
 
 @dataclass(frozen=True, eq=False)
 class Half:
-    """What a pad's equations hold where they are split by symmetry, one of one or two.
+    """One of the one or two parts of a pad's equations, split by symmetry.
 
     `points` `(2 m, n)`: displacements of the pad's contact points, in x, then in z, by the unknowns.
     `inner` and `contact` number the free unknowns. `strips` are the stresses of all strips, across, along and
@@ -36,8 +36,8 @@ class Half:
 class PadEquations:
     """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
 
-    `stiff`, `soft` and `mass` `(n, n)`; `share` is what of a force the part bears, 1 or, of a mirrored pad,
-    0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
+    `stiff`, `soft` and `mass` `(n, n)`; `share` is the share of a force that the part bears, 1 or, of a
+    mirrored pad, 0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
     """
 
     stiff: sparse.csr_matrix
@@ -54,20 +54,20 @@ class PadEquations:
 
 @dataclass(frozen=True, eq=False)
 class DynamicState:
-    """A state: `grip` and, by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration
-    `a`, mm and s, `rate`, the velocity that viscous stress goes by, and `pulled`, the elastic forces, N.
+    """A state: `contact` and, by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration
+    `a`, mm and s, `rate`, the velocity of viscous stress, and `elastic_force`, N.
 
-    `memory`, one of them a branch, is what each has not relaxed. `plate` `(3, 2)` are the plate's approach
-    and travel, their velocities and accelerations. `drive` and `matter` are what led here; `friction`,
+    `memory` has the unrelaxed displacement of each branch. `plate` `(3, 2)` are the plate's approach and
+    travel, their velocities and accelerations. `drive` and `matter` are those of the last step; `friction`,
     `viscous` and `work` mJ were dissipated and done in the step.
     """
 
-    grip: Grip
+    contact: Grip
     u: Array
     v: Array
     a: Array
     rate: Array
-    pulled: Array
+    elastic_force: Array
     memory: tuple[Array, ...]
     plate: Array
     drive: Drive
@@ -77,7 +77,7 @@ class DynamicState:
     work: float = 0.0
 
 
-def at_rest_on(pad: PadEquations) -> DynamicState:
+def rest_state(pad: PadEquations) -> DynamicState:
     """Return the unloaded start."""
     zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
     return DynamicState(
@@ -86,7 +86,7 @@ def at_rest_on(pad: PadEquations) -> DynamicState:
 
 
 def unrelaxed(state: DynamicState) -> Array:
-    """What a state's stress has beyond the slow one, as a displacement `(n, halves)`."""
+    """The part of the stress that has not relaxed yet, as a displacement `(n, halves)`."""
     return np.asarray(sum_of(state.memory, state.matter.rate * state.rate))
 
 

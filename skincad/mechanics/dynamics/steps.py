@@ -23,25 +23,25 @@ from skincad.mechanics.bodies.condense import Condensed, condense
 from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
 from skincad.mechanics.contact.halving import in_halves, joined
-from skincad.mechanics.dynamics.plate import TONNE, carried, pushed_plate, rubbed, work_done
+from skincad.mechanics.dynamics.plate import TONNE, friction_work, plate_inertia, plate_state, plate_work
 from skincad.mechanics.dynamics.state import DynamicState, PadEquations, sum_of, unrelaxed
 from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
 
-DEEPEST = 4  # times that a step is cut in two
-DIGITS = 9  # of a step's length: equal ones share a factorisation
+MAX_HALVINGS = 4  # of a step that does not converge
+LENGTH_DIGITS = 9  # of a step's length: equal ones share a factorisation
 MOST_LENGTHS = 12  # of steps whose factorisations are in memory: each corner between steps has two of its own
 
 
 @dataclass(frozen=True, eq=False)
 class Operators:
-    """What does not change from step to step: `small` of each half; `fresh` of each branch is what it gains
-    per displacement, `left` what stays of it."""
+    """What does not change from step to step: `small` of each half. Of each branch `gained` is its gain per
+    displacement, `decay` the share that stays."""
 
     scheme: Scheme
     small: tuple[Condensed, ...]
     skin: Compliant
-    fresh: tuple[float, ...]
-    left: tuple[float, ...]
+    gained: tuple[float, ...]
+    decay: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +58,13 @@ class Dynamics:
         """
         if len(state.memory) != len(matter.relaxing):
             state = replace(state, memory=(np.zeros_like(state.u),) * len(matter.relaxing))
-        begun = replace(state, matter=matter)
-        length = float(f"{dt:.{DIGITS}g}")
+        start = replace(state, matter=matter)
+        length = float(f"{dt:.{LENGTH_DIGITS}g}")
 
         def advance(before: DynamicState, _start: Drive, end: Drive, share: float) -> DynamicState:
             return self._one(before, end, share * length, cone)
 
-        return in_halves(advance, begun, begun.drive, drive, _joined, DEEPEST)
+        return in_halves(advance, start, start.drive, drive, _joined, MAX_HALVINGS)
 
     def _one(self, state: DynamicState, drive: Drive, dt: float, cone: Cone) -> DynamicState:
         pad, ops = self.pad, self.factorised(dt, state.matter)
@@ -72,13 +72,13 @@ class Dynamics:
         free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(pad.halves))], axis=1)
         at_points = sum_of(half.points @ free[:, i] for i, half in enumerate(pad.halves))
         skin = replace(ops.skin, free=at_points)
-        inert, pushing = pushed_plate(state, drive, ops.scheme)
+        inert, pushing = plate_inertia(state, drive, ops.scheme)
 
-        def after(found: Grip) -> DynamicState:
-            return self._after(state, drive, found, free, slower, ops, (inert, pushing))
+        def after(contact: Grip) -> DynamicState:
+            return self._after(state, drive, contact, free, slower, ops, (inert, pushing))
 
         try:
-            return after(grip(skin, state.grip, pushing, cone, inert))
+            return after(grip(skin, state.contact, pushing, cone, inert))
         except GrossSlip as end:
             raise GrossSlip(after(end.last), str(end)) from None
 
@@ -99,27 +99,30 @@ class Dynamics:
         small = tuple(condense(matrix, half.inner, half.contact) for half in pad.halves)
         size = 2 * pad.gap.size
         compliance = np.zeros((size, size))
-        for half, each in zip(pad.halves, small, strict=True):
-            points = half.points[:, each.order[-half.contact.size :]]
-            own = points @ np.asarray(points @ each.flexibility).T
-            compliance += pad.share * (own + own.T) / 2
+        for half, condensed in zip(pad.halves, small, strict=True):
+            points = half.points[:, condensed.order[-half.contact.size :]]
+            half_compliance = points @ np.asarray(points @ condensed.flexibility).T
+            compliance += pad.share * (half_compliance + half_compliance.T) / 2
         skin = Compliant(compliance, pad.gap, np.zeros(size), area=pad.area)
-        found = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
-        return found
+        operators = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
+        return operators
 
     def _history(self, state: DynamicState, ops: Operators) -> tuple[Array, Array]:
-        """The forces `(n, halves)` of what was, and what the velocity is less than `speed` times u."""
+        """The forces `(n, halves)` of earlier states, and `speed` times u less the velocity."""
         pad, s, dt, matter = self.pad, ops.scheme, ops.scheme.dt, state.matter
         if s.moves:
             ahead = state.u + dt * state.v + dt**2 * (0.5 - s.beta) * state.a
             slower = s.speed * ahead - state.v - dt * (1 - s.gamma) * state.a
             force = pad.mass @ (s.force * ahead - s.lag / (1 - s.late) * state.a)
-            force += s.before * (self.contact_force(state.grip) - state.pulled)
+            force += s.before * (self.contact_force(state.contact) - state.elastic_force)
         else:
             slower = s.speed * state.u + 0.5 * state.v
             force = np.zeros_like(state.u)
         past = matter.rate * slower - sum_of(
-            (stays * h - b * state.u for stays, b, h in zip(ops.left, ops.fresh, state.memory, strict=True)),
+            (
+                stays * h - b * state.u
+                for stays, b, h in zip(ops.decay, ops.gained, state.memory, strict=True)
+            ),
             np.zeros_like(state.u),
         )
         if matter.rate or matter.relaxing:
@@ -135,7 +138,7 @@ class Dynamics:
         self,
         state: DynamicState,
         drive: Drive,
-        found: Grip,
+        contact: Grip,
         free: Array,
         slower: Array,
         ops: Operators,
@@ -143,7 +146,7 @@ class Dynamics:
     ) -> DynamicState:
         """The state that the contact forces lead to."""
         s, dt = ops.scheme, ops.scheme.dt
-        pushed = self.contact_force(found)
+        pushed = self.contact_force(contact)
         u = free + np.stack([small.solve(pushed[:, i]) for i, small in enumerate(ops.small)], axis=1)
         rate = s.speed * u - slower
         if s.moves:
@@ -153,32 +156,32 @@ class Dynamics:
             v, a = (u - state.u) / dt, state.a
         memory = tuple(
             stays * h + b * (u - state.u)
-            for stays, b, h in zip(ops.left, ops.fresh, state.memory, strict=True)
+            for stays, b, h in zip(ops.decay, ops.gained, state.memory, strict=True)
         )
-        plate = carried(state, drive, found, s, pushing)
-        new = DynamicState(found, u, v, a, rate, self.pad.stiff @ u, memory, plate, drive, state.matter)
+        plate = plate_state(state, drive, contact, s, pushing)
+        new = DynamicState(contact, u, v, a, rate, self.pad.stiff @ u, memory, plate, drive, state.matter)
         return replace(
             new,
-            friction=rubbed(state.grip, found),
+            friction=friction_work(state.contact, contact),
             viscous=self._viscous(state, new, dt),
-            work=work_done(state, new),
+            work=plate_work(state, new),
         )
 
     def _viscous(self, before: DynamicState, after: DynamicState, dt: float) -> float:
-        """What viscous parts dissipate in a step, mJ: dashpots exactly for straight strains."""
+        """Viscous dissipation in a step, mJ, exact for dashpots and strains straight in time."""
         matter = after.matter
         if not (matter.rate or matter.relaxing):
             return 0.0
         moved, soft = after.u - before.u, self.pad.soft
         lost = matter.rate / dt * float((moved * (soft @ moved)).sum())
         for (g, time), one, other in zip(matter.relaxing, before.memory, after.memory, strict=True):
-            done = time / dt * float(((g * moved - (other - one)) * (soft @ moved)).sum())
-            lost += done - float(((other - one) * (soft @ (other + one))).sum()) / (2 * g)
+            branch_work = time / dt * float(((g * moved - (other - one)) * (soft @ moved)).sum())
+            lost += branch_work - float(((other - one) * (soft @ (other + one))).sum()) / (2 * g)
         return lost / self.pad.share
 
     def elastic(self, state: DynamicState) -> float:
         """Stored energy of the whole pad, mJ."""
-        stored = float((state.u * state.pulled).sum())
+        stored = float((state.u * state.elastic_force).sum())
         for (g, _), h in zip(state.matter.relaxing, state.memory, strict=True):
             stored += float((h * (self.pad.soft @ h)).sum()) / g
         return stored / 2 / self.pad.share
@@ -194,18 +197,18 @@ class Dynamics:
     def strips(self, state: DynamicState) -> Array:
         """Mean stresses `(strips, 3)` MPa across, along and lengthwise."""
         late = unrelaxed(state)
-        found = sum_of(
+        stress = sum_of(
             half.strips[0] @ state.u[:, i] + half.strips[1] @ late[:, i]
             for i, half in enumerate(self.pad.halves)
         )
-        return np.asarray(found).reshape(-1, 3)
+        return np.asarray(stress).reshape(-1, 3)
 
 
 def _joined(first: DynamicState, second: DynamicState) -> DynamicState:
     """The state at the end of two steps as that of one."""
     return replace(
         second,
-        grip=joined(first.grip, second.grip),
+        contact=joined(first.contact, second.contact),
         friction=first.friction + second.friction,
         viscous=first.viscous + second.viscous,
         work=first.work + second.work,

@@ -1,8 +1,8 @@
-"""How a step in time is made: generalised-alpha with masses, its like of first order without.
+"""The time integration scheme: generalised-alpha with masses, its first-order form without.
 
 With masses the equation is met at a point within the step: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371.
-Without, as Jansen, Whiting, Hulbert, CMAME 190 (2000) 305, of whose method nothing is left of the highest
-modes after a step; with equal steps it is BDF2. Both are of order 2 where velocities are smooth.
+Without, as Jansen, Whiting, Hulbert, CMAME 190 (2000) 305, whose method damps the highest modes out
+in one step; with equal steps it is BDF2. Both are of order 2 where velocities are smooth.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Matter:
-    """What a step takes into account. `damped`: with masses, None without; `plate` g; `rate` s, the viscous
+    """Inertia and viscosity in a step. `damped`: with masses, None without; `plate` g; `rate` s, the viscous
     stress per strain rate by the elastic one per strain; `relaxing`, pairs of stiffness and time, s."""
 
     damped: float | None = None

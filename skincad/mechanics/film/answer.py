@@ -1,4 +1,4 @@
-"""What is told of the film strips' stress."""
+"""The result of a film stress computation: stresses in the strips, with errors."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class FilmStress:
     `s1`, `s2`: across the film (its d33 sees that); `differential`: s1 - s2; `along1`, `along2`: along the
     film in the section; `lengthwise1`, `lengthwise2`: along y, the ridge. `force` and `tangential` N,
     `ridge_force` and `ridge_tangential` the plate's on each ridge (N; compression and +x positive).
-    `needed_friction`: what full stick asks of each ridge, |tangential| / normal force, its value None where
-    the pull takes the normal force away. Errors are those of discretisation. `fault` says what of the skin
-    would go through itself, "" where nothing does; where its flanks are to the plate is not looked at.
+    `needed_friction`: the coefficient that full stick needs at each ridge, |tangential| / normal force, None
+    where the pull removes the normal force. Errors are those of discretisation. `fault` names an undetected
+    contact of the skin with itself, "" if there is none. Flanks against the plate are not checked.
     """
 
     name: str
@@ -89,7 +89,7 @@ class FilmStresses(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is to be known of either."""
+        """Warnings of both states."""
         return tuple(dict.fromkeys(note for state in self.states for note in state.warnings))
 
     def as_json(self) -> dict[str, Any]:

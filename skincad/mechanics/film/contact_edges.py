@@ -15,21 +15,21 @@ from skincad.shape.cross_section import CONTACT_KINDS
 from skincad.shape.curves import Segment
 
 
-def with_fine_edges(piece: PadPiece, found: StickSolution) -> PadPiece:
-    """Return the piece with its crowns cut around where contact ends in `found`.
+def with_fine_edges(piece: PadPiece, solution: StickSolution) -> PadPiece:
+    """Return the piece with its crowns cut around where contact ends in `solution`.
 
     Full stick has its largest shear at the contact's edges, so its answer is wrong by how far they lie off:
     the last sticking and the first clear point are a step apart. The new pieces are a step long, the mesh's
     edges on them half of that.
     """
-    nodes = found.body.system.nodes
+    nodes = solution.body.system.nodes
     x = nodes.position[:, 0] * piece.unit
     cuts: dict[int, list[float]] = {}
     for ridge in piece.pad.ridges:
         mine = np.flatnonzero(nodes.ridge == ridge)
         mine = mine[np.argsort(x[mine])]
         for a, b in pairwise(mine):
-            if found.bonded[a] != found.bonded[b]:
+            if solution.bonded[a] != solution.bonded[b]:
                 middle, step = (x[a] + x[b]) / 2, x[b] - x[a]
                 cuts.setdefault(ridge, []).extend([middle - step, middle, middle + step])
     outline = tuple(

@@ -9,7 +9,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import strip_field
 from skincad.mechanics.bodies.strip_field import Patch
-from skincad.mechanics.film.stick import PadPiece, StickSolution, UnderLoad
+from skincad.mechanics.film.stick import LoadState, PadPiece, StickSolution
 
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
 
@@ -30,24 +30,24 @@ class RidgeField:
     film: Mask
 
 
-def ridge_field(piece: PadPiece, found: StickSolution, ridge: int, tangential: float) -> RidgeField:
+def ridge_field(piece: PadPiece, solution: StickSolution, ridge: int, tangential: float) -> RidgeField:
     """Return the field around a ridge with both strips, under the normal force and `tangential` N."""
-    pressed = _around(piece, found, ridge, found.pressed, 1)
-    shift, stress = pressed.shift, pressed.stress
-    if found.pulled is not None and tangential:
-        pulled = _around(piece, found, ridge, found.pulled, -1)
-        shift, stress = shift + tangential * pulled.shift, stress + tangential * pulled.stress
+    push = _around(piece, solution, ridge, solution.normal_state, 1)
+    shift, stress = push.shift, push.stress
+    if solution.pull_state is not None and tangential:
+        pull = _around(piece, solution, ridge, solution.pull_state, -1)
+        shift, stress = shift + tangential * pull.shift, stress + tangential * pull.stress
     x, z = _across(piece, ridge)
     xx, xz, zz, _ = stress.T * piece.pad.young_modulus
     first, second = _middles(piece, ridge)
     return RidgeField(
         ridge,
         ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
-        pressed.place * piece.unit,
+        push.place * piece.unit,
         shift * piece.unit,
         xx * x * x + 2 * xz * x * z + zz * z * z,
-        pressed.triangles,
-        pressed.film,
+        push.triangles,
+        push.film,
     )
 
 
@@ -61,14 +61,14 @@ def _across(piece: PadPiece, ridge: int) -> Array:
     return np.asarray((second - first) / np.hypot(*(second - first)))
 
 
-def _around(piece: PadPiece, found: StickSolution, ridge: int, state: UnderLoad, parity: int) -> Patch:
+def _around(piece: PadPiece, solution: StickSolution, ridge: int, state: LoadState, parity: int) -> Patch:
     """The field around a ridge, in units; of a half, what lies at x < 0 is the mirror image of x > 0."""
-    strip_field.set_state(found.body, state.moved)
+    strip_field.set_state(solution.body, state.displacement)
     x, z = _middles(piece, ridge).mean(axis=0) / piece.unit
-    here = strip_field.field(found.body, (x, z), REACH)
+    here = strip_field.field(solution.body, (x, z), REACH)
     if not piece.mirrored:
         return here
-    return joined(here, as_image(strip_field.field(found.body, (-x, z), REACH), parity))
+    return joined(here, as_image(strip_field.field(solution.body, (-x, z), REACH), parity))
 
 
 def joined(one: Patch, other: Patch) -> Patch:

@@ -23,9 +23,9 @@ from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_o
 from skincad.mechanics.film.whole_state import collision, on_sides
 from skincad.mechanics.problem import Pad, SizeError, check_pad
 
-FIRST = (0.5, 3)  # fineness and order of the run that finds where contact ends
+EDGE_SEARCH = (0.5, 3)  # fineness and order of the run that finds where contact ends
 TAIL = 2.0  # differences of orders; the true error is up to 1.4 of them (measured, film/test_stress.py)
-PATH = "full stick is an assumption, and the order of the forces counts: normal first, then tangential"
+PATH_NOTE = "full stick is an assumption, and the order of the forces counts: normal first, then tangential"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class FilmRung:
 RUNGS = (FilmRung(0.5, 4, 1 / 30, 0.5), FilmRung(1.0, 4, 1 / 100, 0.4), FilmRung(1.0, 5, 1 / 200, 0.3))
 
 
-_Pressed = tuple[PadPiece, StickSolution, StickSolution]  # both orders of a rung, the higher first
+_RungSolution = tuple[PadPiece, StickSolution, StickSolution]  # both orders of a rung, the higher first
 
 
 def solve(
@@ -64,59 +64,65 @@ def solve(
 ) -> list[FilmStress]:
     """Return the stresses of a pad that has a strip of this thickness, mm, in each of its section's slots.
 
-    Rungs are climbed until the error is below `tol` of the largest stress. A tolerance not met is said.
+    Meshes are refined until the error is below `tol` of the largest stress. A warning says if it is not met.
     """
     check_pad(pad)
     watch, pull, plain = Stopwatch(progress), any(tangential), piece_of(pad, thickness)
     spent: dict[str, float] = {}
 
-    def solved(piece: PadPiece, mesh: object, order: int, pulled: bool) -> StickSolution:
-        found = level(piece, mesh, order, force, pulled)
-        for stage, seconds in found.seconds.items():
+    def solve_level(piece: PadPiece, mesh: object, order: int, pulled: bool) -> StickSolution:
+        solution = level(piece, mesh, order, force, pulled)
+        for stage, seconds in solution.seconds.items():
             spent[stage] = spent.get(stage, 0.0) + seconds
-        return found
+        return solution
 
     with watch.stage("mesh"):
-        mesh = triangles(plain.pad, default_sizes(plain.pad, FIRST[0]))
-    # the rungs' meshes are finer still: what is too large here is told before anything is solved
+        mesh = triangles(plain.pad, default_sizes(plain.pad, EDGE_SEARCH[0]))
+    # later meshes are finer: a pad too large here is refused before anything is solved
     if (contact := _contact_unknowns(mesh, RUNGS[0].order)) > MOST_CONTACT_UNKNOWNS:
         raise _too_large(contact)
-    first = solved(plain, mesh, FIRST[1], False)
+    first = solve_level(plain, mesh, EDGE_SEARCH[1], False)
 
-    def pressed(rung: FilmRung, before: Ascent[FilmRung, _Pressed, Any] | None) -> _Pressed:
+    def solve_rung(
+        refinement: FilmRung, before: Ascent[FilmRung, _RungSolution, Any] | None
+    ) -> _RungSolution:
         finer = with_fine_edges(plain, first if before is None else before.found[1])
         with watch.stage("mesh"):
-            mesh = triangles(finer.pad, rung.sizes(finer))
-        if (contact := _contact_unknowns(mesh, rung.order)) > MOST_CONTACT_UNKNOWNS:
+            mesh = triangles(finer.pad, refinement.sizes(finer))
+        if (contact := _contact_unknowns(mesh, refinement.order)) > MOST_CONTACT_UNKNOWNS:
             raise _too_large(contact)
         if progress:
-            progress(f"film stress: fineness {rung.fineness:g}, order {rung.order}")
-        lower, best = (solved(finer, mesh, order, pull) for order in (rung.order - 1, rung.order))
+            progress(f"film stress: fineness {refinement.fineness:g}, order {refinement.order}")
+        lower, best = (
+            solve_level(finer, mesh, order, pull) for order in (refinement.order - 1, refinement.order)
+        )
         return finer, best, lower
 
-    def estimated(_: FilmRung, found: _Pressed, __: object) -> tuple[list[FilmStress], float]:
-        results = [_estimated(*found, force, t) for t in tangential]
-        return results, max(_relative_error(each) for each in results)
+    def estimate(_: FilmRung, solution: _RungSolution, __: object) -> tuple[list[FilmStress], float]:
+        results = [_estimated(*solution, force, t) for t in tangential]
+        return results, max(_relative_error(state) for state in results)
 
-    reached = climb(pressed, RUNGS, estimated, tol, began=watch.started, ends=(SizeError,))
+    reached = climb(solve_rung, RUNGS, estimate, tol, began=watch.started, ends=(SizeError,))
     piece, best, _ = reached.found
     full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns" if reached.ended else ""
     missed = unmet(f"the error is {reached.error:.1e} of the largest stress", reached.error, tol)
     short = tuple(words + full for words in missed)
-    faults = [collision(piece, best.body, _moved(piece, best, t), math.inf, 0.0) or "" for t in tangential]
+    faults = [
+        collision(piece, best.body, _displacements(piece, best, t), math.inf, 0.0) or "" for t in tangential
+    ]
     shown = [tuple(ridge_field(piece, best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
     return [
-        replace(each, seconds=seconds, warnings=(*short, *each.warnings), fields=fields, fault=wrong)
-        for each, fields, wrong in zip(reached.told, shown, faults, strict=True)
+        replace(state, seconds=seconds, warnings=(*short, *state.warnings), fields=fields, fault=wrong)
+        for state, fields, wrong in zip(reached.told, shown, faults, strict=True)
     ]
 
 
-def _moved(piece: PadPiece, found: StickSolution, tangential: float) -> list[Array]:
+def _displacements(piece: PadPiece, solution: StickSolution, tangential: float) -> list[Array]:
     """Displacements of the piece and of its image, in units, under both forces."""
-    pressed = found.pressed.moved
-    pulled = 0.0 * pressed if found.pulled is None else tangential * found.pulled.moved
-    return on_sides([pressed, pulled]) if piece.mirrored else [pressed + pulled]
+    by_push = solution.normal_state.displacement
+    by_pull = 0.0 * by_push if solution.pull_state is None else tangential * solution.pull_state.displacement
+    return on_sides([by_push, by_pull]) if piece.mirrored else [by_push + by_pull]
 
 
 def _contact_unknowns(mesh: Any, order: int) -> int:
@@ -128,14 +134,14 @@ def _too_large(contact: int) -> SizeError:
     return SizeError("ridge.count", limit, contact, "take fewer ridges")
 
 
-def _values(piece: PadPiece, found: StickSolution, tangential: float) -> dict[str, Array]:
+def _values(piece: PadPiece, solution: StickSolution, tangential: float) -> dict[str, Array]:
     """The numbers of one level at a tangential force, by field of FilmStress."""
-    state, numbers = found.pressed, piece.whole.ridges
+    state, numbers = solution.normal_state, piece.whole.ridges
     strips, push, pull = state.strips, state.normal, state.tangential
-    if found.pulled is not None:
-        strips = strips + tangential * found.pulled.strips
-        push = push + tangential * found.pulled.normal
-        pull = pull + tangential * found.pulled.tangential
+    if solution.pull_state is not None:
+        strips = strips + tangential * solution.pull_state.strips
+        push = push + tangential * solution.pull_state.normal
+        pull = pull + tangential * solution.pull_state.tangential
     place = {(s.ridge, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     one, other = (strips[[place[r, side] for r in numbers]] for side in ("S1", "S2"))
     return {
@@ -161,7 +167,7 @@ def _estimated(
 
     All ridges, and both sides, share the largest error among them: a single difference may vanish by chance.
     """
-    here, there = (_values(piece, found, tangential) for found in (best, lower))
+    here, there = (_values(piece, solution, tangential) for solution in (best, lower))
     error = {key: TAIL * float(np.abs(here[key] - there[key]).max()) for key in here}
     for kind in ("s", "along", "lengthwise"):
         error[f"{kind}1"] = error[f"{kind}2"] = max(error[f"{kind}1"], error[f"{kind}2"])
@@ -197,19 +203,19 @@ def _friction(push: Sequence[Estimate], pull: Sequence[Estimate]) -> Iterator[Es
             yield Estimate(ratio, ((t.error or 0.0) + ratio * (n.error or 0.0)) / normal, "1")
 
 
-def _relative_error(found: FilmStress) -> float:
+def _relative_error(stress: FilmStress) -> float:
     """Largest error of S1 and S2, and of their difference, against the largest S."""
-    values = [abs(e.value or 0.0) for e in (*found.s1, *found.s2)]
-    return max(found.s1[0].error or 0.0, found.differential[0].error or 0.0) / max(values)
+    values = [abs(e.value or 0.0) for e in (*stress.s1, *stress.s2)]
+    return max(stress.s1[0].error or 0.0, stress.differential[0].error or 0.0) / max(values)
 
 
 def _stick_notes(
-    piece: PadPiece, found: StickSolution, friction: Sequence[Estimate], tangential: float
+    piece: PadPiece, solution: StickSolution, friction: Sequence[Estimate], tangential: float
 ) -> Iterator[str]:
-    """What full stick takes for granted at a tangential force."""
-    if found.pulled is None or tangential == 0.0:
+    """Warnings about the assumptions of full stick at a tangential force."""
+    if solution.pull_state is None or tangential == 0.0:
         return
-    yield PATH
+    yield PATH_NOTE
     by_ridge = dict(zip(piece.whole.ridges, (e.value for e in friction), strict=True))
     lifted = [str(r) for r, mu in by_ridge.items() if mu is None]
     if lifted:
@@ -217,9 +223,15 @@ def _stick_notes(
     else:
         worst = max(by_ridge, key=lambda r: by_ridge[r] or 0.0)
         yield f"full stick needs a friction coefficient of {by_ridge[worst]:.2g} (at ridge {worst})"
-    pressed, lift = found.pressed.node[found.bonded], tangential * found.pulled.node[found.bonded]
-    sides = (pressed + lift, (pressed - lift)[lift != 0]) if piece.mirrored else (pressed + lift,)
+    push, lift = (
+        solution.normal_state.node[solution.bonded],
+        tangential * solution.pull_state.node[solution.bonded],
+    )
+    sides = (push + lift, (push - lift)[lift != 0]) if piece.mirrored else (push + lift,)
     total = np.concatenate(sides)
     if (total < 0).any():
-        count, pulling = np.count_nonzero(total < 0), -total[total < 0].sum() / found.pressed.normal.sum()
+        count, pulling = (
+            np.count_nonzero(total < 0),
+            -total[total < 0].sum() / solution.normal_state.normal.sum(),
+        )
         yield f"{count} of {total.size} bonded points are in tension, with {pulling:.1%} of the force in all"

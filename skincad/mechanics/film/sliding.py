@@ -1,4 +1,4 @@
-"""A pad condensed to the points that meet the plate, both components: what a march with friction needs.
+"""A pad condensed to the points that meet the plate, both components, for time stepping with friction.
 
 Small strain, plane strain. One factorisation gives how the contact points move under forces in x and in z,
 and one solve a stress how the mean stresses in the films follow from these forces. A mirror-symmetric pad is
@@ -18,7 +18,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
 from skincad.mechanics.bodies.condense import Condensed
 from skincad.mechanics.bodies.strip_field import StripBody
-from skincad.mechanics.film.stick import PadPiece, condensed, contact_rows, on_whole, resolved
+from skincad.mechanics.film.stick import PadPiece, condensed_piece, contact_rows, in_strip_axes, on_whole
 from skincad.mechanics.film.whole_state import Parity, WholeState
 from skincad.mechanics.problem import Pad, SizeError
 
@@ -27,13 +27,13 @@ ON_AXIS = 1e-9  # in units; points of the cut at x = 0
 
 
 @dataclass(frozen=True, eq=False)
-class Sliding:
+class ContactPad:
     """The pad seen by the plate, in mm, N and MPa; m contact points in the order of their x.
 
     `compliance` `(2 m, 2 m)`: displacements in x, then in z, under forces in x, then in z. `gap` `(m,)` from
     the plate to the points when it first touches. `strips` `(strips, 3, 2 m)`: mean stress across the film,
     along it in the section and along y, per N; the strips in the order of the section's slots, none where
-    they were not asked. `whole` tells the whole pad's state from these forces.
+    they were not asked. `whole` computes the whole pad's state from these forces.
     """
 
     compliance: Array
@@ -52,7 +52,7 @@ class Sliding:
         return self.weight * self.length
 
 
-def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
+def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactPad:
     """Return the condensed pad of a netgen mesh of the piece; `films` asks for the strips' stresses.
 
     Raises SizeError for more contact unknowns than a dense block can hold.
@@ -61,13 +61,13 @@ def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
         return _sliding(piece, mesh, order, films)
 
 
-def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
+def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactPad:
     pad, unit = piece.pad, piece.unit
     curved = elements.curved(mesh, order)
-    asked = 2 * elements.contact_unknowns(curved, order) * (2 if piece.mirrored else 1)
-    if asked > MOST_CONTACT_UNKNOWNS:
+    unknowns = 2 * elements.contact_unknowns(curved, order) * (2 if piece.mirrored else 1)
+    if unknowns > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
-        raise SizeError("ridge.count", limit, asked, "take fewer ridges")
+        raise SizeError("ridge.count", limit, unknowns, "take fewer ridges")
     body = strip_field.body(curved, order, pad.materials)
     functionals = (
         strip_field.average_rows(body, pad.materials, piece.slots, piece.thickness, unit) if films else None
@@ -78,19 +78,21 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> Sliding:
     compliance = np.zeros((2 * lay.of.size, 2 * lay.of.size))
     strips = np.zeros((len(piece.whole.section.slots) if films else 0, 3, 2 * lay.of.size))
     solved = []
-    for parity, held in parities(piece, body):
-        small = condensed(body, held)
+    for parity, fixed in parities(piece, body):
+        small = condensed_piece(body, fixed)
         rows, spread = contact_rows(body, small), lay.spread(parity)
         solved.append(Parity(small, rows, spread))
-        own = rows @ np.asarray(rows @ small.flexibility).T
-        compliance += spread.T @ np.asarray(spread.T @ (own + own.T)).T / (2 * lay.share)
+        half_compliance = rows @ np.asarray(rows @ small.flexibility).T
+        compliance += (
+            spread.T @ np.asarray(spread.T @ (half_compliance + half_compliance.T)).T / (2 * lay.share)
+        )
         if functionals is not None:
             stress = _stress_rows(piece, functionals, small, rows, parity)
             strips += np.asarray((stress.reshape(-1, rows.shape[0]) @ spread).reshape(strips.shape))
     per_force = 1 / (pad.young_modulus * pad.length)  # mm of the piece per N on it, of a unit length each
     gap = (piece.whole.top - z)[lay.of]
     ridges = ridges_of(piece, nodes.ridge[lay.of], lay.left)
-    return Sliding(
+    return ContactPad(
         compliance * per_force + _of_ends(piece.whole, ridges),
         gap - gap.min(),
         np.where(lay.left, -x[lay.of], x[lay.of]),
@@ -176,7 +178,7 @@ def _stress_rows(
 ) -> Array:
     """Stresses `(strips of the whole, 3, 2 meshed)` across, along and lengthwise per force on the piece."""
     last = small.order[-small.flexibility.shape[0] :]
-    sides = resolved(functionals, piece.slots).reshape(-1, functionals.shape[2]).T
+    sides = in_strip_axes(functionals, piece.slots).reshape(-1, functionals.shape[2]).T
     free = np.zeros_like(sides)
     free[small.order] = sides[small.order]
     per_force = (rows @ small.solve(free)[last]).T

@@ -29,8 +29,8 @@ from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import ContactError, Pad
 from skincad.shape.cross_section import SlotPlace
 
-BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
-SAME = 1e-9  # of the pad's width; centres of mirrored strips agree to that
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
+CENTRE_TOLERANCE = 1e-9  # of the pad's width; centres of mirrored strips agree to that
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,9 @@ class PadPiece:
 
 
 @dataclass(frozen=True)
-class UnderLoad:
-    """What a load does to the whole pad; `moved` `(n,)` are the piece's condensed unknowns, to be drawn.
+class LoadState:
+    """The whole pad's state under a load; `displacement` `(n,)` are the piece's condensed unknowns, for
+    drawing.
 
     `strips` `(strips, 3)`: mean stress across a film, along it in the section and along y, in the order
     of the section's slots. `normal` and `tangential` `(ridges,)`: the plate's force on each ridge, positive
@@ -58,16 +59,16 @@ class UnderLoad:
     normal: Array
     tangential: Array
     node: Array
-    moved: Array
+    displacement: Array
 
 
 @dataclass(frozen=True)
 class StickSolution:
-    """`pressed` at the normal force, in MPa and N; `pulled` what 1 N of tangential force adds, in MPa / N
-    and 1, or None where it was not asked. `bonded` `(m,)` marks the meshed contact points that stick."""
+    """`normal_state` at the normal force, in MPa and N; `pull_state` the change by 1 N of tangential force,
+    in MPa / N and 1, or None if not requested. `bonded` `(m,)` marks the meshed contact points that stick."""
 
-    pressed: UnderLoad
-    pulled: UnderLoad | None
+    normal_state: LoadState
+    pull_state: LoadState | None
     bonded: Mask
     unknowns: int
     residual: float
@@ -100,25 +101,25 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
     body = strip_field.body(curved, order, pad.materials)
     clock.append(perf_counter())
     even, odd = body.held if piece.mirrored else (np.empty(0, np.int64),) * 2
-    small = condensed(body, even)
-    loose = small if not piece.mirrored else condensed(body, odd) if pull else None
+    small = condensed_piece(body, even)
+    small_odd = small if not piece.mirrored else condensed_piece(body, odd) if pull else None
     clock.append(perf_counter())
-    pressed, bonded, residual = pressing(piece, body, small, force)
-    pulled = None
-    if pull and loose is not None:
-        pulled, balance = _pull(piece, body, loose, bonded)
+    push_state, bonded, residual = press_state(piece, body, small, force)
+    pull_state = None
+    if pull and small_odd is not None:
+        pull_state, balance = _pull(piece, body, small_odd, bonded)
         residual = max(residual, balance)
     clock.append(perf_counter())
     stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
-    return StickSolution(pressed, pulled, bonded, body.system.unknowns, residual, stages, body)
+    return StickSolution(push_state, pull_state, bonded, body.system.unknowns, residual, stages, body)
 
 
-def condensed(body: StripBody, held: Index) -> Condensed:
-    """Factorise with the contact unknowns of both directions last, those in `held` left out."""
+def condensed_piece(body: StripBody, fixed: Index) -> Condensed:
+    """Factorise with the contact unknowns of both directions last, those in `fixed` left out."""
     system = body.system
-    contact = np.setdiff1d(_contact(body), held)
+    contact = np.setdiff1d(_contact(body), fixed)
     free = np.concatenate([system.interior, system.contact])
-    return condense(system.matrix, np.setdiff1d(free, np.concatenate([contact, held])), contact)
+    return condense(system.matrix, np.setdiff1d(free, np.concatenate([contact, fixed])), contact)
 
 
 def _contact(body: StripBody) -> Index:
@@ -133,20 +134,20 @@ def contact_rows(body: StripBody, small: Condensed) -> sparse.csr_matrix:
     number = np.full(body.system.lift.size, -1)
     number[last] = np.arange(last.size)
     local = number[_contact(body)]
-    kept = np.flatnonzero(local >= 0)
-    select = (np.ones(kept.size), (kept, local[kept]))
+    free = np.flatnonzero(local >= 0)
+    select = (np.ones(free.size), (free, local[free]))
     return both @ sparse.csr_matrix(select, shape=(local.size, last.size))
 
 
 def load_scale(piece: PadPiece) -> tuple[float, float]:
-    """Return N on the whole pad for a force of 1 on the piece in its units, and the piece's share of it."""
+    """Return the force on the whole pad, N, per unit force on the piece, and the piece's share of it."""
     share = 0.5 if piece.mirrored else 1.0
     return piece.pad.young_modulus * piece.unit * piece.pad.length / share, share
 
 
-def pressing(
+def press_state(
     piece: PadPiece, body: StripBody, small: Condensed, force: float
-) -> tuple[UnderLoad, Mask, float]:
+) -> tuple[LoadState, Mask, float]:
     """Return the state under a frictionless plate's force, N, which points bear load, and the residual."""
     rows = contact_rows(body, small)
     nodes, unit, plate = body.system.nodes, piece.unit, piece.whole.plate
@@ -156,25 +157,25 @@ def pressing(
     x, z = nodes.position.T
     gap = (piece.whole.top / unit - z) + rise(plate, x * unit) / unit
     wanted = force / load_scale(piece)[0]
-    found = press((flexibility + flexibility.T) / 2, gap - gap.min(), wanted)
-    load = np.concatenate([np.zeros(m), -found.force])
-    moved = moved_by(body, small, rows, load)
+    contact = press((flexibility + flexibility.T) / 2, gap - gap.min(), wanted)
+    load = np.concatenate([np.zeros(m), -contact.force])
+    moved = displacements_under(body, small, rows, load)
     balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if piece.mirrored else None)
-    state = state_of(piece, body, moved, load, 1)
-    return state, found.force > 0, max(found.residual, balance)
+    state = load_state(piece, body, moved, load, 1)
+    return state, contact.force > 0, max(contact.residual, balance)
 
 
-def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> tuple[UnderLoad, float]:
+def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> tuple[LoadState, float]:
     """State and residual of the bonded points moved as one until the plate's tangential force is 1 N."""
     rows = contact_rows(body, small)
-    load = pulling(piece, rows, small, bonded)
-    moved = moved_by(body, small, rows, load)
+    load = pull_load(piece, rows, small, bonded)
+    moved = displacements_under(body, small, rows, load)
     wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
     balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
-    return state_of(piece, body, moved, load, -1), balance
+    return load_state(piece, body, moved, load, -1), balance
 
 
-def pulling(piece: PadPiece, rows: sparse.csr_matrix, small: Condensed, bonded: Mask) -> Array:
+def pull_load(piece: PadPiece, rows: sparse.csr_matrix, small: Condensed, bonded: Mask) -> Array:
     """Return forces `(2 m,)`, in x then in z, that move the bonded points as one until the plate's tangential
     force is 1 N, its normal one unchanged.
 
@@ -182,20 +183,20 @@ def pulling(piece: PadPiece, rows: sparse.csr_matrix, small: Condensed, bonded: 
     """
     m = bonded.size
     flexibility = rows @ np.asarray(rows @ small.flexibility).T
-    held = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
-    modes = np.column_stack([held < m, held >= m]).astype(float)[:, : 1 if piece.mirrored else 2]
-    block = flexibility[np.ix_(held, held)]
+    sticking = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
+    modes = np.column_stack([sticking < m, sticking >= m]).astype(float)[:, : 1 if piece.mirrored else 2]
+    block = flexibility[np.ix_(sticking, sticking)]
     try:
         by_mode = linalg.solve((block + block.T) / 2, modes, assume_a="pos")
     except linalg.LinAlgError:
         raise ContactError("the bonded flexibility is singular; take a coarser contact mesh") from None
     wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
     load = np.zeros(2 * m)
-    load[held] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
+    load[sticking] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
     return load
 
 
-def moved_by(body: StripBody, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
+def displacements_under(body: StripBody, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
     """Return displacements `(n,)` under forces `(2 m,)` at the contact points."""
     whole = np.zeros(body.system.lift.size)
     whole[small.order[-small.flexibility.shape[0] :]] = rows.T @ load
@@ -208,11 +209,11 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
     On a half, `only` one direction is: the cut carries the other.
     """
     system = body.system
-    held = system.lift.copy()
-    held[system.interior] = held[system.contact] = 0.0
+    clamped = system.lift.copy()
+    clamped[system.interior] = clamped[system.contact] = 0.0
     reaction = system.matrix @ moved
     shift = int(system.contact[0] - body.along_x[0])
-    carried = np.array([np.roll(held, -shift) @ reaction, held @ reaction])
+    carried = np.array([np.roll(clamped, -shift) @ reaction, clamped @ reaction])
     wrong = np.abs(carried + force) / np.abs(force).max()
     balance = float(wrong.max() if only is None else wrong[only])
     if not balance <= BALANCE:
@@ -221,8 +222,8 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
     return balance
 
 
-def state_of(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> UnderLoad:
-    """Return what displacements `(n,)` are to the whole pad, under forces `(2 m,)` on the piece."""
+def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> LoadState:
+    """Return the whole pad's state for displacements `(n,)` under forces `(2 m,)` on the piece."""
     strip_field.set_state(body, moved)
     stress = strip_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
     nodes, (scale, share) = body.system.nodes, load_scale(piece)
@@ -234,11 +235,11 @@ def state_of(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity
     np.add.at(push, at, -load[m:] * scale * share)
     if piece.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
         push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
-    strips = on_whole(piece, resolved(stress, piece.slots), parity)
-    return UnderLoad(strips, push, pull, -load[m:] * scale * share, moved)
+    strips = on_whole(piece, in_strip_axes(stress, piece.slots), parity)
+    return LoadState(strips, push, pull, -load[m:] * scale * share, moved)
 
 
-def resolved(stress: Array, slots: Sequence[SlotPlace]) -> Array:
+def in_strip_axes(stress: Array, slots: Sequence[SlotPlace]) -> Array:
     """Stresses xx, xz, zz, yy `(strips, 4, ...)` as across, along the strip in the section, along y."""
     turn = np.zeros((len(slots), 3, 4))
     for i, axes in enumerate((np.array([s.across for s in slots]), np.array([s.direction for s in slots]))):
@@ -254,12 +255,12 @@ def on_whole(piece: PadPiece, values: Array, parity: int) -> Array:
         return values
     here = np.array([s.centre for s in piece.slots])
     whole = np.array([s.centre for s in piece.whole.section.slots])
-    found = np.empty((len(whole), values.shape[1]))
+    result = np.empty((len(whole), values.shape[1]))
     for i, centre in enumerate(whole):
         mirrored = centre[0] < 0
         away = np.hypot(*(here - [abs(centre[0]), centre[1]]).T)
         j = int(away.argmin())
-        if away[j] > SAME * np.ptp(whole[:, 0]):
+        if away[j] > CENTRE_TOLERANCE * np.ptp(whole[:, 0]):
             raise ContactError("a strip has no mirror image")
-        found[i] = values[j] * (parity if mirrored else 1)
-    return found
+        result[i] = values[j] * (parity if mirrored else 1)
+    return result

@@ -21,7 +21,7 @@ from skincad.mechanics.touching import LARGEST_FORCE, require_force
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 
 DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/facts.md)
-LONG = "the pad is taken as long and strains as small: free ends and finite strain are left out"
+LEFT_OUT_NOTE = "the pad is taken as long and strains as small: free ends and finite strain are left out"
 
 
 def film_stress(
@@ -66,15 +66,15 @@ def film_stresses(
     wanted = DEFAULT_TOLERANCE if tol is None else tol
     check_request(design, normal, tangential, wanted, show)
     pad, thickness = filled_pad(design)
-    found = solve(pad, thickness, normal, tangential, wanted, show, progress)
-    notes = [LONG, *slope_warnings(design)]
+    states = solve(pad, thickness, normal, tangential, wanted, show, progress)
+    notes = [LEFT_OUT_NOTE, *slope_warnings(design)]
     if design.film_state == "ignored":
         notes.append("the film is ignored: this is the silicone's stress in its place")
     results = [
-        replace(each, name=design.name, film=design.film_state, warnings=(*each.warnings, *notes))
-        for each in found
+        replace(state, name=design.name, film=design.film_state, warnings=(*state.warnings, *notes))
+        for state in states
     ]
-    return tuple(_in_range(design, each) for each in results)
+    return tuple(_in_range(design, state) for state in results)
 
 
 def filled_pad(design: Design) -> tuple[Pad, float]:
@@ -103,7 +103,7 @@ def check_request(
     tol: float = DEFAULT_TOLERANCE,
     show: Sequence[int] = (),
 ) -> None:
-    """Raise InputError for what `film_stresses` would refuse before any work."""
+    """Raise InputError for a request that `film_stresses` refuses before any work."""
     _filled_slot(design)
     require_force(force)
     rule = f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N"
@@ -131,16 +131,17 @@ def _filled_slot(design: Design) -> Slot:
     return design.slot
 
 
-def _in_range(design: Design, found: FilmStress) -> FilmStress:
-    """Say nominal strains beyond the small-strain range, refuse what is beyond the model's (validity.py)."""
-    normal, across = (
-        max(abs(force.value or 0.0) for force in each) for each in (found.ridge_force, found.ridge_tangential)
+def _in_range(design: Design, state: FilmStress) -> FilmStress:
+    """Warn about nominal strains beyond small strain; raise RefusedError beyond the model's range."""
+    normal, shear = (
+        max(abs(force.value or 0.0) for force in forces)
+        for forces in (state.ridge_force, state.ridge_tangential)
     )
-    ends = limits(design)
-    if wrong := ends.overloaded(normal, across) or found.fault:
+    limit = limits(design)
+    if wrong := limit.overload_reason(normal, shear) or state.fault:
         raise RefusedError(f"{wrong}; take smaller forces")
-    strain = ends.strain(normal, across)
+    strain = limit.strain(normal, shear)
     if strain <= SMALL_STRAIN:
-        return found
+        return state
     note = f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})"
-    return replace(found, warnings=(*found.warnings, note))
+    return replace(state, warnings=(*state.warnings, note))

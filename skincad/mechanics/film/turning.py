@@ -18,10 +18,10 @@ from skincad.base.arrays import Array
 from skincad.mechanics.contact.grip import Compliant, Grip
 
 if TYPE_CHECKING:
-    from skincad.mechanics.film.sliding import Sliding
+    from skincad.mechanics.film.sliding import ContactPad
 
 
-def turned(pad: Sliding, angle: float) -> Compliant:
+def rotated_pad(pad: ContactPad, angle: float) -> Compliant:
     """Return the pad as a plate at `angle` rad sees it, positive where the plate rises towards +x."""
     m, gap = pad.gap.size, _gap(pad, angle)
     cos, sin = math.cos(angle), math.sin(angle)
@@ -47,7 +47,7 @@ def in_skin_axes(force: Array, angle: float) -> Array:
     return np.concatenate([cos * along - sin * up, sin * along + cos * up])
 
 
-def work(pad: Sliding, before: Grip, after: Grip) -> float:
+def work(pad: ContactPad, before: Grip, after: Grip) -> float:
     """Return what the plate does in a step in which it may turn, mJ: forces, and their moment, by what they
     move, both at their mean over the step."""
     moment = [_moment(pad, state) for state in (before, after)]
@@ -59,12 +59,12 @@ def work(pad: Sliding, before: Grip, after: Grip) -> float:
     )
 
 
-def depth(pad: Sliding, state: Grip) -> float:
+def depth(pad: ContactPad, state: Grip) -> float:
     """Return how far the plate is, along its normal, below the line of first touch at x = 0, mm."""
     return state.approach + float(_gap(pad, state.angle).min())
 
 
-def _moment(pad: Sliding, state: Grip) -> float:
+def _moment(pad: ContactPad, state: Grip) -> float:
     """What the plate does, N mm, when it turns: forces at their places along it and at its height."""
     force = in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
     moved_x, moved_z = np.split(pad.compliance @ force, 2)
@@ -72,11 +72,11 @@ def _moment(pad: Sliding, state: Grip) -> float:
     return float(-state.normal @ place + depth(pad, state) * state.tangential.sum())
 
 
-def _gap(pad: Sliding, angle: float) -> Array:
+def _gap(pad: ContactPad, angle: float) -> Array:
     """Gaps `(m,)` mm along the plate's normal, the plate on the line of first touch at x = 0."""
     return np.asarray(pad.gap * math.cos(angle) + pad.x * math.sin(angle))
 
 
-def _along(pad: Sliding, angle: float) -> Array:
+def _along(pad: ContactPad, angle: float) -> Array:
     """Where the points are along the plate `(m,)`, mm."""
     return np.asarray(pad.x * math.cos(angle) - pad.gap * math.sin(angle))

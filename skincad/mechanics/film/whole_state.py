@@ -1,4 +1,4 @@
-"""The whole pad under given forces at its contact points: its field to draw, and what of it would collide.
+"""The whole pad under given forces at its contact points: its field to draw, and undetected contacts.
 
 A state takes one solve with the factorisation that condensed the pad, of a mirrored pad one for each parity.
 """
@@ -21,7 +21,7 @@ from skincad.mechanics.film.stick import PadPiece
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class DeformedSection:
     """The deformed section: `place`, `shift` `(p, 2)` mm, `stress` `(p, 4)` MPa, xx, xz, zz and yy, of its
     points, `triangles` `(t, 3)` of them, `film` `(t,)` those of the film. The plate is the line through
     (0, `plate`) mm at `angle` rad."""
@@ -47,26 +47,28 @@ class Parity:
 
 @dataclass(frozen=True, eq=False)
 class WholeState:
-    """What tells the whole pad's state from the forces at its contact points."""
+    """Computes the whole pad's state from the forces at its contact points."""
 
     piece: PadPiece
     body: StripBody
     parities: tuple[Parity, ...]
 
-    def shown(self, force: Array, plate: float, angle: float) -> Shown:
+    def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
         patches = [self._field(moved) for moved in self._moved(force)]
-        found = patches[0] if len(patches) == 1 else joined(patches[0], as_image(patches[1], 1))
+        patch = patches[0] if len(patches) == 1 else joined(patches[0], as_image(patches[1], 1))
         unit, modulus = self.piece.unit, self.piece.pad.young_modulus
-        place, shift = found.place * unit, found.shift * unit
-        return Shown(place, shift, found.stress * modulus, found.triangles, found.film, plate, angle)
+        place, shift = patch.place * unit, patch.shift * unit
+        return DeformedSection(
+            place, shift, patch.stress * modulus, patch.triangles, patch.film, plate, angle
+        )
 
     def fault(
         self, force: Array, plate: float, angle: float, give: tuple[Array, Array] | None = None
     ) -> str | None:
-        """Return what would collide in this state although the model knows no contact there, or None.
+        """Return a description of contact in this state that the model does not detect, or None.
 
-        `give` is at which x and by how much, mm, the skin has come down beside what its field says.
+        `give`: x, mm, and extra sinking of the skin there, mm, that the field does not have.
         """
         return collision(self.piece, self.body, self._moved(force), plate, angle, give)
 
@@ -77,21 +79,21 @@ class WholeState:
     def _moved(self, force: Array) -> list[Array]:
         """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
         per_force = 1 / (self.piece.pad.young_modulus * self.piece.pad.length * self.piece.unit)
-        found = []
+        displacements = []
         for parity in self.parities:
             small, load = parity.small, np.zeros(self.body.system.lift.size)
             last = small.order[-small.flexibility.shape[0] :]
             load[last] = parity.rows.T @ (parity.spread @ force) * per_force
-            found.append(small.solve(load))
-        return on_sides(found)
+            displacements.append(small.solve(load))
+        return on_sides(displacements)
 
 
-def on_sides(found: list[Array]) -> list[Array]:
+def on_sides(displacements: list[Array]) -> list[Array]:
     """Return the displacements of a piece and of its image from those under even and odd loads; of a whole
     pad the ones that there are."""
-    if len(found) == 1:
-        return found
-    even, odd = found
+    if len(displacements) == 1:
+        return displacements
+    even, odd = displacements
     return [even + odd, even - odd]
 
 
@@ -103,7 +105,7 @@ def collision(
     angle: float,
     give: tuple[Array, Array] | None = None,
 ) -> str | None:
-    """Return what would collide although the models know no contact there, or None.
+    """Return a description of contact that the models do not detect, or None.
 
     `moved` are displacements `(n,)`, in units, of the piece and, of a mirrored pad, of its image; the plate
     is the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
@@ -116,6 +118,6 @@ def collision(
     def over_image(x: Array) -> Array:
         return over(-x)
 
-    found = [elements.outlines(body.system, each) for each in moved]
-    wrong = (fault(loops, height) for loops, height in zip(found, (over, over_image), strict=False))
-    return next((each for each in wrong if each), None)
+    outlines = [elements.outlines(body.system, side) for side in moved]
+    collisions = (fault(loops, height) for loops, height in zip(outlines, (over, over_image), strict=False))
+    return next((words for words in collisions if words), None)

@@ -1,6 +1,6 @@
-"""The corrected tier: the fine plane-strain answer, and what the free ends change, from a coarse solid.
+"""The corrected tier: the fine plane-strain answer with a correction for free ends from a coarse solid.
 
-Both sides of the change are solved on one coarse mesh of the section, so the mesh's error cancels.
+The correction compares two solutions on one coarse mesh of the section, so the mesh's error cancels.
 """
 
 from __future__ import annotations
@@ -18,9 +18,16 @@ from skincad.base.estimate import Estimate
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.meshed import meshed_piece
-from skincad.mechanics.problem import FLOOR, Answer, Pad, Request, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, pressed, timed
+from skincad.mechanics.tiers.solid_level import (
+    Layers,
+    SolidSolution,
+    coarse_sizes,
+    forms_of,
+    solve_level,
+    timed,
+)
 
 ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)
@@ -28,9 +35,9 @@ MOST_FILLET = 0.25  # of the tip's width; smaller fillets change the ratio less 
 
 # Errors of the change itself. Measured against a finer solid on three templates (test_solid.py) and eight
 # variants of length, thickness, height, fillet and Poisson's ratio: at most 0.26 %, 0.5 % and 0.41 %; of
-# twelve random designs the approach was up to 1.0 % off the solid tier's, F9 up to 0.6 %
+# twelve random designs the approach was up to 1.0 % off the solid tier's, the all-touch force up to 0.6 %
 APPROACH_ERROR = 0.01  # of the approach
-THRESHOLD_ERROR = 0.01  # of F9
+THRESHOLD_ERROR = 0.01  # of the all-touch force
 SHARE_ERROR = 0.01  # of the mean share
 
 
@@ -45,10 +52,10 @@ class Ends:
 def answer(
     design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
 ) -> Answer:
-    """Return the linear tier's answer `fine`, solved here where not at hand, corrected for its free ends.
+    """Return the linear tier's answer `fine`, solved here if None, corrected for free ends.
 
-    Errors are the linear tier's discretisation error plus that of the change. The change is meant for
-    strains as small as the linear tier's.
+    Errors are the linear tier's discretisation error plus that of the change. The change holds for small
+    strains, as the linear tier does.
     """
     started = perf_counter()
     if fine is None:
@@ -56,14 +63,14 @@ def answer(
     if progress:
         progress("corrected tier: coarse solid with free ends")
     spent: dict[str, float] = {}
-    ends = free_ends(plain_pad(design), request.force, spent, drops=request.drops)
+    ends = free_ends(plain_pad(design), request.force, spent, crest_offsets=request.crest_offsets)
     errors = Errors(APPROACH_ERROR, THRESHOLD_ERROR, SHARE_ERROR)
-    found = changed(fine, ends.plane, ends.solid, request.force, errors)
+    result = apply_change(fine, ends.plane, ends.solid, request.force, errors)
     warnings = list(fine.warnings)
     if request.budget is not None and perf_counter() - started > request.budget:
         warnings.append(f"the coarse solid overran the budget of {request.budget:g} s")
     seconds = {**fine.seconds, "solid": math.fsum(spent.values())}
-    return replace(found, warnings=tuple(warnings), seconds=seconds)
+    return replace(result, warnings=tuple(warnings), seconds=seconds)
 
 
 def plain_pad(design: Design) -> Pad:
@@ -82,21 +89,24 @@ def free_ends(
     force: float,
     seconds: dict[str, float],
     along: Layers = LAYERS,
-    drops: tuple[float, ...] = (),
+    crest_offsets: tuple[float, ...] = (),
 ) -> Ends:
-    """Return the coarse answers at `force` N in plane strain and with free ends; `drops` as in Request."""
-    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, 1.0), whole=bool(drops)))
+    """Return the coarse answers at `force` N in plane strain and with free ends; `crest_offsets` as in
+    Request."""
+    meshed = timed(
+        seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, 1.0), whole=bool(crest_offsets))
+    )
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, ORDER))
-    plane = pressed(meshed, forms, None, force, seconds, drops=drops)
-    return Ends(plane, pressed(meshed, forms, along, force, seconds, drops=drops))
+    plane = solve_level(meshed, forms, None, force, seconds, crest_offsets=crest_offsets)
+    return Ends(plane, solve_level(meshed, forms, along, force, seconds, crest_offsets=crest_offsets))
 
 
-class Coarse(Protocol):
+class CoarseAnswer(Protocol):
     """One side of a change: a coarse answer of the whole pad, in mm and N; `ridge_force` is `(ridges,)`."""
 
     @property
     def all_touch_force(self) -> float | None:
-        """F9, N."""
+        """In N; None where it is out of range."""
 
     @property
     def approach(self) -> float:
@@ -108,7 +118,7 @@ class Coarse(Protocol):
 
     @property
     def unknowns(self) -> int:
-        """What was solved for."""
+        """Number of unknowns."""
 
     @property
     def residual(self) -> float:
@@ -117,17 +127,20 @@ class Coarse(Protocol):
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of a change: relative of approach and F9, and of a share in mean shares."""
+    """Errors of a change: relative for approach and all-touch force, of a share in mean shares."""
 
     approach: float
     threshold: float
     share: float
 
 
-def changed(fine: Answer, before: Coarse, after: Coarse, force: float, errors: Errors) -> Answer:
+def apply_change(
+    fine: Answer, before: CoarseAnswer, after: CoarseAnswer, force: float, errors: Errors
+) -> Answer:
     """Return a fine answer with what changes from one coarse level to another on the same mesh.
 
-    Approach and F9 change by a factor; shares by a difference, so that they still sum to the force.
+    Approach and all-touch force change by a factor; shares by a difference, so that they still sum to the
+    force.
     """
     approach = after.approach / before.approach
     value, error = fine.approach.value or 0.0, fine.approach.error or 0.0
@@ -142,25 +155,30 @@ def changed(fine: Answer, before: Coarse, after: Coarse, force: float, errors: E
         max(fine.residual, before.residual, after.residual),
         {},
         fault=fine.fault,
-        parts=fine.parts,
+        ridge_model=fine.ridge_model,
     )
 
 
-def _threshold(fine: Answer, before: Coarse, after: Coarse, force: float, relative: float) -> Estimate:
-    """F9 times its ratio; where it is next to nothing, the level's own value, known to FLOOR of the force."""
+def _threshold(
+    fine: Answer, before: CoarseAnswer, after: CoarseAnswer, force: float, relative: float
+) -> Estimate:
+    """The all-touch force times its ratio.
+
+    A negligible one is replaced by the level's own, known to NEGLIGIBLE of the force.
+    """
     value, first, last = fine.all_touch_force.value, before.all_touch_force, after.all_touch_force
     if value is None or first is None or last is None:
         return Estimate(None, None, "N")
-    if min(value, first) <= FLOOR * force:
-        return Estimate(last, FLOOR * force if last else 0.0, "N")
+    if min(value, first) <= NEGLIGIBLE * force:
+        return Estimate(last, NEGLIGIBLE * force if last else 0.0, "N")
     ratio = last / first
     error = (fine.all_touch_force.error or 0.0) + relative * value
     return Estimate(value * ratio, error * ratio, "N")
 
 
-def _shares(fine: Answer, before: Coarse, after: Coarse) -> Array:
-    """Changed shares: none where the last level's ridge is clear, never a pull, in sum the force."""
+def _shares(fine: Answer, before: CoarseAnswer, after: CoarseAnswer) -> Array:
+    """Changed shares: 0 where the last level's ridge is clear, never negative, summing to the force."""
     known = np.array([f.value or 0.0 for f in fine.ridge_force])
-    found = known + after.ridge_force - before.ridge_force
-    found = np.where(after.ridge_force > 0, np.maximum(found, 0.0), 0.0)
-    return np.asarray(found * (known.sum() / found.sum()))
+    shares = known + after.ridge_force - before.ridge_force
+    shares = np.where(after.ridge_force > 0, np.maximum(shares, 0.0), 0.0)
+    return np.asarray(shares * (known.sum() / shares.sum()))

@@ -1,4 +1,4 @@
-"""The section under the force as the plane model has it: where its boundary moves, and the pressure there."""
+"""The deformed section of the plane model: its moved boundary and the pressure on it."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from skincad.mechanics.problem import DeformedLoop, DeformedPiece
 from skincad.mechanics.tiers.plane_level import PlaneSolution
 
 
-def deformed(found: PlaneSolution) -> tuple[DeformedPiece, ...]:
+def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
     """Return the whole section in pieces: one, or the half that was meshed and its image at x = 0.
 
     Every loop has the silicone to its left. Between contact points the pressure is taken as straight.
     """
-    order = np.argsort(found.x)
-    x, pressure = found.x[order], found.pressure[order]
-    loops = [_loop(outline, found.unit, x, pressure) for outline in found.outlines]
+    order = np.argsort(solution.x)
+    x, pressure = solution.x[order], solution.pressure[order]
+    loops = [_loop(outline, solution.unit, x, pressure) for outline in solution.outlines]
     if not loops:
         return ()
     outer = max(loops, key=lambda loop: abs(_area(loop)))
     piece = tuple(loop if (_area(loop) > 0) == (loop is outer) else _reversed(loop) for loop in loops)
-    return (piece,) if found.half is None else (piece, tuple(map(_image, piece)))
+    return (piece,) if solution.half is None else (piece, tuple(map(_image, piece)))
 
 
 def _loop(outline: Outline, unit: float, x: Array, pressure: Array) -> DeformedLoop:
@@ -44,5 +44,5 @@ def _reversed(loop: DeformedLoop) -> DeformedLoop:
 
 def _image(loop: DeformedLoop) -> DeformedLoop:
     """The loop mirrored at x = 0, still with the silicone to its left."""
-    rest, moved = (each * [-1.0, 1.0] for each in (loop.rest, loop.moved))
+    rest, moved = (points * [-1.0, 1.0] for points in (loop.rest, loop.moved))
     return _reversed(DeformedLoop(rest, moved, loop.pressure))

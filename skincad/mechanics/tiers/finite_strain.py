@@ -39,7 +39,8 @@ from skincad.mechanics.tiers.linear import climb
 from skincad.mechanics.tiers.plane_level import PlaneSolution, scale_of
 
 # Relative change by the small-strain law at the clamped ends (neo_hooke.body), taken as twice the change
-# measured without it at 4, 6 and 9 N: 5e-5 of F9, 6e-5 to 3e-4 of approach and of the mean share
+# measured without it at 4, 6 and 9 N: 5e-5 of the all-touch force, 6e-5 to 3e-4 of approach and of the mean
+# share
 EDGE_THRESHOLD = 1e-4
 EDGE_STATE = 6e-4
 
@@ -50,80 +51,81 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
-    """Return touching ridges, F9, approach and shares of a pad, each with its error of discretisation.
+    """Return touching ridges, all-touch force, approach and shares of a pad, with discretisation errors.
 
     `tol` and `budget` as in the linear tier. Raises InputError for a force beyond the model's range. Where
     the force at which all touch is beyond it, that value is None and a warning says so.
     """
     check_flat(pad.plate, "finite-strain", "linear")
     levels = Levels()
-    found, _ = climb(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
-    found, ridges = replace(found, warnings=(*found.warnings, *levels.warnings())), len(found.ridge_force)
-    share = (
-        EDGE_STATE * request.force / ridges if ridges > 1 else 0.0
-    )  # what the clamped ends' law may change
-    return found.widened(EDGE_THRESHOLD, EDGE_STATE, share)
+    result, _ = climb(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
+    result, ridges = replace(result, warnings=(*result.warnings, *levels.warnings())), len(result.ridge_force)
+    # error by the law at the clamped ends
+    share = EDGE_STATE * request.force / ridges if ridges > 1 else 0.0
+    return result.widened(EDGE_THRESHOLD, EDGE_STATE, share)
 
 
 @dataclass(frozen=True)
-class _Solved:
+class _LevelStates:
     """A level's two states, for the next order to start from."""
 
     meshed: Meshed
     mesh: Any
     pad: Pressed[NeoHookeBody]
-    pressed: PressedState
+    at_force: PressedState
     touching: PressedState | None
-    beyond: str
+    out_of_range: str
 
 
 class Levels:
     """Solves level after level of one pad, each from the states of the one before on the same mesh."""
 
     def __init__(self) -> None:
-        self.last: _Solved | None = None
+        self.last: _LevelStates | None = None
 
     def __call__(
-        self, meshed: Meshed, order: int, force: float, drops: tuple[float, ...] = ()
+        self, meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...] = ()
     ) -> PlaneSolution:
-        """Solve one order at `force` N on the pad, crests lower than the section's by `drops` mm: those need
-        a mesh of the whole pad."""
+        """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm.
+        Those need a mesh of the whole pad."""
         with one_blas_thread():
             before = self.last if self.last and self.last.meshed is meshed else None
-            self.last, found = _level(meshed, order, force, drops, before)
-        return found
+            self.last, solution = _level(meshed, order, force, crest_offsets, before)
+        return solution
 
     def warnings(self) -> list[str]:
-        """What is to be said of the last level."""
-        return [self.last.beyond] if self.last and self.last.beyond else []
+        """Warnings of the last level."""
+        return [self.last.out_of_range] if self.last and self.last.out_of_range else []
 
 
 def _level(
-    meshed: Meshed, order: int, force: float, drops: tuple[float, ...], before: _Solved | None
-) -> tuple[_Solved, PlaneSolution]:
+    meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...], before: _LevelStates | None
+) -> tuple[_LevelStates, PlaneSolution]:
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
     mesh = elements.curved(meshed.mesh, order) if before is None else before.mesh
     mesh.Curve(max(3, order))
-    low = np.array(drops) / unit if drops else None
-    what = Pressed(neo_hooke.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
+    low = np.array(crest_offsets) / unit if crest_offsets else None
+    problem = Pressed(neo_hooke.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
     clock.append(perf_counter())
-    guess = None if before is None else transferred(before.pad.body, before.pressed.values, what.body)
-    state = at_force(what, force / scale, scale, guess)
+    guess = None if before is None else transferred(before.pad.body, before.at_force.values, problem.body)
+    state = at_force(problem, force / scale, scale, guess)
     clock.append(perf_counter())
-    touching, beyond = _all_touch(what, state, scale, before)
+    touching, beyond_reason = _all_touch(problem, state, scale, before)
     clock.append(perf_counter())
     stages = dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True))
-    solved = _Solved(meshed, mesh, what, state, touching, beyond)
-    return solved, _found(solved, scale, stages)
+    solved = _LevelStates(meshed, mesh, problem, state, touching, beyond_reason)
+    return solved, _plane_solution(solved, scale, stages)
 
 
-def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | None = None) -> PressedState:
+def at_force(
+    problem: Pressed[Elastic], force: float, scale: float, guess: Array | None = None
+) -> PressedState:
     """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
     reached = 0.0
     try:
-        state = press_to(what, force, guess)
-        wrong = what.body.fault(state.values, what.top - state.approach)
+        state = press_to(problem, force, guess)
+        wrong = problem.body.fault(state.values, problem.top - state.approach)
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached
     if wrong is None:
@@ -138,21 +140,21 @@ def at_force(what: Pressed[Elastic], force: float, scale: float, guess: Array | 
 
 
 def _all_touch(
-    what: Pressed[NeoHookeBody], state: PressedState, scale: float, before: _Solved | None
+    problem: Pressed[NeoHookeBody], state: PressedState, scale: float, before: _LevelStates | None
 ) -> tuple[PressedState | None, str]:
     """`all_touch`, guessed from the order before."""
-    if before is not None and before.beyond:
-        return None, before.beyond  # a higher order would only search for longer
+    if before is not None and before.out_of_range:
+        return None, before.out_of_range  # a higher order would only search for longer
     guess = None
     if before is not None and before.touching is not None:
         # the step between two forces is smooth; what the orders differ by at the corners is in `state`
-        step = before.touching.values - before.pressed.values
-        guess = state.values + transferred(before.pad.body, step, what.body)
-    return all_touch(what, state, scale, guess)
+        step = before.touching.values - before.at_force.values
+        guess = state.values + transferred(before.pad.body, step, problem.body)
+    return all_touch(problem, state, scale, guess)
 
 
 def all_touch(
-    what: Pressed[Elastic], state: PressedState, scale: float, guess: Array | None = None
+    problem: Pressed[Elastic], state: PressedState, scale: float, guess: Array | None = None
 ) -> tuple[PressedState | None, str]:
     """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
     none. `state` is one nearby."""
@@ -160,10 +162,10 @@ def all_touch(
         return None, ""
     reached = state.force
     try:
-        found = press_until_all_touch(what, state, guess)
-        wrong = what.body.fault(found.values, what.top - found.approach)
+        touching = press_until_all_touch(problem, state, guess)
+        wrong = problem.body.fault(touching.values, problem.top - touching.approach)
         if wrong is None:
-            return found, ""
+            return touching, ""
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached or reached
     return None, (
@@ -172,8 +174,8 @@ def all_touch(
     )
 
 
-def _found(solved: _Solved, scale: float, stages: dict[str, float]) -> PlaneSolution:
-    meshed, state, touching, rest = solved.meshed, solved.pressed, solved.touching, solved.pad.body.rest
+def _plane_solution(solved: _LevelStates, scale: float, stages: dict[str, float]) -> PlaneSolution:
+    meshed, state, touching, rest = solved.meshed, solved.at_force, solved.touching, solved.pad.body.rest
     numbers, nodal = state.ridges.numbers, state.contact.force
     shares = np.array([nodal[state.ridges.of_point == r].sum() for r in numbers]) * scale
     states = [state] if touching is None else [state, touching]

@@ -1,9 +1,9 @@
-"""What friction between skin and plate changes, from a coarse pad pressed with it and without.
+"""The effect of friction between skin and plate, from a coarse pad pressed with friction and without.
 
-Both sides of the change are solved on one coarse mesh of the section, in small strain and plane strain, so
-the mesh's error cancels (as in corrected.py), and any tier's answer is changed by it. Friction keeps the tips
-from spreading: the approach falls, and where the pad is thin or a ridge leans the last one asks for more
-force. Along y the plate grips too, which is left out (left_out.py).
+Both are solved on one coarse mesh of the section, in small strain and plane strain, so the mesh's error
+cancels (as in corrected.py). Any tier's answer gets the difference. Friction keeps the tips from spreading:
+the approach falls. Where the pad is thin or a ridge leans, the last ridge needs more force. Friction along y
+is left out (left_out.py).
 """
 
 from __future__ import annotations
@@ -20,19 +20,20 @@ from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.press_path import gripped, pressed
 from skincad.mechanics.contact.threshold import all_touch_force
 from skincad.mechanics.problem import Answer, Pad, SizeError
-from skincad.mechanics.tiers.corrected import Errors, changed
+from skincad.mechanics.tiers.corrected import Errors, apply_change
 
 FINENESS, ORDER = 0.5, 2
 MOST_POINTS = 1000  # in contact; a step's time grows as their cube, to a second or so
-# Up to the smaller of F9 and the force. With 40 of them F9, approach and shares of yamada-2002, plain-ridges
-# and fingertip-soft at friction 0.2 and 1 differ by at most 0.02, 0.03 and 0.01 % from those with 80
+# Up to the smaller of the all-touch force F and the force. With 40 of them F, approach and shares of
+# yamada-2002, plain-ridges and fingertip-soft at friction 0.2 and 1 differ by at most 0.02, 0.03 and 0.01 %
+# from those with 80
 STEPS = 50
-# Errors of the change: one that is always there, and a part of the change. Set on yamada-2002, plain-ridges
+# Errors of the change: a constant, and a part of the change. Set on yamada-2002, plain-ridges
 # (also 2 mm thick) and fingertip-soft at friction 0.2 and 1. With all fillets, on twice as fine a mesh of
-# order 3 and in 200 steps, the change differs by up to 0.42 % (of F9), 0.23 % (approach) and 0.67 % (of the
+# order 3 and in 200 steps, the change differs by up to 0.42 % (of F), 0.23 % (approach) and 0.67 % (of the
 # mean share); in finite strain (contact/dragged.py) by up to 3.3, 1.8 and 2.7 %: a third of it is not there.
 # Judged on milled-pad, where these are 0.2, 0.1 and 0.8 %, and 1.9, 1.6 and 2.5 %
-LEAST, PART = Errors(approach=0.005, threshold=0.02, share=0.02), Errors(0.5, 0.3, 0.3)
+BASE_ERRORS, ERRORS_BY_CHANGE = Errors(approach=0.005, threshold=0.02, share=0.02), Errors(0.5, 0.3, 0.3)
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def solve(
     pad: Pad,
     coefficient: float,
     force: float,
-    drops: tuple[float, ...] = (),
+    crest_offsets: tuple[float, ...] = (),
     fineness: float = FINENESS,
     order: int = ORDER,
     steps: int = STEPS,
@@ -74,13 +75,13 @@ def solve(
             words = f"is computed with friction for at most {MOST_POINTS} contact points"
             raise SizeError("ridge.count", words, points, "take fewer ridges")
         seen = gripped(pad, system, unit)
-        if drops:
-            seen = seen.lowered(np.array(drops) / unit)
-        ridges, asked = seen.ridges, force / scale
-        first = all_touch_force(ridges, asked)
-        smooth = press(ridges.flexibility, ridges.gap, asked)
+        if crest_offsets:
+            seen = seen.lowered(np.array(crest_offsets) / unit)
+        ridges, load = seen.ridges, force / scale
+        first = all_touch_force(ridges, load)
+        smooth = press(ridges.flexibility, ridges.gap, load)
         shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
-        found = pressed(seen, coefficient, asked, first, steps)
+        sticking = pressed(seen, coefficient, load, first, steps)
 
     def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> CoarsePress:
         first = None if threshold is None else threshold * scale
@@ -88,12 +89,12 @@ def solve(
 
     return TwoPresses(
         coarse(first, smooth.approach, shares, smooth.residual),
-        coarse(found.all_touch_force, found.approach, found.ridge_force, found.residual),
+        coarse(sticking.all_touch_force, sticking.approach, sticking.ridge_force, sticking.residual),
     )
 
 
-def rubbed(fine: Answer, friction: TwoPresses, force: float) -> Answer:
-    """Return a tier's answer without friction as friction changes it, with the error of that change."""
+def with_friction(fine: Answer, friction: TwoPresses, force: float) -> Answer:
+    """Return a frictionless answer with the change by friction and the error of that change."""
     before, after = friction.without, friction.gripped
     by_approach = abs(after.approach / before.approach - 1)
     by_force = 0.0
@@ -102,9 +103,9 @@ def rubbed(fine: Answer, friction: TwoPresses, force: float) -> Answer:
     mean = float(before.ridge_force.mean())
     by_share = float(np.abs(after.ridge_force - before.ridge_force).max()) / mean
     errors = Errors(
-        LEAST.approach + PART.approach * by_approach,
-        LEAST.threshold + PART.threshold * by_force,
-        LEAST.share + PART.share * by_share,
+        BASE_ERRORS.approach + ERRORS_BY_CHANGE.approach * by_approach,
+        BASE_ERRORS.threshold + ERRORS_BY_CHANGE.threshold * by_force,
+        BASE_ERRORS.share + ERRORS_BY_CHANGE.share * by_share,
     )
-    found = changed(fine, before, after, force, errors)
-    return replace(found, warnings=fine.warnings, seconds=fine.seconds)
+    result = apply_change(fine, before, after, force, errors)
+    return replace(result, warnings=fine.warnings, seconds=fine.seconds)

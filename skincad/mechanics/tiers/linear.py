@@ -1,7 +1,7 @@
 """The linear tier: small strain, plane strain, exact contact, and the error of each number.
 
 A level is one mesh and one order (plane_level.py). A rung is two successive orders on one mesh: the higher
-gives the values, the difference the error. Rungs are climbed until the asked tolerance is met.
+gives the values, the difference the error. Rungs are tried in order until the tolerance is met.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from skincad.mechanics.bodies.meshed import Meshed, plane_piece
 from skincad.mechanics.contact.mirrored import on_both_sides
 from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.problem import (
-    FLOOR,
+    NEGLIGIBLE,
     Answer,
     ContactError,
     LateError,
@@ -38,7 +38,7 @@ from skincad.mechanics.problem import (
     one_ridge,
     pad_of,
 )
-from skincad.mechanics.tiers.deformed import deformed
+from skincad.mechanics.tiers.deformed import deformed_section
 from skincad.mechanics.tiers.plane_level import (
     MOST_CONTACT_UNKNOWNS,
     LevelSolver,
@@ -50,26 +50,26 @@ from skincad.mechanics.tiers.plane_level import (
 from skincad.mechanics.tiers.reached import relative_error, shortfalls
 
 DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
-MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; so many were never seen
+MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; an upper bound, never reached
 # Contact unknowns of the whole pad against those of one ridge meshed alone, times the ridges: at least 0.92
 # on the templates' coarsest mesh. What is too large by this is refused before the whole is meshed
-ALONE = 0.9
+SINGLE_RIDGE_FACTOR = 0.9
 TAIL = 1.25  # of differences
-BY_APPROACH, BY_FORCE = 0.75, 0.4  # of the approach's relative error for F9, of F9's for the approach
+# Of the approach's relative error for the all-touch force, and the other way round
+THRESHOLD_BY_APPROACH, APPROACH_BY_THRESHOLD = 0.75, 0.4
 # Of the approach's relative error for a share against the mean one. On a half few ridges' shares have one
 # difference, which vanishes more easily: three with fillets missed by 0.27, stated 0.1; others state 1 to 3.
 # Judged on seeds from 7000 on (bench/error_bars.py): it sets 23 of 209 errors, of which 22 hold; 203 of all
 SHARE_BY_APPROACH = 0.4
-SAME_CREST = 1e-9  # mm; crests that differ by less lie as designed
-# After the first mesh is made, and after its lower order is solved: what is still to come, as a multiple of
-# their own time: both orders and the yield, the higher order and the yield; 5 to 8 and 2.5 to 4.5 on the
-# templates
+CREST_TOLERANCE = 1e-9  # mm; crests that differ by less lie as designed
+# Remaining time after the first mesh, and after its lower order, as a multiple of their own time: both orders
+# and the yield, the higher order and the yield; 5 to 8 and 2.5 to 4.5 on the templates
 AFTER_MESH, AFTER_ORDER = 6.0, 3.4
 
 
 @dataclass(frozen=True)
 class PlaneRung:
-    """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it mostly reaches.
+    """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it usually reaches.
 
     `price` is its time on top of the rungs before, as a multiple of the first one's (measured on four
     templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2).
@@ -81,7 +81,9 @@ class PlaneRung:
     price: float
 
 
-NEVER = "taken as small, no strain makes all ridges touch: some stay clear however hard it is pressed"
+NEVER_ALL_TOUCH = (
+    "taken as small, no strain makes all ridges touch: some stay clear however hard it is pressed"
+)
 RUNGS = (
     PlaneRung(0.5, 3, 6e-3, 1.0),
     PlaneRung(1.0, 3, 2e-3, 1.2),
@@ -97,22 +99,22 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
-    """Return touching ridges, F9, approach and shares of a pad, each with its error.
+    """Return touching ridges, all-touch force, approach and shares of a pad, each with its error.
 
-    The errors are those of discretisation alone: strains are taken as small and the pad as long. Rungs
-    are climbed until `tol` (relative; shares against the mean share) is met, or until the next one would
-    overrun `budget`; a budget alone asks for the best it buys. A tolerance not met is said in a warning.
+    The errors are those of discretisation alone: strains are taken as small and the pad as long. Meshes are
+    refined until `tol` (relative; shares against the mean share) is met, or until the next one would overrun
+    `budget`. A budget alone asks for the best answer within it. A warning says if the tolerance is not met.
     """
-    found, best = climb(pad, request, level, "linear", progress)
-    found = replace(found, deformed=deformed(best))
-    if found.all_touch_force.value is None:
-        found = replace(found, warnings=(*found.warnings, NEVER))
-    if request.parts and best.all_touch_force is not None and len(pad.ridges) > 1:
+    result, best = climb(pad, request, level, "linear", progress)
+    result = replace(result, deformed=deformed_section(best))
+    if result.all_touch_force.value is None:
+        result = replace(result, warnings=(*result.warnings, NEVER_ALL_TOUCH))
+    if request.ridge_model and best.all_touch_force is not None and len(pad.ridges) > 1:
         try:
-            found = replace(found, parts=_parts(pad, best, request.force, found.seconds))
-        except ContactError as failure:  # the yield's model has no say in the verdict
-            found = replace(found, warnings=(*found.warnings, no_yield(failure)))
-    return found
+            result = replace(result, ridge_model=_reduced_model(pad, best, request.force, result.seconds))
+        except ContactError as failure:  # the verdict does not need the yield's model
+            result = replace(result, warnings=(*result.warnings, no_yield(failure)))
+    return result
 
 
 def climb(
@@ -123,15 +125,17 @@ def climb(
     progress: Progress | None = None,
     most: int | None = None,
 ) -> tuple[Answer, PlaneSolution]:
-    """Return a tier's answer and best level from its solver of one, climbing the rungs as `solve` says.
+    """Return a tier's answer and best level; `at` solves one level, and meshes are refined as in `solve`.
 
-    A level takes `most` contact unknowns, by default as many as this tier's own.
+    A level takes `most` contact unknowns, by default this tier's limit.
     """
     most = MOST_CONTACT_UNKNOWNS if most is None else most
     check_pad(pad)
-    if request.drops and np.ptp(request.drops) <= SAME_CREST:  # the first touch is later, and that is all
-        request = replace(request, drops=())
-    whole = bool(request.drops)  # crests of one part are not mirrored
+    if (
+        request.crest_offsets and np.ptp(request.crest_offsets) <= CREST_TOLERANCE
+    ):  # the first touch is later, and that is all
+        request = replace(request, crest_offsets=())
+    whole = bool(request.crest_offsets)  # crests of one part are not mirrored
     _check_coarsest(pad, most, tier)
     budget = request.budget
     levels = _Levels(pad, request, at, tier, progress, whole, most, perf_counter())
@@ -154,7 +158,7 @@ def climb(
 
 @dataclass
 class _Levels:
-    """Meshes and levels of one climb: none is made twice."""
+    """Meshes and levels of one refinement, each made once."""
 
     pad: Pad
     request: Request
@@ -168,45 +172,46 @@ class _Levels:
     meshes: dict[float, Meshed] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
-    def solved(self, rung: PlaneRung, before: object) -> PlaneSolution:
-        """Solve a rung's two orders; raises SizeError before either where the mesh is too large."""
-        if rung.fineness not in self.meshes:
+    def solved(self, refinement: PlaneRung, before: object) -> PlaneSolution:
+        """Solve both orders on a mesh; raises SizeError first if it is too large."""
+        if refinement.fineness not in self.meshes:
             started = perf_counter()
-            self.meshes[rung.fineness] = plane_piece(self.pad, rung.fineness, whole=self.whole)
+            self.meshes[refinement.fineness] = plane_piece(self.pad, refinement.fineness, whole=self.whole)
             _add(self.seconds, {"mesh": perf_counter() - started})
             self._check_fits(self.levels, AFTER_MESH * (perf_counter() - started))
-        mesh = self.meshes[rung.fineness]
-        contact = contact_unknowns(mesh, rung.order)
+        mesh = self.meshes[refinement.fineness]
+        contact = contact_unknowns(mesh, refinement.order)
         if contact > self.most:
             raise too_large(contact, self.most, self.tier)
-        for order in (rung.order - 1, rung.order):
-            if (rung.fineness, order) in self.levels:
+        for order in (refinement.order - 1, refinement.order):
+            if (refinement.fineness, order) in self.levels:
                 continue
             if self.progress:
-                self.progress(f"{self.tier} tier: fineness {rung.fineness:g}, order {order}")
-            found = self.at(mesh, order, self.request.force, self.request.drops)
-            self.levels[rung.fineness, order] = found
-            _add(self.seconds, found.seconds)
-            if order < rung.order:
-                self._check_fits(before, AFTER_ORDER * math.fsum(found.seconds.values()))
-        return self.levels[rung.fineness, rung.order]
+                self.progress(f"{self.tier} tier: fineness {refinement.fineness:g}, order {order}")
+            solution = self.at(mesh, order, self.request.force, self.request.crest_offsets)
+            self.levels[refinement.fineness, order] = solution
+            _add(self.seconds, solution.seconds)
+            if order < refinement.order:
+                self._check_fits(before, AFTER_ORDER * math.fsum(solution.seconds.values()))
+        return self.levels[refinement.fineness, refinement.order]
 
     def estimated(
-        self, rung: PlaneRung, found: PlaneSolution, before: PlaneSolution | None
+        self, refinement: PlaneRung, best: PlaneSolution, before: PlaneSolution | None
     ) -> tuple[Answer, float]:
-        """The rung's answer and its largest relative error."""
-        lower = self.levels[rung.fineness, rung.order - 1]
-        told = _estimated(found, lower, before, rung.order, self.seconds)
-        return told, relative_error(told, self.request.force, unit_of(self.pad))
+        """The refinement's answer and its largest relative error."""
+        lower = self.levels[refinement.fineness, refinement.order - 1]
+        result = _estimated(best, lower, before, refinement.order, self.seconds)
+        return result, relative_error(result, self.request.force, unit_of(self.pad))
 
     def _check_fits(self, solved: object, rest: float) -> None:
-        """Raise LateError where the first rung must fit and will not; `solved` is what there is already."""
+        """Raise LateError if the first rung must fit the budget and will not; `solved` holds earlier
+        levels."""
         late, budget = perf_counter() - self.began + rest, self.request.budget
         if self.request.must_fit and not solved and budget is not None and late > budget:
             raise LateError(late)
 
 
-def _parts(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
+def _reduced_model(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
     """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
     with one_blas_thread():
@@ -223,7 +228,7 @@ def _first_rung(wanted: float) -> int:
     At sharp corners high orders on one mesh agree with each other better than with the truth; the rung
     before then bounds the error.
     """
-    usual = next(i for i, rung in enumerate(RUNGS) if rung.usual <= wanted)
+    usual = next(i for i, refinement in enumerate(RUNGS) if refinement.usual <= wanted)
     return usual if usual < 2 else usual - 1
 
 
@@ -233,7 +238,7 @@ def _check_coarsest(pad: Pad, most: int, tier: str) -> None:
         return
     coarsest = RUNGS[0]
     mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
-    expected = ALONE * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
+    expected = SINGLE_RIDGE_FACTOR * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
     if expected > most:
         raise too_large(round(expected), most, tier)
 
@@ -247,10 +252,10 @@ def _estimated(
 ) -> Answer:
     """Values of the best level; errors from the next lower order and from the rung before.
 
-    From order 4 only the corners' slow error is left; one that falls as 1 / k is k - 1 differences away.
-    At order 3 the difference still holds the smooth error. A single difference may vanish by chance: all
-    ridges share the largest error among them, F9 and approach a part of each other's relative one. TAIL and
-    these parts were set by 40 random designs (bench/error_bars.py).
+    From order 4 only the corners' slow error is left; one that falls as 1 / k is k - 1 differences away. At
+    order 3 the difference still holds the smooth error. A single difference may vanish by chance: all ridges
+    share the largest error among them, all-touch force and approach a part of each other's relative one. TAIL
+    and these parts were set by 40 random designs (bench/error_bars.py).
     """
     tail = TAIL * (1.2 if order <= 3 else order - 1.0)
 
@@ -262,9 +267,9 @@ def _estimated(
     if None not in [c.all_touch_force for c in (best, lower, before or lower)]:
         value = best.all_touch_force or 0.0
         missed = error(lambda c: np.array([c.all_touch_force], dtype=float))
-        by_force = missed / max(value, FLOOR * float(best.ridge_force.sum()))
-        missed = max(missed, BY_APPROACH * approach / abs(best.approach) * value)
-        approach = max(approach, BY_FORCE * by_force * abs(best.approach))
+        by_force = missed / max(value, NEGLIGIBLE * float(best.ridge_force.sum()))
+        missed = max(missed, THRESHOLD_BY_APPROACH * approach / abs(best.approach) * value)
+        approach = max(approach, APPROACH_BY_THRESHOLD * by_force * abs(best.approach))
         threshold = Estimate(best.all_touch_force, missed, "N")
     share = error(lambda c: c.ridge_force)
     share = max(share, SHARE_BY_APPROACH * approach / abs(best.approach) * float(best.ridge_force.mean()))

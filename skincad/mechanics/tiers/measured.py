@@ -1,7 +1,8 @@
-"""What tiers took on this machine: kept in the user's cache folder by `skincad accuracy`, read by their laws.
+"""Measured times of tiers on this machine: `skincad accuracy` writes them, the cost model reads them.
 
-One JSON file, `cost-law.json`, of numbers that a person can read and may delete at any time. What another
-machine or other versions took is not asked; a file that cannot be read is told, and as good as none.
+They stand in one JSON file, `cost-law.json`, in the user's cache folder. A person can read it and may delete
+it at any time. Times of another machine or of other versions are not used. A file that cannot be read is
+ignored with a warning.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from pydantic import BaseModel, ConfigDict, PositiveFloat, ValidationError
 
 from skincad.base.machine import machine
 
-FOLDER = "SKINCAD_CACHE"  # the environment variable that moves the cache
-NAME = "cost-law.json"
+FOLDER_VARIABLE = "SKINCAD_CACHE"  # the environment variable that moves the cache
+FILE_NAME = "cost-law.json"
 
 
-class Taken(BaseModel):
-    """What a tier's own part took on a design: the size that its law is asked at, and s."""
+class TierTiming(BaseModel):
+    """Time of a tier's own part on a design: the size for its cost model, and seconds."""
 
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
     size: PositiveFloat
@@ -35,27 +36,27 @@ class _File(BaseModel):
 
     what: str = "seconds of check's tiers on this machine, by tier and design; may be deleted at any time"
     machine: dict[str, Any]
-    measured: dict[str, dict[str, Taken]]
+    measured: dict[str, dict[str, TierTiming]]
 
 
 @dataclass(frozen=True)
-class Kept:
-    """What is kept by tier and design; `trouble` says why it is not read, "" where it is or there is none."""
+class TimingCache:
+    """Timings by tier and design; `trouble` says why the file is ignored, "" if it is read or missing."""
 
-    taken: Mapping[str, Mapping[str, Taken]] = field(default_factory=dict)
+    timings: Mapping[str, Mapping[str, TierTiming]] = field(default_factory=dict)
     trouble: str = ""
 
 
-def place() -> Path:
-    """Return where the file lies, or would; raises RuntimeError where there is no home."""
-    if given := os.environ.get(FOLDER):
-        return Path(given).absolute() / NAME
-    told = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME", "")
-    folder = Path(told) if Path(told).is_absolute() else Path.home() / ".cache"
-    return folder / "skincad" / NAME
+def cache_file() -> Path:
+    """Return the path of the cache file, which may not exist; raises RuntimeError without a home folder."""
+    if chosen_folder := os.environ.get(FOLDER_VARIABLE):
+        return Path(chosen_folder).absolute() / FILE_NAME
+    cache_home = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME", "")
+    folder = Path(cache_home) if Path(cache_home).is_absolute() else Path.home() / ".cache"
+    return folder / "skincad" / FILE_NAME
 
 
-def shown(path: Path) -> str:
+def without_home(path: Path) -> str:
     """Return a path without the user's name in it."""
     try:
         home = Path.home()
@@ -64,28 +65,30 @@ def shown(path: Path) -> str:
     return str("~" / path.relative_to(home)) if path.is_relative_to(home) else str(path)
 
 
-def kept() -> Kept:
-    """Return what is kept on this machine."""
+def timing_cache() -> TimingCache:
+    """Return the timings measured on this machine."""
     try:
-        path = place()
+        path = cache_file()
         stamp = path.stat()
     except (OSError, RuntimeError):
-        return Kept()
+        return TimingCache()
     return _read(path, stamp.st_mtime_ns, stamp.st_size)
 
 
-def keep(design: str, taken: Mapping[str, Taken]) -> Path:
-    """Add what tiers took on a design to the file, in the place of what they took before; return where.
+def save_timings(design: str, timings: Mapping[str, TierTiming]) -> Path:
+    """Write the timings of tiers on a design to the cache file, replacing earlier ones; return its path.
 
-    Raises OSError or RuntimeError where the folder cannot take it.
+    Raises OSError or RuntimeError if the file cannot be written.
     """
-    path = place()
-    measured = {tier: dict(by_design) for tier, by_design in kept().taken.items()}
-    for tier, one in taken.items():
+    path = cache_file()
+    measured = {tier: dict(by_design) for tier, by_design in timing_cache().timings.items()}
+    for tier, one in timings.items():
         measured.setdefault(tier, {})[design] = one
     text = _File(machine=_here(), measured=measured).model_dump_json(indent=1)
     path.parent.mkdir(parents=True, exist_ok=True)
-    whole = path.with_name(f".{NAME}-{secrets.token_hex(4)}")  # beside it, and then in its place at once
+    whole = path.with_name(
+        f".{FILE_NAME}-{secrets.token_hex(4)}"
+    )  # written beside it, then moved into its place
     try:
         whole.write_text(text + "\n", "utf-8")
         whole.replace(path)
@@ -95,16 +98,18 @@ def keep(design: str, taken: Mapping[str, Taken]) -> Path:
 
 
 @lru_cache(maxsize=1)
-def _read(path: Path, _stamp: int, _size: int) -> Kept:
+def _read(path: Path, _stamp: int, _size: int) -> TimingCache:
     """The file's contents; read again only once it has changed."""
     try:
-        found = _File.model_validate_json(path.read_bytes())
+        contents = _File.model_validate_json(path.read_bytes())
     except (OSError, ValidationError):
-        return Kept(trouble=f"{shown(path)} is no cost law that can be read, and is ignored: delete it")
-    return Kept(found.measured if found.machine == _here() else {})
+        return TimingCache(
+            trouble=f"{without_home(path)} is no cost law that can be read, and is ignored: delete it"
+        )
+    return TimingCache(contents.measured if contents.machine == _here() else {})
 
 
 @cache
 def _here() -> dict[str, Any]:
-    """Processor, cores and versions; their load is not theirs."""
+    """Processor, cores and versions, without the load."""
     return {key: value for key, value in machine().items() if key != "load"}

@@ -21,14 +21,15 @@ from skincad.mechanics.problem import ContactError, SizeError
 
 # At order 3 about 90 kB each, all in all (101 ridges of plain-ridges, slabs of five): 5 GB
 MOST_CONTACT_UNKNOWNS = 60_000
-BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
 
 
 @dataclass(frozen=True)
 class PlaneSolution:
-    """One mesh and order: what the verdict asks of the whole pad, in mm and N, and the state behind it.
+    """The solution on one mesh at one order: the verdict's numbers for the whole pad, mm and N, and the
+    state.
 
-    `ridge_force` is `(ridges,)`. Of the piece that is meshed are: `x`, `pressure` `(m,)`, its contact points
+    `ridge_force` is `(ridges,)`. Of the meshed piece are: `x`, `pressure` `(m,)`, its contact points
     in mm and MPa, `unknowns`, `ridges`, and of a mirrored half `half`, its stiffness for loads of either
     parity.
     """
@@ -45,7 +46,7 @@ class PlaneSolution:
     ridges: Ridges
     unit: float  # of the piece, mm
     scale: float  # N on the whole pad for a force of 1 on the piece, in its units
-    fault: str = ""  # parts that go through each other or the plate unseen
+    fault: str = ""  # undetected contact of the skin with itself or the plate
     half: elements.Assembled | None = None
     outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
 
@@ -53,15 +54,15 @@ class PlaneSolution:
 LevelSolver = Callable[[Meshed, int, float, tuple[float, ...]], PlaneSolution]
 
 
-def level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...] = ()) -> PlaneSolution:
-    """Solve one order at `force` N on the pad, crests lower than the section's by `drops` mm: those need a
-    mesh of the whole pad."""
+def level(meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...] = ()) -> PlaneSolution:
+    """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm. Those
+    need a mesh of the whole pad."""
     with one_blas_thread():
-        return _level(meshed, order, force, drops)
+        return _level(meshed, order, force, crest_offsets)
 
 
 def scale_of(meshed: Meshed) -> float:
-    """Return what N on the whole pad are a force of 1 on the piece, in its units."""
+    """Return the force on the whole pad, N, for a force of 1 on the piece, in its units."""
     return meshed.whole.young_modulus * meshed.unit * meshed.whole.length * meshed.sides
 
 
@@ -70,7 +71,7 @@ def contact_unknowns(meshed: Meshed, order: int) -> int:
     return elements.contact_unknowns(elements.curved(meshed.mesh, 1), order) * meshed.sides
 
 
-def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -> PlaneSolution:
+def _level(meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...]) -> PlaneSolution:
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
     curved = elements.curved(meshed.mesh, order)
@@ -83,8 +84,8 @@ def _level(meshed: Meshed, order: int, force: float, drops: tuple[float, ...]) -
     small = chained(system)
     clock.append(perf_counter())
     ridges = seen_by_plate(pad, system, small.flexibility, unit)
-    if drops:
-        ridges = ridges.lowered(np.array(drops) / unit)
+    if crest_offsets:
+        ridges = ridges.lowered(np.array(crest_offsets) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
     threshold = all_touch_force(ridges, force / scale)
     moved = _moved(system, small, state)
@@ -132,9 +133,9 @@ def _moved(system: elements.Assembled, small: Chained, state: NodalContact) -> A
 
 def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
     """Relative difference between the plate's force and what the clamped back carries."""
-    held = system.lift.copy()
-    held[system.interior] = held[system.contact] = 0.0
-    carried = float(held @ (system.matrix @ moved))
+    clamped = system.lift.copy()
+    clamped[system.interior] = clamped[system.contact] = 0.0
+    carried = float(clamped @ (system.matrix @ moved))
     balance = abs(carried / force - 1)
     if not balance <= BALANCE:
         raise ContactError(

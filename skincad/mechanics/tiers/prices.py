@@ -1,8 +1,8 @@
-"""Laws of time, and how large a problem is that they are asked of.
+"""Cost model: predicted times, and the size of a problem that they depend on.
 
-The tiers' laws stand in table.py, those of what a check does beside its tiers here. They were fitted to the
-templates (`skincad accuracy`, ladder contact) on one core of an AMD EPYC at rest. What was measured on this
-machine (measured.py) scales them, and so does a check by what its linear tier took.
+The tiers' laws stand in table.py, those of the yield and of friction here. They were fitted to the templates
+(`skincad accuracy`, ladder contact) on one core of an idle AMD EPYC. Measurements on this machine
+(measured.py) scale them. A check also scales them by the time of its linear tier.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from skincad.mechanics.problem import Pad, pad_of
 
 
 @dataclass(frozen=True)
-class TimeLaw:
+class CostModel:
     """`seconds` at a `size`, and its exponent; s of one core of the machine it was fitted on."""
 
     size: float
@@ -28,18 +28,18 @@ class TimeLaw:
 
 # Beside the tiers, by ridges. Yield: 0.17 s with 3, 0.4 to 0.7 with 9, 1.0 to 1.3 with 20, 4.9 with 40;
 # within a factor of 1.6, but 2.6 too low on fingertip-soft. Friction: 0.3, 3.8 and 15 s with 9, 33 and 60
-BESIDE = {"yield": TimeLaw(9, 0.47, 1.3), "friction": TimeLaw(9, 0.3, 2.06)}
+OVERHEAD = {"yield": CostModel(9, 0.47, 1.3), "friction": CostModel(9, 0.3, 2.06)}
 
 
 def any_size(_: Design) -> float:
-    """Return the size of what takes as long for every design."""
+    """Return the size where the time does not depend on the design."""
     return 1.0
 
 
 def plane_unknowns(design: Design) -> float:
     """Return about how many unknowns the plane has, order 3: within 30 % on the templates.
 
-    Of a pad that is its own mirror image half is solved.
+    Of a mirror-symmetric pad half is solved.
     """
     slots = design.slot is not None and design.film_state != "ignored"
     mirrored = design.contact.plate.shape == "flat" and design.heights == design.heights[::-1]

@@ -1,7 +1,7 @@
-"""The tier corrected-finite-strain: what the free ends change times what finite strain changes.
+"""The tier corrected-finite-strain: the effect of free ends times the effect of finite strain.
 
-Each change is another tier's. In three dimensions finite strain changes F9 by 0.6 of what it does in plane
-strain, the approach by 0.86 (yamada-2002 and plain-ridges, by the tier solid-finite-strain).
+Each effect is another tier's. In three dimensions finite strain changes the all-touch force by 0.6 of its
+change in plane strain, the approach by 0.86 (yamada-2002 and plain-ridges, by the tier solid-finite-strain).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer, Request
 
-PLANE = 0.5  # of finite strain's change in plane strain: what free ends may make of it
+INTERACTION = 0.5  # of finite strain's change in plane strain: error, as free ends may alter it
 
 
 def answer(
@@ -43,7 +43,7 @@ def answer(
         {**ends.seconds, "finite strain": math.fsum(finite.seconds.values())},
         tuple(dict.fromkeys((*ends.warnings, *finite.warnings))),
         ends.fault,
-        ends.parts,
+        ends.ridge_model,
     )
 
 
@@ -54,15 +54,15 @@ def _product(small: Estimate, ends: Estimate, finite: Estimate) -> Estimate:
         return ends
     by_ends, by_strain = ends.value / small.value, finite.value / small.value
     error = (ends.error or 0.0) * by_strain + (finite.error or 0.0) * by_ends
-    error += PLANE * abs(by_strain - 1) * ends.value
+    error += INTERACTION * abs(by_strain - 1) * ends.value
     return Estimate(ends.value * by_strain, error, ends.unit)
 
 
 def _shares(small: Answer, ends: Answer, finite: Answer, force: float) -> tuple[Array, float]:
-    """Shares by the sum of both differences, never a pull, in sum the force; and their error."""
+    """Shares by the sum of both differences, never negative, summing to the force; and their error."""
     before, by_ends, by_strain = (
         np.array([f.value or 0.0 for f in a.ridge_force]) for a in (small, ends, finite)
     )
     shares = np.maximum(by_ends + by_strain - before, 0.0)
     error = (ends.ridge_force[0].error or 0.0) + (finite.ridge_force[0].error or 0.0)
-    return shares * (force / shares.sum()), error + PLANE * float(np.abs(by_strain - before).max())
+    return shares * (force / shares.sum()), error + INTERACTION * float(np.abs(by_strain - before).max())

@@ -2,8 +2,8 @@
 
 A level is one section mesh, one order in it and one set of layers along y. A rung solves the section at two
 orders and the layers at two gradings. Functions are products, so what finer layers change is nearly the
-same at both orders: it is added, and the differences are the errors. Rungs are climbed until the asked
-tolerance is met.
+same at both orders: it is added, and the differences are the errors. Meshes are refined until the tolerance
+is met.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from skincad.mechanics.tiers.solid_level import (
     coarse_sizes,
     forms_of,
     layers_of,
-    pressed,
+    solve_level,
     timed,
 )
 
@@ -66,19 +66,19 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
-    """Return touching ridges, F9, approach and shares of a pad of finite length, each with its error.
+    """Return touching ridges, all-touch force, approach and shares of a pad of finite length, with errors.
 
-    The errors are those of discretisation alone: strains are taken as small. A budget is kept by not
-    climbing further; the first rung is always solved.
+    The errors are those of discretisation alone: strains are taken as small. A budget ends the
+    refinement; the coarsest mesh is always solved.
     """
     check_pad(pad)
     force, budget = request.force, request.budget
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     seconds: dict[str, float] = {}
     reached: Ascent[SolidRung, Answer, Answer] = climb(
-        lambda rung, _: _climb(pad, rung, force, seconds, progress),
+        lambda refinement, _: _climb(pad, refinement, force, seconds, progress),
         RUNGS,
-        lambda _, found, __: (found, relative_error(found, force, unit_of(pad))),
+        lambda _, answer, __: (answer, relative_error(answer, force, unit_of(pad))),
         wanted,
         budget,
         began=perf_counter(),
@@ -90,18 +90,18 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 
 def _climb(
-    pad: Pad, rung: SolidRung, force: float, seconds: dict[str, float], progress: Progress | None
+    pad: Pad, refinement: SolidRung, force: float, seconds: dict[str, float], progress: Progress | None
 ) -> Answer:
     if progress:
-        progress(f"solid tier: fineness {rung.fineness:g}, order {rung.order}")
-    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, rung.fineness)))
-    lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order - 1))
-    forms = timed(seconds, "assemble", lambda: forms_of(meshed, rung.order))
-    for each, along in ((lower_forms, rung.finer), (forms, rung.layers)):
-        check_size(each, layers_of(meshed, along))  # of all that the rung solves, before the first
-    lower = pressed(meshed, lower_forms, rung.layers, force, seconds)
-    finer = pressed(meshed, lower_forms, rung.finer, force, seconds)
-    best = pressed(meshed, forms, rung.layers, force, seconds)
+        progress(f"solid tier: fineness {refinement.fineness:g}, order {refinement.order}")
+    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, refinement.fineness)))
+    lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order - 1))
+    forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order))
+    for section, line in ((lower_forms, refinement.finer), (forms, refinement.layers)):
+        check_size(section, layers_of(meshed, line))  # of all that the rung solves, before the first
+    lower = solve_level(meshed, lower_forms, refinement.layers, force, seconds)
+    finer = solve_level(meshed, lower_forms, refinement.finer, force, seconds)
+    best = solve_level(meshed, forms, refinement.layers, force, seconds)
     return _estimated(best, lower, finer)
 
 

@@ -1,7 +1,7 @@
-"""The tier with free ends and finite strain at once: the solid's answer, and what finite strain changes.
+"""The tier with free ends and finite strain: the solid's answer with a correction for finite strain.
 
-Both sides of the change are solved on one coarse mesh of the section and the same layers, the small-strain
-side by the same body at rest, so the mesh's error cancels (as in corrected.py).
+The correction compares small and finite strain on one coarse mesh of the section with the same layers, so the
+mesh's error cancels (as in corrected.py).
 
 Range: to where a ridge buckles or its tip folds, or parts meet that the model does not know, as in the
 finite-strain tier. A force beyond it is refused.
@@ -25,7 +25,7 @@ from skincad.mechanics.contact.newton import Pressed
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad
 from skincad.mechanics.tiers import solid
-from skincad.mechanics.tiers.corrected import ORDER, Errors, changed, plain_pad
+from skincad.mechanics.tiers.corrected import ORDER, Errors, apply_change, plain_pad
 from skincad.mechanics.tiers.finite_strain import all_touch, at_force
 from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, level_of, timed
 
@@ -34,27 +34,28 @@ MOST_UNKNOWNS = 150_000  # about 4 GB
 
 # Errors of the change itself. Measured against order 3, a finer mesh and finer layers on plain-ridges at 1, 4
 # and 8 N, fingertip-soft and four variants of thickness, height, length and Poisson's ratio: at most 0.17 %
-# of the approach (at 1 N, else 0.08 %), 0.07 % of F9, 0.56 % of the mean share (at 1 N, else 0.36 %); on
-# yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
+# of the approach (at 1 N, else 0.08 %), 0.07 % of the all-touch force, 0.56 % of the mean share (at 1 N, else
+# 0.36 %); on yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
 ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
 
 
 @dataclass(frozen=True)
 class Strains:
-    """The coarse answers at small and at finite strain, on the same mesh; `beyond` says why F9 is None."""
+    """The coarse answers at small and at finite strain, on the same mesh; `out_of_range` says why the
+    all-touch force is None."""
 
     small: SolidSolution
     finite: SolidSolution
-    beyond: str
+    out_of_range: str
 
 
 def answer(
     design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
 ) -> Answer:
-    """Return the solid tier's answer `fine`, solved here where not at hand, changed by finite strain.
+    """Return the solid tier's answer `fine`, solved here if None, corrected for finite strain.
 
     Errors are the solid tier's discretisation error plus that of the change. Raises InputError for a force
-    beyond the model's range; where F9 is beyond it, it is None and a warning says so.
+    beyond the model's range; if the all-touch force is beyond it, it is None and a warning says so.
     """
     began = perf_counter()
     check_flat(design.contact.plate, "solid-finite-strain", "solid")
@@ -64,8 +65,8 @@ def answer(
     strains = solve(plain_pad(design), request.force, spent)  # first: it may refuse the force
     if fine is None:
         fine = solid.answer(design, request, progress)
-    found = changed(fine, strains.small, strains.finite, request.force, ERRORS)
-    warnings = [*fine.warnings, *([strains.beyond] if strains.beyond else [])]
+    result = apply_change(fine, strains.small, strains.finite, request.force, ERRORS)
+    warnings = [*fine.warnings, *([strains.out_of_range] if strains.out_of_range else [])]
     reached = max(ERRORS.approach, ERRORS.threshold, ERRORS.share)
     if 0 < (request.tol or 0.0) < reached:
         warnings.append(
@@ -74,7 +75,7 @@ def answer(
     if request.budget is not None and perf_counter() - began > request.budget:
         warnings.append(f"the solid with finite strain overran the budget of {request.budget:g} s")
     return replace(
-        found,
+        result,
         warnings=tuple(warnings),
         seconds={**fine.seconds, **{f"finite {stage}": s for stage, s in spent.items()}},
     )
@@ -109,25 +110,25 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
 
 
 def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
-    what = Pressed(body, meshed.whole.top / meshed.unit)
-    # N on the whole pad that are a force of 1 on the piece
+    problem = Pressed(body, meshed.whole.top / meshed.unit)
+    # force on the whole pad, N, for a force of 1 on the piece
     scale = meshed.whole.young_modulus * meshed.unit**2 * 2 * meshed.sides
 
-    def found(state: NodalContact, approach: float, first: float | None, residual: float) -> SolidSolution:
+    def solution(state: NodalContact, approach: float, first: float | None, residual: float) -> SolidSolution:
         nodes, unknowns = body.rest.nodes, int(body.free.sum())
         return level_of(meshed, nodes, body.along, state, approach, first, scale, unknowns, residual)
 
-    def at_rest() -> SolidSolution:  # the small-strain answer of the same body: its tangent at rest
+    def at_rest() -> SolidSolution:  # small strain: the tangent of the same body at rest
         rest = np.zeros(body.free.size)
-        ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, what.top)
+        ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, problem.top)
         state = press(ridges.flexibility, ridges.gap, force / scale)
         first = all_touch_force(ridges, force / scale)
-        return found(state, state.approach, first, state.residual)
+        return solution(state, state.approach, first, state.residual)
 
     small = timed(seconds, "small strain", at_rest)
-    state = timed(seconds, "newton", lambda: at_force(what, force / scale, scale))
-    touching, beyond = timed(seconds, "threshold", lambda: all_touch(what, state, scale))
+    state = timed(seconds, "newton", lambda: at_force(problem, force / scale, scale))
+    touching, beyond_reason = timed(seconds, "threshold", lambda: all_touch(problem, state, scale))
     one = state.ridges.numbers.size == 1  # it touches at once
     threshold = touching.force if touching else (0.0 if one else None)
     residual = max(max(s.residual, s.contact.residual) for s in (state, touching) if s)
-    return Strains(small, found(state.contact, state.approach, threshold, residual), beyond)
+    return Strains(small, solution(state.contact, state.approach, threshold, residual), beyond_reason)

@@ -21,7 +21,7 @@ from skincad.mechanics.problem import ContactError, Pad, SizeError
 
 MOST_UNKNOWNS = 600_000  # about 6 GB of fronts
 MOST_CONTACT = 6000  # dense blocks of 0.3 GB each
-BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation lost its digits
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Layers:
 
 @dataclass(frozen=True)
 class SolidSolution:
-    """What the verdict asks, in mm and N, of the whole pad; `ridge_force` is `(ridges,)`.
+    """The verdict's numbers for the whole pad, mm and N; `ridge_force` is `(ridges,)`.
 
     `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the piece that is meshed.
     """
@@ -75,24 +75,26 @@ def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
     return prisms.section_forms(elements.curved(meshed.mesh, order), order, meshed.piece.materials)
 
 
-def pressed(
+def solve_level(
     meshed: Meshed,
     forms: prisms.SectionForms,
     along: Layers | None,
     force: float,
     seconds: dict[str, float],
     *,
-    drops: tuple[float, ...] = (),
+    crest_offsets: tuple[float, ...] = (),
     clamped_end: bool = False,
 ) -> SolidSolution:
     """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh.
 
-    Crests lower than the section's by `drops` mm need the whole pad's mesh.
+    Crests lower than the section's by `crest_offsets` mm need the whole pad's mesh.
     """
     small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
     with one_blas_thread():
-        found: SolidSolution = timed(seconds, "contact", lambda: _level(meshed, small, force, scale, drops))
-    return found
+        solution: SolidSolution = timed(
+            seconds, "contact", lambda: _level(meshed, small, force, scale, crest_offsets)
+        )
+    return solution
 
 
 def condensed_pad(
@@ -103,7 +105,7 @@ def condensed_pad(
     *,
     clamped_end: bool = False,
 ) -> tuple[prisms.Solid, float]:
-    """Return the condensed piece, for many forces, and what N on the whole pad is a force of 1 on it."""
+    """Return the condensed piece, for many forces, and the force on the whole pad, N, per unit on it."""
     half = meshed.whole.length / 2 / meshed.unit
     line = layers.constant() if along is None else layers_of(meshed, along)
     check_size(forms, line)
@@ -122,13 +124,13 @@ def condensed_pad(
 
 
 def _level(
-    meshed: Meshed, small: prisms.Solid, force: float, scale: float, drops: tuple[float, ...]
+    meshed: Meshed, small: prisms.Solid, force: float, scale: float, crest_offsets: tuple[float, ...]
 ) -> SolidSolution:
     """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the piece, in its units."""
     unit = meshed.unit
     ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, unit)
-    if drops:
-        ridges = ridges.lowered(np.array(drops) / unit)
+    if crest_offsets:
+        ridges = ridges.lowered(np.array(crest_offsets) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
     threshold = all_touch_force(ridges, force / scale)
     residual = max(state.residual, small.lifted)
@@ -156,7 +158,7 @@ def level_of(
     unknowns: int,
     residual: float,
 ) -> SolidSolution:
-    """Return in mm and N what was found in the piece's units, of the contact `nodes` at y = `along`."""
+    """Return the solution in mm and N from the piece's units, for contact `nodes` at y = `along`."""
     unit = meshed.unit
     shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
     return SolidSolution(
@@ -194,6 +196,6 @@ def check_size(forms: prisms.SectionForms, line: layers.AlongY) -> None:
 def timed(seconds: dict[str, float], stage: str, work: Callable[[], Any]) -> Any:
     """Return what `work` returns, its time added to the stage's."""
     started = perf_counter()
-    found = work()
+    result = work()
     seconds[stage] = seconds.get(stage, 0.0) + perf_counter() - started
-    return found
+    return result

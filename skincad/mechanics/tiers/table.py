@@ -1,4 +1,4 @@
-"""The tiers, cheapest first: what each leaves out, builds on, can judge and costs, and where its code is."""
+"""The tiers, cheapest first: the effects each neglects, its prerequisites, limits, cost and code."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers.measured import kept
+from skincad.mechanics.tiers.measured import timing_cache
 from skincad.mechanics.tiers.prices import (
-    BESIDE,
-    TimeLaw,
+    OVERHEAD,
+    CostModel,
     any_size,
     coarse_solid_unknowns,
     plane_unknowns,
@@ -27,65 +27,70 @@ from skincad.mechanics.tiers.prices import (
 
 @dataclass(frozen=True)
 class Tier:
-    """`where` is module and function of its `answer(design, request, progress, *answers of on)`.
+    """`where` is module and function of its `answer(design, request, progress, *answers it builds on)`.
 
-    `law` is the time of its own part, without the tiers in `on`, by its `size` of a design. `shaped` says
-    whether it knows plates that are not flat, `drops` whether measured crests, `doubly` whether skins that
-    are curved along y too.
+    `law` is the time of its own part, without the tiers in `builds_on`, by its `size` of a design. Flags say
+    whether it supports `shaped_plates`, `measured` crests and `doubly_curved` skins.
     """
 
     where: str
-    law: TimeLaw
+    law: CostModel
     size: Callable[[Design], float]
     leaves_out: tuple[str, ...] = ()
-    on: tuple[str, ...] = ()
-    shaped: bool = False
-    drops: bool = False
-    doubly: bool = False
+    builds_on: tuple[str, ...] = ()
+    shaped_plates: bool = False
+    measured: bool = False
+    doubly_curved: bool = False
 
 
 _ROOM = "skincad.mechanics.tiers."
 TIERS = {
-    "winkler": Tier(f"{_ROOM}winkler:answer", TimeLaw(1.0, 4e-4, 0.0), any_size, shaped=True, doubly=True),
+    "winkler": Tier(
+        f"{_ROOM}winkler:answer", CostModel(1.0, 4e-4, 0.0), any_size, shaped_plates=True, doubly_curved=True
+    ),
     "linear": Tier(
         f"{_ROOM}linear:answer",
-        TimeLaw(9_800, 0.45, 1.05),
+        CostModel(9_800, 0.45, 1.05),
         plane_unknowns,
         (FREE_ENDS, FINITE_STRAIN),
-        shaped=True,
-        drops=True,
+        shaped_plates=True,
+        measured=True,
     ),
     "corrected": Tier(
         f"{_ROOM}corrected:answer",
-        TimeLaw(8_700, 0.27, 1.25),
+        CostModel(8_700, 0.27, 1.25),
         coarse_solid_unknowns,
         (FINITE_STRAIN,),
         ("linear",),
-        shaped=True,
-        drops=True,
+        shaped_plates=True,
+        measured=True,
     ),
     "finite-strain": Tier(
         f"{_ROOM}finite_strain:answer",
-        TimeLaw(9_800, 1.8, 1.3),
+        CostModel(9_800, 1.8, 1.3),
         plane_unknowns,
         (FREE_ENDS,),
-        drops=True,
+        measured=True,
     ),
     "corrected-finite-strain": Tier(
         f"{_ROOM}product:answer",
-        TimeLaw(1.0, 1e-3, 0.0),
+        CostModel(1.0, 1e-3, 0.0),
         any_size,
-        on=("linear", "corrected", "finite-strain"),
-        drops=True,
+        builds_on=("linear", "corrected", "finite-strain"),
+        measured=True,
     ),
     "solid": Tier(
-        f"{_ROOM}solid:answer", TimeLaw(75_000, 8.0, 1.65), solid_unknowns, (FINITE_STRAIN,), shaped=True
+        f"{_ROOM}solid:answer",
+        CostModel(75_000, 8.0, 1.65),
+        solid_unknowns,
+        (FINITE_STRAIN,),
+        shaped_plates=True,
     ),
     "solid-finite-strain": Tier(
         f"{_ROOM}solid_finite_strain:answer",
-        TimeLaw(8_700, 0.9, 1.6),
+        CostModel(8_700, 0.9, 1.6),
         coarse_solid_unknowns,
-        on=("solid",),
+        builds_on=("solid",),
     ),
 }
 AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
@@ -103,77 +108,79 @@ def is_small_strain(name: str) -> bool:
     return name == "winkler" or FINITE_STRAIN in TIERS[name].leaves_out
 
 
-def able(name: str, design: Design, drops: bool) -> str:
+def unsupported_reason(name: str, design: Design, measured: bool) -> str:
     """Return why a tier cannot judge this design (or a measured part of it), or ""."""
     tier, shape = tier_of(name), design.contact.plate.shape
-    if shape != "flat" and not tier.shaped:
+    if shape != "flat" and not tier.shaped_plates:
         return f"contact.plate.shape: must be 'flat' for the {name} tier"
-    if design.skin.curvature_radius_y is not None and not tier.doubly:
+    if design.skin.curvature_radius_y is not None and not tier.doubly_curved:
         return f"skin.curvature_radius_y: must not be given for the {name} tier, which takes y as straight"
-    if drops and not tier.drops:
+    if measured and not tier.measured:
         return f"measured: is not judged by the {name} tier"
     return ""
 
 
-def below(name: str) -> list[str]:
-    """Return the tiers that a tier builds on, each after those that it builds on itself."""
-    return list(dict.fromkeys(each for other in TIERS[name].on for each in (*below(other), other)))
+def prerequisites(name: str) -> list[str]:
+    """Return all tiers that a tier builds on, in the order in which they must be solved."""
+    return list(
+        dict.fromkeys(base for other in TIERS[name].builds_on for base in (*prerequisites(other), other))
+    )
 
 
-def at_size(name: str, size: float) -> float:
+def seconds_at_size(name: str, size: float) -> float:
     """Return the seconds of a tier's own part at a size."""
-    return TIERS[name].law.at(size) * factor(name)
+    return TIERS[name].law.at(size) * machine_factor(name)
 
 
-def factor(name: str = "") -> float:
-    """Return the seconds of this machine for one of a law's: the median of what the tier took here, of what
-    all took where it was not measured, 1 where none was.
+def machine_factor(name: str = "") -> float:
+    """Return measured over predicted seconds on this machine: the tier's median, or if it was not measured
+    that of all tiers; 1 if none was.
 
-    The exponent stays the law's: it is the method's, and what one design or a few span says little of it.
+    The exponent stays the law's: it is the method's, and a few designs say little about it.
     """
-    found = {
-        tier: [one.seconds / TIERS[tier].law.at(one.size) for one in by_design.values()]
-        for tier, by_design in kept().taken.items()
+    ratios_by_tier = {
+        tier: [timing.seconds / TIERS[tier].law.at(timing.size) for timing in by_design.values()]
+        for tier, by_design in timing_cache().timings.items()
         if tier in TIERS
     }
-    every = [ratio for ratios in found.values() for ratio in ratios]
-    return median(found.get(name) or every or [1.0])
+    every = [ratio for ratios in ratios_by_tier.values() for ratio in ratios]
+    return median(ratios_by_tier.get(name) or every or [1.0])
 
 
-def own(name: str, design: Design) -> float:
+def own_seconds(name: str, design: Design) -> float:
     """Return the seconds of a tier's own part."""
-    return at_size(name, TIERS[name].size(design))
+    return seconds_at_size(name, TIERS[name].size(design))
 
 
-def expected(name: str, design: Design, done: set[str]) -> float:
-    """Return the seconds that a tier takes on top of those in `done`."""
-    return math.fsum(own(each, design) for each in {*below(name), name} - done)
+def expected_seconds(name: str, design: Design, solved: set[str]) -> float:
+    """Return the seconds of a tier and its prerequisites, without those in `solved`."""
+    return math.fsum(own_seconds(tier, design) for tier in {*prerequisites(name), name} - solved)
 
 
-def beside(what: str, design: Design) -> float:
-    """Return the seconds of a check's `yield`, or of its plate's `friction`."""
-    return BESIDE[what].at(design.ridge.count) * factor()
+def overhead_seconds(what: str, design: Design) -> float:
+    """Return the predicted seconds of a check's `yield`, or of its plate's `friction`."""
+    return OVERHEAD[what].at(design.ridge.count) * machine_factor()
 
 
 def run(
-    name: str, design: Design, request: Request, done: dict[str, Answer], progress: Progress | None
+    name: str, design: Design, request: Request, solved: dict[str, Answer], progress: Progress | None
 ) -> Answer:
-    """Return a tier's answer; it and what it builds on go into `done`, from where nothing is solved twice.
+    """Return a tier's answer; it and its prerequisites are stored in `solved` and never solved twice.
 
     Raises ExhaustedError where memory or another resource does not suffice.
     """
-    if name not in done:
+    if name not in solved:
         tier = TIERS[name]
-        on = [run(other, design, request, done, progress) for other in tier.on]
+        on = [run(other, design, request, solved, progress) for other in tier.builds_on]
         with needing(f"the {name} tier"):
             answer, began = load(name), perf_counter()
-            found = answer(design, request, progress, *on)
-            done[name] = replace(found, took=perf_counter() - began)
-    return done[name]
+            result = answer(design, request, progress, *on)
+            solved[name] = replace(result, own_seconds=perf_counter() - began)
+    return solved[name]
 
 
 def load(name: str) -> Callable[..., Answer]:
     """Import and return a tier's function."""
     module, _, function = TIERS[name].where.partition(":")
-    found: Callable[..., Answer] = getattr(import_module(module), function)
-    return found
+    answer: Callable[..., Answer] = getattr(import_module(module), function)
+    return answer

@@ -1,7 +1,7 @@
 """The Winkler tier: each ridge a spring of its own, in closed form.
 
 It ranks designs in less than a millisecond. It leaves out that ridges push each other down through the common
-base, so against plane strain F9 comes out 25 to 35 % low (docs/facts.md), more on thick skins;
+base, so the all-touch force is 25 to 35 % below plane strain (docs/facts.md), more on thick skins;
 winkler_error.py says how far off it may be.
 
 A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
@@ -24,8 +24,8 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers.winkler_error import compliances, half_widths, share_error, unlevel
-from skincad.mechanics.validity import LARGEST_STRAIN, STEEPEST, plane_modulus
+from skincad.mechanics.tiers.winkler_error import compliances, crown_height_spread, half_widths, share_error
+from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, plane_modulus
 
 NODES = 10  # Gauss points along half a ridge; exact to rounding below 90 degrees
 TINY = 1e-300  # mm; the root's relative tolerance counts
@@ -40,8 +40,8 @@ def ridge_stiffness(design: Design) -> float:
     return plane_modulus(design) * design.skin.length / math.fsum(compliances(design))
 
 
-def stiffer_by(design: Design) -> Array:
-    """Return how many times as stiff as the median ridge each one is `(ridges,)`: higher ones are softer."""
+def relative_stiffness(design: Design) -> Array:
+    """Return each ridge's stiffness over the median ridge's `(ridges,)`: higher ones are softer."""
     usual = math.fsum(compliances(design))
     return np.array([usual / math.fsum(compliances(design, height)) for height in design.heights])
 
@@ -62,7 +62,7 @@ def crest_depths(design: Design) -> Array:
 
 
 def plate_rises(design: Design) -> Array:
-    """Return how far the plate is away from flat over each crest, `(ridges,)` mm."""
+    """Return the plate's height over a flat plate at each crest, `(ridges,)` mm."""
     radius = design.skin.curvature_radius + np.array(design.heights)
     lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
     return np.asarray(rise(design.contact.plate, radius * np.sin(lean)))
@@ -90,7 +90,7 @@ def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
 
 def stiffnesses(design: Design, factor: float = 1.0) -> Array:
     """Each ridge's stiffness, `(ridges,)` N/mm, all stiffer by `factor`."""
-    return np.asarray(factor * ridge_stiffness(design) * stiffer_by(design))
+    return np.asarray(factor * ridge_stiffness(design) * relative_stiffness(design))
 
 
 def _crest_arms(design: Design) -> Array:
@@ -103,8 +103,8 @@ def _crest_arms(design: Design) -> Array:
 
 def _contact_angles(design: Design, depth: Array) -> Array:
     """Angle, rad, up to which each ridge touches when its middle is pressed in by `depth` `(ridges,)` mm."""
-    aside = np.sqrt(depth / (2 * _crest_arms(design)))
-    return np.asarray(np.minimum(2 * np.arcsin(np.minimum(aside, 1.0)), _end_angle(design)))
+    half_sine = np.sqrt(depth / (2 * _crest_arms(design)))
+    return np.asarray(np.minimum(2 * np.arcsin(np.minimum(half_sine, 1.0)), _end_angle(design)))
 
 
 def _end_angle(design: Design) -> float:
@@ -116,7 +116,7 @@ def _approach(design: Design, force: float, factor: float = 1.0) -> float:
     """The approach, mm, at which the ridges carry `force` N: their sum grows with it without bound."""
     stiffness = factor * ridge_stiffness(design)
     if design.skin.curvature_radius_y is None:
-        gaps, times = crest_gaps(design), stiffer_by(design)
+        gaps, times = crest_gaps(design), relative_stiffness(design)
         first = np.argsort(gaps, kind="stable")
         order, all_of = gaps[first], np.cumsum(times[first])
         carried = stiffness * (order * all_of - np.cumsum(times[first] * order))
@@ -133,7 +133,7 @@ def _approach(design: Design, force: float, factor: float = 1.0) -> float:
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
-    """Return the Winkler verdict on a design; the error is the model's, whatever the tolerance asked."""
+    """Return the Winkler verdict on a design; the error is the model's and ignores the tolerance."""
     if progress:
         progress("winkler tier: closed form")
     started, force = perf_counter(), request.force
@@ -143,19 +143,21 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     shares = line_forces(design, approach)
     depth = np.maximum(approach - gaps, 0.0)
     touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
-    line = depth * stiffer_by(design) / math.fsum(compliances(design))
-    found = half_widths(design, line, approach, float(touched.sum()), last)
-    missed = found.threshold * threshold
-    missed += (1 + found.threshold) * (float(line_forces(design, last + unlevel(design)).sum()) - threshold)
-    reached = found.approach * approach
-    others = [line_forces(design, _approach(design, force, f), f) for f in (found.stiffer, found.softer)]
+    line = depth * relative_stiffness(design) / math.fsum(compliances(design))
+    widths = half_widths(design, line, approach, float(touched.sum()), last)
+    missed = widths.threshold * threshold
+    missed += (1 + widths.threshold) * (
+        float(line_forces(design, last + crown_height_spread(design)).sum()) - threshold
+    )
+    reached = widths.approach * approach
+    others = [line_forces(design, _approach(design, force, f), f) for f in (widths.stiffer, widths.softer)]
     for moved in _step_moved(design):
         others += [
-            line_forces(moved, _approach(moved, force, f), f) for f in (1, found.stiffer, found.softer)
+            line_forces(moved, _approach(moved, force, f), f) for f in (1, widths.stiffer, widths.softer)
         ]
-        missed = max(missed, (1 + found.threshold) * all_touch_force(moved) - threshold)
-        reached = max(reached, (1 + found.approach) * _approach(moved, force) - approach)
-    error = share_error(found, shares, tuple(others))
+        missed = max(missed, (1 + widths.threshold) * all_touch_force(moved) - threshold)
+        reached = max(reached, (1 + widths.approach) * _approach(moved, force) - approach)
+    error = share_error(widths, shares, tuple(others))
     return Answer(
         int(np.count_nonzero(shares > 0)),
         Estimate(threshold, missed, "N"),
@@ -165,7 +167,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         abs(float(shares.sum()) / force - 1),
         {"contact": perf_counter() - started},
         tuple(_left_out(design, approach)),
-        fault=_beyond(design, min(approach, last or approach)) if doubly else "",
+        fault=_out_of_range(design, min(approach, last or approach)) if doubly else "",
     )
 
 
@@ -174,8 +176,8 @@ def _step_moved(design: Design) -> Iterator[Design]:
     with its lower part alone then, or with its higher part alone. A spring knows only one of them."""
     plate = design.contact.plate
     if plate.shape == "step":
-        for aside in (-design.ridge.tip_width / 2, design.ridge.tip_width / 2):
-            moved = plate.model_copy(update={"position": plate.position + aside})
+        for shift in (-design.ridge.tip_width / 2, design.ridge.tip_width / 2):
+            moved = plate.model_copy(update={"position": plate.position + shift})
             yield design.model_copy(update={"contact": design.contact.model_copy(update={"plate": moved})})
 
 
@@ -189,19 +191,19 @@ def _left_out(design: Design, approach: float) -> Iterator[str]:
     yield f"contact is taken as vertical: with slopes of up to {slope:.2g} along y {off}"
 
 
-def _beyond(design: Design, approach: float) -> str:
+def _out_of_range(design: Design, approach: float) -> str:
     """Say that at this approach a ridge's middle is crushed, by its force per length over E' and its width,
     or that the contact's end slopes too much."""
     ridge = design.ridge
     width = (ridge.root_width + ridge.tip_width) / 2
-    deepest = float(((approach - crest_gaps(design)) * stiffer_by(design)).max())
+    deepest = float(((approach - crest_gaps(design)) * relative_stiffness(design)).max())
     strain = deepest / math.fsum(compliances(design)) / width
     if strain > LARGEST_STRAIN:
         return f"a ridge's middle is strained by {strain:.2g} (the range ends at {LARGEST_STRAIN:g})"
     slope = _end_slope(design, approach)
     return (
-        f"the contact's end slopes by {slope:.2g} (the range ends at {STEEPEST:g})"
-        if slope > STEEPEST
+        f"the contact's end slopes by {slope:.2g} (the range ends at {LARGEST_SLOPE:g})"
+        if slope > LARGEST_SLOPE
         else ""
     )
 

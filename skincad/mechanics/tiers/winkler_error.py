@@ -1,16 +1,16 @@
-"""How far off the springs of the Winkler tier may be: indicators from numbers at hand, calibrated.
+"""Error bounds of the Winkler tier: calibrated constants, and indicators from the design.
 
 Springs are too soft where silicone is confined (a thin, wide, nearly incompressible layer), where many
-ridges press one base, and where those that carry nothing yet hold up the base round those that do. They are
-too stiff where a tip is touched on a part of its crown or on one edge. In the usual range the constants
-calibrated there are the larger, beyond it these indicators.
+ridges press one base, and where unloaded ridges hold up the base around loaded ones. They are too stiff where
+a tip touches with a part of its crown or with one edge. In the usual range the calibrated constants dominate,
+beyond it these indicators.
 
-The indicators' constants were set against the linear tier on 81 pads of bench/campaign (`wide`,
-seeds 0 to 80; F9 from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times), on 11 of
+The indicators' constants were set against the linear tier on 81 pads of bench/campaign (`wide`, seeds 0 to
+80; the all-touch force F from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times), on 11 of
 plain-ridges with 12 to 60 ridges (base 0.03 to 1.2 widths thick, nu 0.3 to 0.4999), and, what idle ridges do
 to the shares, on seeds 1000 to 1099. Judged on 100 others (seeds 2000 to 2099) the bars hold the approach of
-all, F9 of 99 and the shares of 98, at worst 1.31 bars off; in the median they are 3 (approach) and 4 (F9)
-times too wide.
+all, F of 99 and the shares of 98, at worst 1.31 bars off; in the median they are 3 (approach) and 4 (F) times
+too wide.
 """
 
 from __future__ import annotations
@@ -28,26 +28,28 @@ from skincad.mechanics.plate import rise
 
 # Half-widths against the linear tier at usual sizes, set on the variants of test_winkler.py
 # and 40 random designs (bench/error_bars.py); with the indicators below they hold on all of 36
-# others (seeds 100 to 135), F9 3 times too wide in the median, the approach 7 times
-THRESHOLD_ERROR = 0.8  # of F9: 25 to 35 % low at usual sizes, 43 % at twice the thickness
+# others (seeds 100 to 135), F 3 times too wide in the median, the approach 7 times
+THRESHOLD_ERROR = 0.8  # of F: 25 to 35 % low at usual sizes, 43 % at twice the thickness
 APPROACH_ERROR, PER_RIDGE = 0.45, 1.1  # of the approach, and by the number of ridges: few press into a base
 SHARE_ERROR = 0.5  # of the mean share
-# The same for a skin curved along y, against a straight solid under the same gaps, small strain: F9 0.72 to
+# The same for a skin curved along y, against a straight solid under the same gaps, small strain: F 0.72 to
 # 2.07 times, approach 0.88 to 1.53 times, shares 0.17 of their mean off, in 47 cases, R_y 15 mm to infinity
 DOUBLY_THRESHOLD_ERROR, DOUBLY_APPROACH_ERROR, DOUBLY_SHARE_ERROR = 1.2, 0.6, 0.3
 
-COUPLED, PER_THICKNESS = 1.0, 3.0  # by which a shared base is stiffer, more per thickness in widths
-DISH = 0.44  # 2 ln 2 / pi
-SLACK = 1.2  # of the stiffening
-BESIDE_TIPS = 0.3  # of the approach, beside what the tips add: its error where they are the larger
-EDGE = 2.5  # of a crown's give: an edge is a quarter of space
-ROUND = 0.15  # of a fillet's radius, by which it rounds a tip off
-MARGIN = 0.05  # of the mean share, beside what other springs would share
+# Stiffening of a shared base: constant, and per thickness in widths
+BASE_COUPLING, COUPLING_PER_THICKNESS = 1.0, 3.0
+IDLE_RIDGE_SINKING = 0.44  # 2 ln 2 / pi, of forces over E' per pitch: Johnson, sec. 2.5
+STIFFENING_MARGIN = 1.2  # of the stiffening
+APPROACH_MARGIN = 0.3  # of the approach, beside what the tips add: its error where they are the larger
+EDGE_COMPLIANCE = 2.5  # of a crown's give: an edge is a quarter of space
+FILLET_ROUNDING = 0.15  # of a fillet's radius, by which it rounds a tip off
+SHARE_MARGIN = 0.05  # of the mean share, beside what other springs would share
 
 
 @dataclass(frozen=True)
 class Widths:
-    """Half-widths: of F9 and of the approach relative to them, of a share relative to the mean share.
+    """Half-widths: of the all-touch force and of the approach relative to them, of a share relative to the
+    mean share.
 
     `stiffer` and `softer` are the factors on the springs between which the shares are taken.
     """
@@ -94,7 +96,10 @@ def stiffening(design: Design, tip: float, carrying: float) -> float:
     """
     nu, thick = silicone(design).poisson_ratio, design.skin.thickness / design.skin.width
     base, ridge = compliances(design)
-    shared = min(base / (confinement(thick, nu) + COUPLED + PER_THICKNESS * thick), DISH * carrying)
+    shared = min(
+        base / (confinement(thick, nu) + BASE_COUPLING + COUPLING_PER_THICKNESS * thick),
+        IDLE_RIDGE_SINKING * carrying,
+    )
     return (base + ridge) / (shared + ridge / confinement(ridge, nu) + min(tip, ridge))
 
 
@@ -111,22 +116,23 @@ def tip_approach(design: Design, ridge: int, line: float) -> float:
     middle = (design.skin.curvature_radius + design.heights[ridge]) * math.sin(lean)
     low, high = rise(design.contact.plate, np.array([middle - tip / 2, middle + tip / 2]))
     tilt = abs(math.sin(lean) + float(high - low) / tip)
-    most = shape.crown + tilt * tip / 2 + ROUND * min(shape.tip_fillet, tip / 2)
+    most = shape.crown + tilt * tip / 2 + FILLET_ROUNDING * min(shape.tip_fillet, tip / 2)
     if most == 0.0 or line == 0.0:
         return 0.0
     edge = max(0.0, 1 - 4 * shape.crown / tip / tilt) if tilt > 0 else 0.0  # beyond the crown's own slope
     on_crown = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
-    on_edge = EDGE * max(on_crown, math.log(line + tilt * tip / 2) - math.log(line))
+    on_edge = EDGE_COMPLIANCE * max(on_crown, math.log(line + tilt * tip / 2) - math.log(line))
     bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * compliances(design, design.heights[ridge])[1]
     return min(most, line * ((1 - edge) * on_crown + edge * (on_edge + bent)))
 
 
-def unlevel(design: Design) -> float:
+def crown_height_spread(design: Design) -> float:
     """Return by how much the highest points of leaning crowns differ in their height over the summits on the
     axes, mm: springs count from the summits.
 
     A crown of radius r that leans by a rises 2 r sin(a / 2)^2 over its summit, up to its edge. Of ridges
-    alike that is a part of their drops that THRESHOLD_ERROR holds; levelled crests have little else.
+    alike that is a part of their crest differences that THRESHOLD_ERROR holds; levelled crests have little
+    else.
     """
     if not design.uneven:
         return 0.0
@@ -156,18 +162,18 @@ def half_widths(design: Design, line: Array, approach: float, carrying: float, l
     at_last = tip_approach(design, most, last / give) / last if last > 0 else 0.0
     stiffer = stiffening(design, at_last * give, design.ridge.count)
     usual = DOUBLY_THRESHOLD_ERROR if doubly else THRESHOLD_ERROR
-    threshold = max(usual, SLACK * (stiffer - 1), at_last / (1 + at_last))
+    threshold = max(usual, STIFFENING_MARGIN * (stiffer - 1), at_last / (1 + at_last))
     few = APPROACH_ERROR + PER_RIDGE / design.ridge.count
     usual = max(DOUBLY_APPROACH_ERROR, few) if doubly else few
-    held = stiffening(design, tips * give, carrying)
-    reached = max(usual, BESIDE_TIPS + tips, 1 - 1 / held)
+    base_factor = stiffening(design, tips * give, carrying)
+    reached = max(usual, APPROACH_MARGIN + tips, 1 - 1 / base_factor)
     share = DOUBLY_SHARE_ERROR if doubly else SHARE_ERROR
-    stiffest = max(1 + threshold, SLACK * held)
+    stiffest = max(1 + threshold, STIFFENING_MARGIN * base_factor)
     return Widths(threshold, reached, share, stiffest, 1 / (1 + max(reached, at_last)))
 
 
-def share_error(found: Widths, shares: Array, others: tuple[Array, ...]) -> float:
+def share_error(widths: Widths, shares: Array, others: tuple[Array, ...]) -> float:
     """Return the error of each of the `shares` `(ridges,)` N from those of stiffer and softer springs."""
     mean = float(shares.mean())
-    apart = max(float(np.abs(other - shares).max()) for other in others)
-    return max(found.share * mean, apart + MARGIN * mean)
+    difference = max(float(np.abs(other - shares).max()) for other in others)
+    return max(widths.share * mean, difference + SHARE_MARGIN * mean)

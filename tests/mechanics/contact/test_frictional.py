@@ -26,7 +26,7 @@ from skincad.mechanics.contact.grip import (
     at_rest,
 )
 from skincad.mechanics.contact.halving import halved
-from skincad.mechanics.film.sliding import Sliding, sliding
+from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError, Pad
 from skincad.shape.curves import Point, Segment
@@ -94,7 +94,7 @@ def test_more_than_friction_holds_is_gross_slip() -> None:
 
 
 @cache
-def round_pad() -> Sliding:
+def round_pad() -> ContactPad:
     pad = cylinder(50.0, 0.49999)
     piece = piece_of(pad, 0.0)
     return sliding(piece, triangles(piece.pad, Sizes(0.012, 0.2, 0.6, 0.05)), 3, False)
@@ -233,7 +233,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @cache
-def thin_layer() -> Sliding:
+def thin_layer() -> ContactPad:
     """A layer 1 mm thick and 20 mm wide: its middle knows nothing of its ends (they fade by exp(-pi x))."""
     half = 10.0
     corners = [Point(-half, 0.0), Point(half, 0.0), Point(half, 1.0), Point(-half, 1.0)]

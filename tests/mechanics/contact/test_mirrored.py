@@ -116,7 +116,7 @@ def test_loads_on_one_side_are_the_wholes(name: str) -> None:
 def test_the_yields_model_is_the_wholes(name: str) -> None:
     pad = pad_of(CASES[name]())
     found, exact = (level(each, ORDER, FORCE) for each in both(pad))
-    model = linear._parts(pad, found, FORCE, {})
+    model = linear._reduced_model(pad, found, FORCE, {})
     wanted = ridge_model(exact.ridges, max(FORCE, exact.all_touch_force or 0.0), exact.unit, exact.scale)
     for mine, theirs in ((model.coupling, wanted.coupling), (model.indentation, wanted.indentation)):
         assert np.abs(mine - theirs).max() <= ROUNDING * np.abs(theirs).max()
@@ -138,7 +138,7 @@ def test_what_is_not_its_own_image_is_meshed_whole() -> None:
     assert piece.unit == unit_of(piece.piece)
     with pytest.raises(ValueError, match="zip"):
         level(piece, ORDER, FORCE, (0.0, 0.01, 0.0))
-    low = linear.solve(pad, Request(FORCE, 0.05, drops=(0.0, 0.0, 0.03)))
+    low = linear.solve(pad, Request(FORCE, 0.05, crest_offsets=(0.0, 0.0, 0.03)))
     shares = [f.value or 0.0 for f in low.ridge_force]
     assert shares[2] < shares[0]  # crests of one part are not mirrored, nor what they bear
 

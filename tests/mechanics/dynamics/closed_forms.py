@@ -23,8 +23,8 @@ def rubbed_swing(start: float, stiffness: float, mass: float, limit: float, time
     omega, reach = math.sqrt(stiffness / mass), limit / stiffness
     swings = np.floor(omega * time / math.pi).astype(int)
     last = max(0, math.ceil((abs(start) / reach - 1) / 2))  # half swings until it stays
-    done = np.minimum(swings, last)
-    turn = math.copysign(1.0, start) * (-1.0) ** done * (abs(start) - 2 * reach * done)
+    turns = np.minimum(swings, last)
+    turn = math.copysign(1.0, start) * (-1.0) ** turns * (abs(start) - 2 * reach * turns)
     middle = np.sign(turn) * reach
     phase = np.where(swings < last, omega * time - math.pi * swings, 0.0)
     return np.asarray(np.where(swings < last, middle + (turn - middle) * np.cos(phase), turn))

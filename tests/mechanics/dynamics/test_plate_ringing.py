@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad.inputs.material import silicone
-from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, TONNE, MasslessMarch, rung, skin_mass
+from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, TONNE, MasslessRun, plate_ringing, skin_mass
 from skincad.mechanics.dynamics.reference import shear_frequency
 from skincad.mechanics.dynamics.ringing import RETARDATION
 from skincad.shape.skin import section
@@ -23,9 +23,9 @@ PULL = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
 STILL = np.zeros_like(CORNERS)
 
 
-def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = PULL) -> MasslessMarch:
+def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = PULL) -> MasslessRun:
     down, along = np.interp(TIME, CORNERS, normal), np.interp(TIME, CORNERS, pull)
-    return MasslessMarch(TIME, down, along, down / DOWN, along / ALONG)
+    return MasslessRun(TIME, down, along, down / DOWN, along / ALONG)
 
 
 def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -36,18 +36,18 @@ def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.nd
         lack = np.interp(t, CORNERS, load) - stiffness * (state[0] + RETARDATION * state[1])
         return [state[1], lack / mass]
 
-    found = solve_ivp(pushed, (0, TIME[-1]), [0, 0], rtol=1e-8, atol=1e-12, max_step=2e-5, dense_output=True)
-    return np.array([-TONNE * MASS * pushed(t, found.sol(t))[1] for t in times])
+    motion = solve_ivp(pushed, (0, TIME[-1]), [0, 0], rtol=1e-8, atol=1e-12, max_step=2e-5, dense_output=True)
+    return np.array([-TONNE * MASS * pushed(t, motion.sol(t))[1] for t in times])
 
 
 def test_a_plate_rings_as_a_mass_on_both_springs() -> None:
-    found = rung(springs(), CORNERS, (NORMAL, PULL), False, MASS)
-    assert found is not None
+    swing = plate_ringing(springs(), CORNERS, (NORMAL, PULL), False, MASS)
+    assert swing is not None
     some = slice(None, None, 9)
-    assert found.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, found.time[some]), abs=1e-5)
-    assert found.pull[some] == pytest.approx(felt_by_skin(ALONG, PULL, found.time[some]), abs=1e-5)
+    assert swing.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, swing.time[some]), abs=1e-5)
+    assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, PULL, swing.time[some]), abs=1e-5)
     slow = 2 * math.pi * math.sqrt(TONNE * MASS * (1 + FREE_TOP) / ALONG)
-    assert found.period == pytest.approx(slow, rel=1e-3)  # damped by 5 %
+    assert swing.period == pytest.approx(slow, rel=1e-3)  # damped by 5 %
 
 
 def test_the_skins_share_of_mass_is_that_of_a_bonded_layers_slowest_mode() -> None:
@@ -61,46 +61,46 @@ def test_the_skins_share_of_mass_is_that_of_a_bonded_layers_slowest_mode() -> No
 def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
     """rho c A is the root of stiffness times mass; 2 / pi of it is the first mode's, half a wave high."""
     moves = PULL / ALONG
-    found = rung(springs(), CORNERS, (STILL, moves), True, MASS)
-    assert found is not None
-    assert not found.normal.any()
-    assert found.period == pytest.approx(2 * math.sqrt(TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
+    swing = plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
+    assert swing is not None
+    assert not swing.normal.any()
+    assert swing.period == pytest.approx(2 * math.sqrt(TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
     speed = moves[3] / (CORNERS[3] - CORNERS[2])
-    first = (found.time >= CORNERS[2]) & (found.time <= CORNERS[2] + found.period / 3)
+    first = (swing.time >= CORNERS[2]) & (swing.time <= CORNERS[2] + swing.period / 3)
     wanted = 2 / math.pi * math.sqrt(ALONG * TONNE * MASS) * speed
     damping = math.pi * math.sqrt(ALONG / (TONNE * MASS)) * RETARDATION / 2
     wanted *= math.exp(-damping * math.pi / 2)  # what is left after a quarter of a period
     # 2 %: looked at 32 times a period, and the peak comes a little early
-    assert found.pull[first].max() == pytest.approx(wanted, rel=0.02)
+    assert swing.pull[first].max() == pytest.approx(wanted, rel=0.02)
 
 
 @pytest.mark.parametrize(("normal", "pull"), [(STILL, STILL), (STILL, PULL * 0)])
 def test_nothing_rings_where_no_load_changes(normal: np.ndarray, pull: np.ndarray) -> None:
-    assert rung(springs(normal, pull), CORNERS, (normal, pull), False, MASS) is None
+    assert plate_ringing(springs(normal, pull), CORNERS, (normal, pull), False, MASS) is None
 
 
 def test_corners_that_the_march_did_not_reach_do_not_count() -> None:
-    short = MasslessMarch(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
-    found = rung(short, CORNERS, (NORMAL, PULL), False, MASS)
-    assert found is not None
-    assert found.time.max() <= short.time[-1]
-    assert not found.pull.any()
+    short = MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
+    swing = plate_ringing(short, CORNERS, (NORMAL, PULL), False, MASS)
+    assert swing is not None
+    assert swing.time.max() <= short.time[-1]
+    assert not swing.pull.any()
 
 
 def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> None:
     quick = CORNERS * [1, 0.1, 1, 1, 1]
     normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, PULL)
-    on = MasslessMarch(TIME, normal, pull, normal / DOWN, pull / ALONG)
-    found = rung(on, quick, (3 * NORMAL, PULL), False, MASS)
-    assert found is not None
+    on = MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
+    swing = plate_ringing(on, quick, (3 * NORMAL, PULL), False, MASS)
+    assert swing is not None
     ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
-    down, across = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])
-    lifted, pressed = found.normal.min(), found.normal.max()
+    down, sideways = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])
+    lifted, highest = swing.normal.min(), swing.normal.max()
     assert lifted < -2.0  # N, of which the skin bears two: it is left, no more
-    assert found.signals(*ridges, down, 10.0) == pytest.approx(max(pressed, 2.0) / 2, rel=1e-6)
-    loose, held = (found.signals(*ridges, across, mu) for mu in (0.41, 100.0))
-    assert loose < held
-    assert held == pytest.approx(np.abs(found.pull).max() / 2, rel=1e-6)
+    assert swing.signals(*ridges, down, 10.0) == pytest.approx(max(highest, 2.0) / 2, rel=1e-6)
+    loose, sticking = (swing.signals(*ridges, sideways, mu) for mu in (0.41, 100.0))
+    assert loose < sticking
+    assert sticking == pytest.approx(np.abs(swing.pull).max() / 2, rel=1e-6)
 
 
 def test_a_skin_weighs_its_section_times_its_length() -> None:

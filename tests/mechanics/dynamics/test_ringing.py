@@ -21,8 +21,8 @@ def test_ringing_is_what_the_equation_of_motion_gives(damping: float) -> None:
         return [state[1], ring.frequency**2 * (load - state[0]) - 2 * damping * ring.frequency * state[1]]
 
     times = CORNERS[:, None] + np.linspace(0, 1, 7) * np.append(np.diff(CORNERS), 3e-3)[:, None]
-    found = solve_ivp(pushed, (0, 9e-3), [0, 0], rtol=1e-9, atol=1e-12, max_step=2e-5, dense_output=True)
-    x, speed = found.sol(times.ravel()).reshape(2, *times.shape)
+    motion = solve_ivp(pushed, (0, 9e-3), [0, 0], rtol=1e-9, atol=1e-12, max_step=2e-5, dense_output=True)
+    x, speed = motion.sol(times.ravel()).reshape(2, *times.shape)
     lag = 2 * damping / ring.frequency * speed
     wanted = x + lag - np.interp(times, CORNERS, LOADS)
     assert ring.rings(CORNERS, LOADS, times) == pytest.approx(wanted, abs=1e-6)
@@ -38,7 +38,7 @@ def test_a_ramp_of_whole_periods_leaves_nothing() -> None:
 
 
 def test_silicone_on_a_spring_is_damped_by_its_retardation() -> None:
-    found = ringer(4.0, 1e-6)
-    assert found.frequency == 2000.0
-    assert found.damping == pytest.approx(1000 * RETARDATION)
+    swing = ringer(4.0, 1e-6)
+    assert swing.frequency == 2000.0
+    assert swing.damping == pytest.approx(1000 * RETARDATION)
     assert ringer(4e12, 1e-6).damping < 1

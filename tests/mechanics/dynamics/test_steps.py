@@ -18,10 +18,10 @@ from skincad.mechanics.contact.frictional import grip
 from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, Grip, GrossSlip, at_rest
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.dynamics import steps as dynamics
-from skincad.mechanics.dynamics.moving_body import moving
+from skincad.mechanics.dynamics.moving_body import moving_matrices
 from skincad.mechanics.dynamics.pad import linear
 from skincad.mechanics.dynamics.reference import shear_frequency
-from skincad.mechanics.dynamics.state import DynamicState, Half, PadEquations, at_rest_on
+from skincad.mechanics.dynamics.state import DynamicState, Half, PadEquations, rest_state
 from skincad.mechanics.dynamics.steps import MOST_LENGTHS, Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
 from skincad.mechanics.film.sliding import sliding
@@ -48,19 +48,19 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
         k[0, 2] = k[2, 0] = -link
     one = np.ones(1, dtype=np.int64)
     soft = np.diag([stiff, 0.0, 0.0])
-    matrices = (sparse.csr_matrix(each) for each in (k, soft, m))
+    matrices = (sparse.csr_matrix(matrix) for matrix in (k, soft, m))
     return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3))
 
 
 def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> DynamicState:
     """Pressed by `normal` N, at rest, the point at `place` mm in x."""
-    rest = at_rest_on(pad.pad)
+    rest = rest_state(pad.pad)
     down = normal / pad.pad.stiff[1, 1]
     u = np.array([[place], [-down], [place]])
     force = Grip(*np.zeros((3, 1)), np.zeros(1, dtype=np.int8), np.zeros(1), down, 0.0, 0.0)
-    held = replace(force, normal=np.array([normal]), anchor=np.array([place]))
+    contact = replace(force, normal=np.array([normal]), anchor=np.array([place]))
     plate, drive = np.array([[down, 0.0], [0.0, 0.0], [0.0, 0.0]]), Drive(normal, travel=0.0)
-    return replace(rest, u=u, grip=held, pulled=pad.pad.stiff @ u, plate=plate, drive=drive)
+    return replace(rest, u=u, contact=contact, elastic_force=pad.pad.stiff @ u, plate=plate, drive=drive)
 
 
 DAMPED = [pytest.param(0.5, marks=pytest.mark.slow), 0.8, pytest.param(1.0, marks=pytest.mark.slow)]
@@ -78,16 +78,16 @@ def test_an_oscillator_with_friction_loses_2_mu_n_by_k_each_half_swing_and_then_
     # the acceleration that the start calls for, or the first step is of first order
     state = begun(pad, 1.0, 0.24)
     state = replace(state, a=np.array([[0.0], [0.0], [-(stiff - limit) / (1e-6 * mass)]]))
-    found = [1.0]
+    turns = [1.0]
     for _ in range(1000):
         state = pad.step(state, Drive(0.24, travel=0.0), swing / 200, ROUGH, Matter(damped))
-        found.append(float(state.u[2, 0]))
+        turns.append(float(state.u[2, 0]))
     wanted = closed_forms.rubbed_swing(1.0, stiff, 1e-6 * mass, limit, swing / 200 * np.arange(1001))
     assert wanted[[0, 200, 400, 600, 800, 1000]] == pytest.approx([1.0, -0.76, 0.52, -0.28, 0.04, 0.04])
-    assert found == pytest.approx(wanted, abs=0.01)
-    assert found[::200] == pytest.approx(wanted[::200], abs=5e-4)
-    assert state.grip.status[0] == STICK
-    assert found[-1] == pytest.approx(found[-100], abs=2 * limit / 1000.0)
+    assert turns == pytest.approx(wanted, abs=0.01)
+    assert turns[::200] == pytest.approx(wanted[::200], abs=5e-4)
+    assert state.contact.status[0] == STICK
+    assert turns[-1] == pytest.approx(turns[-100], abs=2 * limit / 1000.0)
 
 
 def test_a_driven_oscillator_sticks_and_slips() -> None:
@@ -96,14 +96,14 @@ def test_a_driven_oscillator_sticks_and_slips() -> None:
     the link of 1000 k gives way and rings."""
     stiff, mass, normal, speed, cone = 1.0, 1.0, 1.0, 100.0, Cone(0.5, 0.3)
     pad, dt = springs(stiff, mass, 1000.0), 5e-6
-    state, found = replace(begun(pad, 0.0, normal), v=np.array([[speed], [0.0], [speed]])), [0.0]
+    state, places = replace(begun(pad, 0.0, normal), v=np.array([[speed], [0.0], [speed]])), [0.0]
     for i in range(1, 2000):
         state = pad.step(state, Drive(normal, travel=speed * i * dt), dt, cone, Matter(0.8))
-        found.append(float(state.u[2, 0]))
+        places.append(float(state.u[2, 0]))
     limits, time = (cone.static * normal, cone.kinetic * normal), dt * np.arange(2000)
     wanted, again = closed_forms.dragged_swing(speed, stiff, 1e-6 * mass, limits, time)
     free = time < again
-    assert np.array(found)[free] == pytest.approx(wanted[free], abs=0.015 * np.ptp(wanted[free]))
+    assert np.array(places)[free] == pytest.approx(wanted[free], abs=0.015 * np.ptp(wanted[free]))
     assert free.sum() > 1000
 
 
@@ -112,7 +112,7 @@ def ramped(pad: Dynamics, matter: Matter, speed: float, dt: float, steps: int) -
     state, force = begun(pad, 0.0, 1.0), [0.0]
     for i in range(1, steps + 1):
         state = pad.step(state, Drive(1.0, travel=speed * i * dt), dt, GRIPPING, matter)
-        force.append(float(state.grip.tangential[0]))
+        force.append(float(state.contact.tangential[0]))
     return force
 
 
@@ -159,12 +159,12 @@ def smooth_error(matter: Matter, steps: int) -> float:
 
     def slope(time: float, y: np.ndarray) -> np.ndarray:
         place, speed, *memory = y
-        held = stiff * (place + sum(memory))
+        spring_force = stiff * (place + sum(memory))
         if matter.damped is None:  # no masses: the dashpot or the branches alone carry the speed
-            rate = (pull(time) - held) / (stiff * matter.rate) if matter.rate else 0.0
+            rate = (pull(time) - spring_force) / (stiff * matter.rate) if matter.rate else 0.0
             speed, gain = rate, 0.0
         else:
-            gain = (pull(time) - held - stiff * matter.rate * speed) / moved
+            gain = (pull(time) - spring_force - stiff * matter.rate * speed) / moved
         relax = [g * speed - h / tau for h, (g, tau) in zip(memory, matter.relaxing, strict=True)]
         return np.array([speed, gain, *relax])
 
@@ -207,13 +207,13 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
     inner = np.concatenate([np.arange(1, pieces), [n - 2]])
     half = Half(points, inner, np.array([n - 1, pieces]), (none, none))
     one = np.ones(1, dtype=np.int64)
-    matrices = (sparse.csr_matrix(each) for each in (k, 0 * k, m))
+    matrices = (sparse.csr_matrix(matrix) for matrix in (k, 0 * k, m))
     return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n))
 
 
 def flying(pad: Dynamics, place: float, speed: float) -> DynamicState:
     """An unloaded pad and a plate at `place` mm that comes down at `speed` mm/s."""
-    return replace(at_rest_on(pad.pad), plate=np.array([[place, 0.0], [speed, 0.0], [0.0, 0.0]]))
+    return replace(rest_state(pad.pad), plate=np.array([[place, 0.0], [speed, 0.0], [0.0, 0.0]]))
 
 
 def struck_error(steps: int) -> float:
@@ -230,7 +230,7 @@ def struck_error(steps: int) -> float:
 
     begin = np.array([0.0, speed, 0.0, 0.0])
     wanted = solve_ivp(slope, (0.0, end - 5e-5), begin, rtol=1e-11, atol=1e-14).y[0, -1]
-    assert state.grip.touches.all()
+    assert state.contact.touches.all()
     return abs(float(state.plate[0, 0]) - float(wanted))
 
 
@@ -268,8 +268,8 @@ def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -
 @cache
 def pad_in_motion() -> tuple[Dynamics, PadEquations]:
     piece, mesh, _ = meshed()
-    found = linear(piece, mesh, 3, True)
-    return Dynamics(found), found
+    equations = linear(piece, mesh, 3, True)
+    return Dynamics(equations), equations
 
 
 def test_at_rest_it_is_the_condensed_pad() -> None:
@@ -277,8 +277,8 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
     pad, (_, _, small) = pad_in_motion()[0], meshed()
     compliance = pad.factorised(1.0, Matter()).skin.compliance
     assert compliance == pytest.approx(small.compliance, abs=1e-8 * np.abs(small.compliance).max())
-    state = pad.step(at_rest_on(pad.pad), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
-    force = np.concatenate([state.grip.tangential, -state.grip.normal])
+    state = pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
+    force = np.concatenate([state.contact.tangential, -state.contact.normal])
     wanted = small.strips @ force
     assert pad.strips(state) == pytest.approx(wanted, abs=1e-7 * np.abs(wanted).max())
     assert pad.elastic(state) == pytest.approx(force @ small.compliance @ force / 2, rel=1e-7)
@@ -287,17 +287,17 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
 def test_it_weighs_what_its_section_does() -> None:
     """Area of skin and films by their densities, to 1e-6: the mesh follows the arcs to order 3."""
     piece, mesh, _ = meshed()
-    found = moving(piece, mesh, 3, False)
-    lift = found.body.system.lift[: found.mass.shape[0]]
+    moving = moving_matrices(piece, mesh, 3, False)
+    lift = moving.body.system.lift[: moving.mass.shape[0]]
     films = sum(abs(area(loop)) for loop in piece.pad.strips)
     skin = abs(area(piece.pad.section.outline)) - films
     wanted = 1e-12 * piece.pad.length * (skin * piece.pad.density + films * piece.pad.film_density)
-    assert lift @ found.mass @ lift == pytest.approx(wanted, rel=1e-6)
+    assert lift @ moving.mass @ lift == pytest.approx(wanted, rel=1e-6)
     # what its contact points would bear is spread over the rest
     spread = pad_in_motion()[1].mass
     assert lift @ spread @ lift == pytest.approx(wanted, rel=1e-6)
-    assert not spread[found.body.system.contact].count_nonzero()
-    assert np.abs(spread - found.mass).max() > 0
+    assert not spread[moving.body.system.contact].count_nonzero()
+    assert np.abs(spread - moving.mass).max() > 0
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.499])
@@ -305,16 +305,16 @@ def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     """sqrt(G / rho) / (4 h). 0.5 %: a layer of 100 by 1 has free ends."""
     pad = replace(block(100.0, 1.0, ratio), density=1000.0)
     piece = piece_of(pad, 0.0)
-    found = moving(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
-    held = found.body.held[1] if piece.mirrored else np.empty(0, dtype=np.int64)
-    free = np.setdiff1d(found.free, held)
-    stiff, mass = (each[free][:, free] for each in (found.stiff, found.mass))
+    moving = moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    fixed = moving.body.held[1] if piece.mirrored else np.empty(0, dtype=np.int64)
+    free = np.setdiff1d(moving.free, fixed)
+    stiff, mass = (matrix[free][:, free] for matrix in (moving.stiff, moving.mass))
     wanted = shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
     squares, modes = eigsh(stiff, 4, mass, sigma=(2 * math.pi * wanted) ** 2)
     # the ends have modes of their own; the layer's moves the most of it to one side
-    system = found.body.system
-    aside = np.roll(system.lift, int(system.contact[0] - found.body.along_x[0]) * -1)[free]
-    sways = int(np.argmax(np.abs(modes.T @ mass @ aside)))
+    system = moving.body.system
+    sideways = np.roll(system.lift, int(system.contact[0] - moving.body.along_x[0]) * -1)[free]
+    sways = int(np.argmax(np.abs(modes.T @ mass @ sideways)))
     assert math.sqrt(squares[sways]) / (2 * math.pi) == pytest.approx(wanted, rel=0.005)
 
 
@@ -323,15 +323,15 @@ def test_all_of_a_shear_relaxes_and_of_a_swelling_nothing(ratio: float) -> None:
     """Twice the energies of u = (z, 0) and (x, z): the square of the strain without its mean, times 2 G.
     To rounding: the fields are linear."""
     piece = piece_of(replace(block(3.0, 1.0, ratio), density=1000.0), 0.0)
-    found = moving(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
-    space = found.body.system.space.components[0]
+    moving = moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    space = moving.body.system.space.components[0]
     shear = piece.pad.young_modulus / (2 * (1 + ratio))
     volume = 3.0 * 1.0 * piece.pad.length / (2 if piece.mirrored else 1)
     for field, share in ((ng.CF((ng.y, 0)), 1.0), (ng.CF((ng.x, ng.y)), 4 / 3)):
         moved = ng.GridFunction(space)
         moved.Set(unit_of(piece.pad) * field)
-        u = moved.vec.FV().NumPy()[: found.soft.shape[0]]
-        assert u @ found.soft @ u == pytest.approx(share * shear * volume, rel=1e-10)
+        u = moved.vec.FV().NumPy()[: moving.soft.shape[0]]
+        assert u @ moving.soft @ u == pytest.approx(share * shear * volume, rel=1e-10)
 
 
 def test_a_pad_creeps_as_its_material() -> None:
@@ -341,7 +341,7 @@ def test_a_pad_creeps_as_its_material() -> None:
     slow, quick = Matter(), Matter(relaxing=((1.0, 1e3),))
     still, moved = (
         pad.step(
-            pad.step(at_rest_on(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, matter),
+            pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, matter),
             Drive(1.2, 0.05),
             1.0,
             GRIPPING,
@@ -352,7 +352,7 @@ def test_a_pad_creeps_as_its_material() -> None:
     assert moved.plate[0, 0] < 0.7 * still.plate[0, 0]
     long = Matter(relaxing=((1.0, 1e-6),))
     relaxed = pad.step(
-        pad.step(at_rest_on(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, long),
+        pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, long),
         Drive(1.2, 0.05),
         1.0,
         GRIPPING,
@@ -364,7 +364,7 @@ def test_a_pad_creeps_as_its_material() -> None:
 def marched(matter: Matter, steps: int = 120, dt: float = 1e-5) -> tuple[Dynamics, DynamicState, np.ndarray]:
     """Pressed by 1.2 N, then pulled by more than friction holds; work, friction and viscous losses, mJ."""
     pad = pad_in_motion()[0]
-    state, sums = at_rest_on(pad.pad), np.zeros(3)
+    state, sums = rest_state(pad.pad), np.zeros(3)
     for i in range(1, steps + 1):
         drive = Drive(1.2 * min(1.0, 2 * i / steps), 0.9 * max(0.0, 2 * i / steps - 1))
         state = pad.step(state, drive, dt, ROUGH, matter)
@@ -381,14 +381,14 @@ def test_energy_of_a_pad_in_motion_and_gross_slip_goes_on(matter: Matter) -> Non
     pad, state, (work, friction, viscous) = marched(matter)
     missing = work - friction - viscous - pad.elastic(state) - pad.kinetic(state)
     assert abs(missing) < 1e-3 * work
-    assert state.grip.residual <= 1e-10
+    assert state.contact.residual <= 1e-10
 
 
 def test_without_a_mass_gross_slip_is_told_with_its_state() -> None:
     with pytest.raises(GrossSlip) as end:
         marched(Matter(rate=2.4e-5), 20)
     assert isinstance(end.value.last, DynamicState)
-    assert end.value.last.grip.slips.any()
+    assert end.value.last.contact.slips.any()
 
 
 def test_a_plate_with_mass_may_leave() -> None:
@@ -398,7 +398,7 @@ def test_a_plate_with_mass_may_leave() -> None:
     state = replace(state, plate=np.array([[0.05, 0.0], [-1000.0, 0.0], [0.0, 0.0]]))
     for _ in range(40):
         state = pad.step(state, Drive(0.0, 0.0), 1e-5, ROUGH, Matter(0.8, 1.0))
-    assert not state.grip.touches.any()
+    assert not state.contact.touches.any()
     before = state.plate[0, 0]
     state = pad.step(state, Drive(0.0, 0.0), 1e-5, ROUGH, Matter(0.8, 1.0))
     assert state.plate[0, 0] - before == pytest.approx(1e-5 * state.plate[1, 0], rel=1e-9)
@@ -434,7 +434,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
     assert len(tries) == 3
     assert len(pad.operators) == 2
     wanted = 4.0 * 0.05 * (1 + 0.5 * (1 - math.exp(-1.0)))
-    assert state.grip.tangential[0] == pytest.approx(wanted, rel=1e-9)
+    assert state.contact.tangential[0] == pytest.approx(wanted, rel=1e-9)
     assert state.viscous > 0
 
 
@@ -443,7 +443,7 @@ def test_slow_motion_is_the_quasi_static_one() -> None:
     """Over 10 s, 1e4 swings of the pad, with damping: forces as of the condensed pad, to 1e-4."""
     pad, (_, _, small) = pad_in_motion()[0], meshed()
     still = Compliant(small.compliance, small.gap, np.zeros(2 * small.gap.size))
-    resting, state = at_rest(small.gap.size), at_rest_on(pad.pad)
+    resting, state = at_rest(small.gap.size), rest_state(pad.pad)
     last = Drive(0.0, travel=0.0)
     for i in range(1, 11):
         drive = Drive(1.2 * min(i, 5) / 5, travel=0.02 * max(0, i - 5))
@@ -451,8 +451,8 @@ def test_slow_motion_is_the_quasi_static_one() -> None:
         state = pad.step(state, drive, 1.0, ROUGH, Matter(0.0, 1.0, 2.4e-5))
         last = drive
     largest = resting.normal.max()
-    assert state.grip.normal == pytest.approx(resting.normal, abs=1e-4 * largest)
-    assert state.grip.tangential == pytest.approx(resting.tangential, abs=1e-4 * largest)
+    assert state.contact.normal == pytest.approx(resting.normal, abs=1e-4 * largest)
+    assert state.contact.tangential == pytest.approx(resting.tangential, abs=1e-4 * largest)
 
 
 @pytest.mark.slow
@@ -466,7 +466,7 @@ def test_the_half_and_the_whole_agree() -> None:
     for piece in (half, whole):
         sizes = Sizes(0.25, 0.5, 0.5, 0.1)
         body = Dynamics(linear(piece, triangles(piece.pad, sizes), 2, False))
-        state = at_rest_on(body.pad)
+        state = rest_state(body.pad)
         for i in range(1, 41):
             drive = Drive(0.1, 0.01 * min(i, 10) / 10)
             state = body.step(state, drive, 2e-5, GRIPPING, Matter(0.8, 0.05, 2.4e-5))
@@ -477,9 +477,9 @@ def test_the_half_and_the_whole_agree() -> None:
 
 def test_sliding_and_moving_pads_have_the_same_points() -> None:
     piece, mesh, small = meshed()
-    found = pad_in_motion()[1]
-    assert (found.gap == sliding(piece, mesh, 3, False).gap).all()
-    assert (found.ridge == small.ridge).all()
+    equations = pad_in_motion()[1]
+    assert (equations.gap == sliding(piece, mesh, 3, False).gap).all()
+    assert (equations.ridge == small.ridge).all()
 
 
 @pytest.mark.parametrize("damped", [0.3, 0.5, 0.8, 1.0])
@@ -492,11 +492,11 @@ def test_a_step_leaves_of_the_highest_modes_what_is_asked(damped: float) -> None
     for _ in range(200):
         state = pad.step(state, Drive(0.0, travel=0.0), 0.01, SMOOTH, Matter(damped, 1.0))
         sizes.append(abs(float(state.a[0, 0])))
-    assert not state.grip.touches.any()
+    assert not state.contact.touches.any()
     left = (max(sizes[190:]) / max(sizes[90:100])) ** (1 / 100)
     assert left == pytest.approx(damped, rel=0.02)
 
 
 def test_at_rest_nothing_has_been_dissipated_or_done() -> None:
-    state = at_rest_on(springs(1.0, 1.0).pad)
+    state = rest_state(springs(1.0, 1.0).pad)
     assert (state.friction, state.viscous, state.work) == (0.0, 0.0, 0.0)

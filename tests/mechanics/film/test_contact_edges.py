@@ -45,8 +45,8 @@ def test_the_top_is_cut_a_step_either_side_of_where_contact_ends(unit: float) ->
     x = np.array([0.5, -2.0, 2.0, -1.0, 1.5, -0.5, 0.0])
     nodes = SimpleNamespace(position=np.column_stack([x, np.ones(7)]) / unit, ridge=np.ones(7, dtype=int))
     body = SimpleNamespace(system=SimpleNamespace(nodes=nodes))
-    found: Any = SimpleNamespace(body=body, bonded=np.abs(x) <= 0.5)
-    fine = with_fine_edges(piece, found)
+    solution: Any = SimpleNamespace(body=body, bonded=np.abs(x) <= 0.5)
+    fine = with_fine_edges(piece, solution)
     top = [s for s in fine.pad.section.outline if s.kind == "crown"]
     # contact ends between -1 and -0.5, a step of 0.5, and between 0.5 and 1.5, a step of 1
     assert [s.start.x for s in top] == pytest.approx([2.0, 1.0, 0.0, -0.25, -0.75, -1.25], abs=1e-11)
@@ -64,8 +64,8 @@ def test_each_ridge_is_cut_by_its_own_points() -> None:
     pad: Any = Pad(Section((crown(2, 3.0), crown(1, 0.0))), 2.0, 0.7, 0.3)
     x = np.array([-0.4, 0.4, 2.6, 3.4])
     nodes = SimpleNamespace(position=np.column_stack([x, x]), ridge=np.array([1, 1, 2, 2]))
-    found: Any = SimpleNamespace(
+    solution: Any = SimpleNamespace(
         body=SimpleNamespace(system=SimpleNamespace(nodes=nodes)), bonded=np.array([True, True, True, False])
     )
-    cut = with_fine_edges(PadPiece(pad, pad, False, (), 0.0, 1.0), found).pad.section.outline
+    cut = with_fine_edges(PadPiece(pad, pad, False, (), 0.0, 1.0), solution).pad.section.outline
     assert [(s.ridge, round(s.start.x, 9)) for s in cut] == [(2, 4.0), (2, 3.8), (2, 3.0), (2, 2.2), (1, 1.0)]

@@ -10,7 +10,7 @@ import pytest
 from skincad.mechanics.bodies.mesh import triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.film.rungs import RUNGS
-from skincad.mechanics.film.sliding import Sliding, sliding
+from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import PadPiece, level, piece_of
 from skincad.mechanics.film.stress import filled_pad
 from tests.mechanics.designs import yamada
@@ -23,7 +23,7 @@ def three() -> PadPiece:
 
 
 @cache
-def meshed() -> tuple[PadPiece, object, Sliding]:
+def meshed() -> tuple[PadPiece, object, ContactPad]:
     piece = three()
     mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
     return piece, mesh, sliding(piece, mesh, ORDER, True)
@@ -35,9 +35,11 @@ def test_stresses_and_approach_are_the_film_stress_solvers() -> None:
     other = level(piece, mesh, ORDER, 1.2, False)
     m = pad.gap.size
     state = press(pad.compliance[m:, m:], pad.gap, 1.2)
-    found = pad.strips @ np.concatenate([np.zeros(m), -state.force])
+    stress = pad.strips @ np.concatenate([np.zeros(m), -state.force])
     # 1e-9: rounding of two solves with strips 3750 times as stiff as the skin
-    assert found == pytest.approx(other.pressed.strips, abs=1e-9 * np.abs(other.pressed.strips).max())
+    assert stress == pytest.approx(
+        other.normal_state.strips, abs=1e-9 * np.abs(other.normal_state.strips).max()
+    )
 
 
 def test_pad_is_its_own_mirror_image() -> None:
@@ -59,11 +61,13 @@ def test_the_half_agrees_with_the_whole() -> None:
     whole = PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
     pad = sliding(whole, triangles(whole.pad, RUNGS[0].sizes(whole)), ORDER, True)
     answers = []
-    for each in (half, pad):
-        m = each.gap.size
-        load = np.concatenate([each.weight, -0.5 * each.weight]) / each.weight.sum()
-        moved = each.compliance @ load
-        answers.append(np.array([moved[:m] @ each.weight, moved[m:] @ each.weight]) / each.weight.sum())
-        answers.append((each.strips @ load)[:, 0])
+    for condensed in (half, pad):
+        m = condensed.gap.size
+        load = np.concatenate([condensed.weight, -0.5 * condensed.weight]) / condensed.weight.sum()
+        moved = condensed.compliance @ load
+        answers.append(
+            np.array([moved[:m] @ condensed.weight, moved[m:] @ condensed.weight]) / condensed.weight.sum()
+        )
+        answers.append((condensed.strips @ load)[:, 0])
     assert answers[0] == pytest.approx(answers[2], rel=5e-3)
     assert answers[1] == pytest.approx(answers[3], abs=0.02 * np.abs(answers[1]).max())

@@ -30,17 +30,17 @@ def meshed(halved: bool) -> tuple[PadPiece, object]:
 def test_it_is_pulled_only_where_that_is_asked(pull: bool, halved: bool) -> None:
     piece, mesh = meshed(halved)
     assert piece.mirrored == halved
-    found = level(piece, mesh, 2, FORCE, pull)
-    assert (found.pulled is not None) == pull
+    solution = level(piece, mesh, 2, FORCE, pull)
+    assert (solution.pull_state is not None) == pull
     # balances, to rounding
-    assert found.pressed.normal.sum() == pytest.approx(FORCE, rel=1e-9)
-    assert found.pressed.tangential.sum() == pytest.approx(0.0, abs=1e-9)
-    assert found.pressed.node.sum() == pytest.approx(FORCE / (2 if halved else 1), rel=1e-9)
-    if found.pulled:
-        assert found.pulled.tangential.sum() == pytest.approx(1.0, rel=1e-9)
-        assert found.pulled.normal.sum() == pytest.approx(0.0, abs=1e-9)
-    assert found.residual < 1e-9
-    assert set(found.seconds) == {"assemble", "condense", "contact"}
+    assert solution.normal_state.normal.sum() == pytest.approx(FORCE, rel=1e-9)
+    assert solution.normal_state.tangential.sum() == pytest.approx(0.0, abs=1e-9)
+    assert solution.normal_state.node.sum() == pytest.approx(FORCE / (2 if halved else 1), rel=1e-9)
+    if solution.pull_state:
+        assert solution.pull_state.tangential.sum() == pytest.approx(1.0, rel=1e-9)
+        assert solution.pull_state.normal.sum() == pytest.approx(0.0, abs=1e-9)
+    assert solution.residual < 1e-9
+    assert set(solution.seconds) == {"assemble", "condense", "contact"}
 
 
 def test_as_many_contact_unknowns_as_fit_are_taken_and_one_more_is_refused(
@@ -50,11 +50,11 @@ def test_as_many_contact_unknowns_as_fit_are_taken_and_one_more_is_refused(
         piece, mesh = meshed(halved)
         points = sliding_pad.sliding(piece, mesh, 2, False).gap.size
         # both components, on both halves of what is halved
-        asked = 2 * (2 if halved else 1) * elements.contact_unknowns(elements.curved(mesh, 2), 2)
-        monkeypatch.setattr(sliding_pad, "MOST_CONTACT_UNKNOWNS", asked)
+        unknowns = 2 * (2 if halved else 1) * elements.contact_unknowns(elements.curved(mesh, 2), 2)
+        monkeypatch.setattr(sliding_pad, "MOST_CONTACT_UNKNOWNS", unknowns)
         assert sliding_pad.sliding(piece, mesh, 2, False).gap.size == points
-        monkeypatch.setattr(sliding_pad, "MOST_CONTACT_UNKNOWNS", asked - 1)
-        with pytest.raises(SizeError, match=rf"at most {asked - 1} contact unknowns.* got {asked}"):
+        monkeypatch.setattr(sliding_pad, "MOST_CONTACT_UNKNOWNS", unknowns - 1)
+        with pytest.raises(SizeError, match=rf"at most {unknowns - 1} contact unknowns.* got {unknowns}"):
             sliding_pad.sliding(piece, mesh, 2, False)
         if not halved:  # enough: it counts whole points
             monkeypatch.undo()

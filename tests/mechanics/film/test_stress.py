@@ -48,12 +48,12 @@ def one() -> Design:
 
 
 @cache
-def found(name: str) -> tuple[FilmStress, ...]:
+def stresses_of(name: str) -> tuple[FilmStress, ...]:
     return film_stresses(load(name), 4.0, (0.0, 1.0, 2.0))
 
 
 @cache
-def found_of_three() -> tuple[FilmStress, ...]:
+def three_stresses() -> tuple[FilmStress, ...]:
     return film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
 
 
@@ -66,7 +66,7 @@ def values(estimates: tuple[Estimate, ...]) -> np.ndarray:
 class TestTheTemplates:
     def test_normal_force_is_mirrored(self, name: str) -> None:
         """The middle ridge's difference is zero, ridge i's is minus ridge (n+1-i)'s."""
-        normal = found(name)[0]
+        normal = stresses_of(name)[0]
         s1, s2, between = (values(v) for v in (normal.s1, normal.s2, normal.differential))
         scale = np.abs(s1).max()
         assert abs(between[4]) <= ROUNDING * scale
@@ -75,7 +75,7 @@ class TestTheTemplates:
         assert np.abs(values(normal.along1) - values(normal.along2)[::-1]).max() <= ROUNDING
 
     def test_what_the_pull_adds_is_mirrored_with_the_other_sign(self, name: str) -> None:
-        normal, pulled, twice = found(name)
+        normal, pulled, twice = stresses_of(name)
         added = [values(pulled.s1) - values(normal.s1), values(pulled.s2) - values(normal.s2)]
         assert np.abs(added[0] + added[1][::-1]).max() <= ROUNDING * np.abs(added).max()
         # linear in the pull, as long as all sticks: rounding only
@@ -83,7 +83,7 @@ class TestTheTemplates:
 
     def test_every_difference_moves_one_way_with_the_pull(self, name: str) -> None:
         """Upright strips: S1, behind, is drawn; tilted inward by 45 degrees the sign is the other."""
-        normal, pulled, _ = found(name)
+        normal, pulled, _ = stresses_of(name)
         moved = values(pulled.differential) - values(normal.differential)
         sign = 1.0 if name == "yamada-2002" else -1.0
         error = normal.differential[0].error + pulled.differential[0].error
@@ -91,30 +91,30 @@ class TestTheTemplates:
         assert abs(pulled.differential[4].value) > 10 * pulled.differential[4].error
 
     def test_forces_balance(self, name: str) -> None:
-        for each in found(name):
-            assert values(each.ridge_force).sum() == pytest.approx(4.0, rel=1e-9)
-            assert values(each.ridge_tangential).sum() == pytest.approx(each.tangential, abs=1e-9)
-            assert each.residual < 1e-7  # factorisation of a strip 3750 times as stiff: 1e-10 measured
+        for state in stresses_of(name):
+            assert values(state.ridge_force).sum() == pytest.approx(4.0, rel=1e-9)
+            assert values(state.ridge_tangential).sum() == pytest.approx(state.tangential, abs=1e-9)
+            assert state.residual < 1e-7  # factorisation of a strip 3750 times as stiff: 1e-10 measured
 
     def test_errors_are_small_enough_to_be_told(self, name: str) -> None:
-        for each in found(name):
-            assert each.s1[0].error < 0.02 * np.abs(values(each.s1)).max()  # the default tolerance
-            assert not any("is not met" in w for w in each.warnings)
+        for state in stresses_of(name):
+            assert state.s1[0].error < 0.02 * np.abs(values(state.s1)).max()  # the default tolerance
+            assert not any("is not met" in w for w in state.warnings)
 
 
 @pytest.mark.slow
 def test_outer_ridges_lean() -> None:
     """Ridge 3's difference in S1 without any pull. The prototype had 29 %, on a mesh not graded to the films'
     corners: order 2 so gives 10 %, order 4 53 %, graded 60.7 %."""
-    share = found("yamada-2002")[0].lean_share(3)
+    share = stresses_of("yamada-2002")[0].lean_share(3)
     assert share.error < 0.03
     assert share.value == pytest.approx(0.607, abs=0.02)
-    assert found("yamada-2002")[0].lean_share(5).value <= ROUNDING
+    assert stresses_of("yamada-2002")[0].lean_share(5).value <= ROUNDING
 
 
 @pytest.mark.slow
 def test_what_full_stick_takes_for_granted_is_said() -> None:
-    normal, pulled, twice = found("yamada-2002")
+    normal, pulled, twice = stresses_of("yamada-2002")
     assert not any("stick" in w or "tension" in w for w in normal.warnings)
     assert any("the order of the forces counts" in w for w in pulled.warnings)
     assert any("bonded points are in tension" in w for w in pulled.warnings)
@@ -130,7 +130,7 @@ def test_what_full_stick_takes_for_granted_is_said() -> None:
 @pytest.mark.slow
 def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """Independent of the cut's conditions; another mesh, so it agrees to the errors."""
-    halves = found_of_three()
+    halves = three_stresses()
     monkeypatch.setattr(stick, "half_of", lambda _: None)
     wholes = film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
     for half, whole in zip(halves, wholes, strict=True):
@@ -154,7 +154,7 @@ def drawn_between_strips(field: RidgeField) -> float:
 
 
 def test_pulling_back_mirrors_everything() -> None:
-    _, there, back = found_of_three()
+    _, there, back = three_stresses()
     assert values(back.s1) == pytest.approx(values(there.s2)[::-1], rel=1e-9)
     assert values(back.ridge_force) == pytest.approx(values(there.ridge_force)[::-1], rel=1e-9)
 
@@ -178,14 +178,14 @@ def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
 def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
     """At nu = 0 a pressed block has one stress, -p along z; the elements hold it."""
     pad, thickness = strips_in_a_block(degrees)
-    each = solve(pad, thickness, 0.5, (0.0,), 0.02)[0]
+    state = solve(pad, thickness, 0.5, (0.0,), 0.02)[0]
     pressure, turn = 0.5 / (3.0 * 2.0), math.radians(degrees)
-    for across, along, lengthwise in (
-        (each.s1, each.along1, each.lengthwise1),
-        (each.s2, each.along2, each.lengthwise2),
+    for normal, along, lengthwise in (
+        (state.s1, state.along1, state.lengthwise1),
+        (state.s2, state.along2, state.lengthwise2),
     ):
         # rounding of a graded mesh, against p
-        assert across[0].value == pytest.approx(-pressure * math.sin(turn) ** 2, abs=1e-8 * pressure)
+        assert normal[0].value == pytest.approx(-pressure * math.sin(turn) ** 2, abs=1e-8 * pressure)
         assert along[0].value == pytest.approx(-pressure * math.cos(turn) ** 2, abs=1e-8 * pressure)
         assert lengthwise[0].value == pytest.approx(0.0, abs=1e-8 * pressure)
 
@@ -213,35 +213,35 @@ def stress_at(body: strip_field.StripBody, points: np.ndarray, unit: float) -> n
 
 def test_ignored_film_is_the_silicone_without_any_strip() -> None:
     design = one().with_(contact={"film": "ignored"})
-    each = film_stresses(design, 0.4)[0]
-    assert each.film == "ignored"
-    assert any("the film is ignored" in w for w in each.warnings)
+    state = film_stresses(design, 0.4)[0]
+    assert state.film == "ignored"
+    assert any("the film is ignored" in w for w in state.warnings)
     pad = pad_of(design)
     assert not pad.strips
     body = pressed_body(pad, triangles(pad, default_sizes(pad)), 4, 0.4, {"skin": (1.0, pad.poisson_ratio)})
     at, share = np.polynomial.legendre.leggauss(12)
-    for slot, told in zip(
-        pad.section.slots, (e for pair in zip(each.s1, each.s2, strict=True) for e in pair), strict=True
+    for slot, estimate in zip(
+        pad.section.slots, (e for pair in zip(state.s1, state.s2, strict=True) for e in pair), strict=True
     ):
         points = np.array([slot.at(a * 0.014, b * 0.125) for a in at for b in at])
         xx, xz, zz = stress_at(body, points, unit_of(pad)).T * pad.young_modulus
         n = slot.across
         mean = (xx * n.x**2 + 2 * xz * n.x * n.z + zz * n.z**2) @ np.outer(share, share).ravel() / 4
         # its error, and 0.2 % for a product rule across the triangles' edges
-        assert told.value == pytest.approx(mean, abs=told.error + 2e-3 * abs(mean))
+        assert estimate.value == pytest.approx(mean, abs=estimate.error + 2e-3 * abs(mean))
 
 
 def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     """Mean of n.sigma.n = contour integral of (n.t)(n.x) / area, here from the silicone's side."""
     pad, thickness = filled_pad(three())
-    told = found_of_three()[0]
-    rung = RUNGS[0]
+    state = three_stresses()[0]
+    refinement = RUNGS[0]
     mesh = triangles(
-        pad, rung.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, unit_of(pad)))
+        pad, refinement.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, unit_of(pad)))
     )
     stiff = {"skin": (1.0, pad.poisson_ratio), "film": (pad.film_modulus / pad.young_modulus, pad.film_ratio)}
     body = pressed_body(pad, mesh, 4, 1.2, stiff)
-    for i, expected in ((0, told.s1[0]), (3, told.s2[1])):
+    for i, expected in ((0, state.s1[0]), (3, state.s2[1])):
         assert contour_mean(body, pad, pad.section.slots[i], thickness) == pytest.approx(
             expected.value, rel=0.01
         )
@@ -254,7 +254,7 @@ def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SensorPlace, thick
     """
     off, n, d = OFF * thickness, slot.across, slot.direction
     a, b = thickness / 2 + off, slot.depth / 2 + off
-    across, along = (np.array([-h, -h + off, h - off, h]) for h in (a, b))
+    normal_offsets, along = (np.array([-h, -h + off, h - off, h]) for h in (a, b))
 
     def stress(x: np.ndarray, z: np.ndarray) -> np.ndarray:
         return stress_at(body, np.array([slot.at(*p) for p in zip(x, z, strict=True)]), unit_of(pad)).T
@@ -274,11 +274,11 @@ def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SensorPlace, thick
     for sign in (-1, 1):
         for t, w in (rule(*ends) for ends in pairwise(along)):
             total += sign * moment(np.full(t.size, sign * a), t, n, w)
-        for t, w in (rule(*ends) for ends in pairwise(across)):
+        for t, w in (rule(*ends) for ends in pairwise(normal_offsets)):
             total += sign * moment(t, np.full(t.size, sign * b), d, w)
     for i, j in product(range(3), range(3)):
         if (i, j) != (1, 1):
-            (s, v), (t, w) = rule(*across[i : i + 2]), rule(*along[j : j + 2])
+            (s, v), (t, w) = rule(*normal_offsets[i : i + 2]), rule(*along[j : j + 2])
             xx, xz, zz = stress(np.repeat(s, t.size), np.tile(t, s.size))
             total -= float((xx * n.x**2 + 2 * xz * n.x * n.z + zz * n.z**2) @ np.outer(v, w).ravel())
     return total / (thickness * slot.depth) * pad.young_modulus
@@ -298,7 +298,7 @@ def test_similar_skins_have_similar_stress() -> None:
     change = {table: {key: 2 * data[table][key] for key in keys} for table, keys in lengths.items()}
     change["film"]["young_modulus"] = data["film"]["young_modulus"] / 4
     large = small.with_(**change, material={"young_modulus": 0.2})
-    one, other = found_of_three()[1], film_stresses(large, 1.2, (0.3,))[0]
+    one, other = three_stresses()[1], film_stresses(large, 1.2, (0.3,))[0]
     # the mesh is the same in the pad's unit; 1e-6: netgen rounds its points
     assert 4 * values(other.s1) == pytest.approx(values(one.s1), rel=1e-6)
     assert 4 * values(other.along2) == pytest.approx(values(one.along2), rel=1e-6)
@@ -325,7 +325,7 @@ def test_few_ridges(count: int) -> None:
 def test_a_finer_mesh_lies_inside_the_errors(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(film_rungs, "RUNGS", RUNGS[1:])
     finer = film_stresses(load(name), 4.0, (0.0, 1.0))
-    for coarse, fine in zip(found(name), finer, strict=False):
+    for coarse, fine in zip(stresses_of(name), finer, strict=False):
         for field in ("s1", "s2", "differential", "along1", "along2", "lengthwise1", "ridge_tangential"):
             one, other = getattr(coarse, field), getattr(fine, field)
             assert values(one) == pytest.approx(values(other), abs=one[0].error + 1e-12)
@@ -333,11 +333,11 @@ def test_a_finer_mesh_lies_inside_the_errors(name: str, monkeypatch: pytest.Monk
 
 
 def test_json_has_the_agreed_keys() -> None:
-    told = json.loads(json.dumps(found_of_three()[1].as_json()))
-    assert set(told["film_stress_MPa"]) == {"S1", "S2"}
-    assert [set(e) for e in told["differential_stress_MPa"]] == [{"value", "error"}] * 3
-    assert told["tangential_force_N"] == 0.3
-    assert told["force_N"] == 1.2
+    data = json.loads(json.dumps(three_stresses()[1].as_json()))
+    assert set(data["film_stress_MPa"]) == {"S1", "S2"}
+    assert [set(e) for e in data["differential_stress_MPa"]] == [{"value", "error"}] * 3
+    assert data["tangential_force_N"] == 0.3
+    assert data["force_N"] == 1.2
 
 
 REFUSED = {
@@ -364,16 +364,14 @@ def test_crushed_ridges_have_no_verdict() -> None:
         film_stresses(one(), 7.0)
 
 
-def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.UnderLoad:
-    return stick.UnderLoad(
+def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.LoadState:
+    return stick.LoadState(
         np.array(strips), np.array(force[0]), np.array(force[1]), np.array(node), np.zeros(1)
     )
 
 
-def stuck(
-    pressed: stick.UnderLoad, pulled: stick.UnderLoad | None, bonded: list[bool]
-) -> stick.StickSolution:
-    return stick.StickSolution(pressed, pulled, np.array(bonded), 10, 1e-9, {}, None)
+def stuck(push: stick.LoadState, pulled: stick.LoadState | None, bonded: list[bool]) -> stick.StickSolution:
+    return stick.StickSolution(push, pulled, np.array(bonded), 10, 1e-9, {}, None)
 
 
 def two_ridges(mirrored: bool) -> stick.PadPiece:
@@ -385,12 +383,12 @@ def two_ridges(mirrored: bool) -> stick.PadPiece:
 def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: bool) -> None:
     """Of five points one is not bonded and one on the cut, where the pull changes nothing: it counts once."""
     normal, none = [[1.5, 2.5], [0.0, 0.0]], [[0.0] * 3] * 4
-    pressed = under_load(none, normal, [0.5, 0.25, 1.0, 0.1, 0.8])
+    push = under_load(none, normal, [0.5, 0.25, 1.0, 0.1, 0.8])
     pulled = under_load(none, [[-0.25, 0.25], [0.5, 0.5]], [0.5, -0.5, -0.5, -9.0, 0.0])
-    piece, found = two_ridges(mirrored), stuck(pressed, pulled, [True, True, True, False, True])
+    piece, solution = two_ridges(mirrored), stuck(push, pulled, [True, True, True, False, True])
 
     def notes(tangential: float) -> list[str]:
-        return list(film_rungs._stick_notes(piece, found, [Estimate(0.25, 0.0, "1")] * 2, tangential))
+        return list(film_rungs._stick_notes(piece, solution, [Estimate(0.25, 0.0, "1")] * 2, tangential))
 
     assert notes(0.0) == []
     assert not any("tension" in note for note in notes(0.5))  # 0.25 N less 0.25 N is none
@@ -398,13 +396,13 @@ def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: b
     count, total, pulling = (2, 7, 1.25) if mirrored else (1, 4, 0.75)
     words = f"{count} of {total} bonded points are in tension, with {pulling / 4:.1%} of the force in all"
     assert notes(2.0)[-1] == words
-    assert list(film_rungs._stick_notes(piece, replace(found, pulled=None), [], 2.0)) == []
+    assert list(film_rungs._stick_notes(piece, replace(solution, pull_state=None), [], 2.0)) == []
 
 
 def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lifts() -> None:
     piece, none = two_ridges(False), [[0.0] * 3] * 4
     still = under_load(none, [[2.0, 2.0], [0.0, 0.0]], [1.0])
-    found = stuck(still, still, [True])
+    solution = stuck(still, still, [True])
     for values_told, words in (
         ((0.2, 0.5), "full stick needs a friction coefficient of 0.5 (at ridge 2)"),
         ((0.7, 0.5), "full stick needs a friction coefficient of 0.7 (at ridge 1)"),
@@ -413,64 +411,67 @@ def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lif
         ((None, None), "the pull takes the normal force off ridge 1, 2: no full stick there"),
     ):
         friction = [Estimate(value, None if value is None else 0.0, "1") for value in values_told]
-        assert list(film_rungs._stick_notes(piece, found, friction, 1.0)) == [film_rungs.PATH, words]
+        assert list(film_rungs._stick_notes(piece, solution, friction, 1.0)) == [film_rungs.PATH_NOTE, words]
 
 
 def test_needed_friction_is_a_ratio_with_the_errors_of_both_forces() -> None:
     def of(normal: float, along: float) -> Estimate:
-        (found,) = film_rungs._friction([Estimate(normal, 0.1, "N")], [Estimate(along, 0.01, "N")])
-        return found
+        (ratio,) = film_rungs._friction([Estimate(normal, 0.1, "N")], [Estimate(along, 0.01, "N")])
+        return ratio
 
     for way in (1, -1):
-        found = of(2.0, way * 0.5)
-        assert found.value == 0.25
+        ratio = of(2.0, way * 0.5)
+        assert ratio.value == 0.25
         # to first order: what the ratio moves by when either force does
         moves = ((0.5 + 0.01) / 2 - 0.25) + (0.5 / 2 - 0.5 / (2 + 0.1))
-        assert found.error == pytest.approx(moves, rel=0.05)
+        assert ratio.error == pytest.approx(moves, rel=0.05)
     assert (of(2.0, 0.0).value, of(2.0, 0.0).error) == (0.0, 0.0)
     assert of(0.1, 0.5).value is of(-1.0, 0.5).value is of(0.1, 0.5).error is None
     assert of(0.11, 0.5).value is not None
 
 
-@pytest.mark.parametrize(("beside", "apart"), [(0.25, 0.5), (-0.25, 1.5)])
+@pytest.mark.parametrize(("beside", "difference"), [(0.25, 0.5), (-0.25, 1.5)])
 def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twice_the_change(
-    beside: float, apart: float
+    beside: float, difference: float
 ) -> None:
     """Rows of strips are ridge 1's S1 and S2, then ridge 2's; all of a kind share the largest error."""
     piece = two_ridges(False)
     sides = [(slot.ridge, slot.side) for slot in piece.whole.section.slots]
-    order = [sides.index(each) for each in ((1, "S1"), (1, "S2"), (2, "S1"), (2, "S2"))]
+    order = [sides.index(estimate) for estimate in ((1, "S1"), (1, "S2"), (2, "S1"), (2, "S2"))]
     rows = 0.01 * np.arange(12.0).reshape(4, 3)
-    pressed = np.empty((4, 3))
-    pressed[order] = rows
-    pulled = under_load((10 * pressed).tolist(), [[-0.5, 0.5], [0.25, 0.75]], [0.0])
-    best = stuck(under_load(pressed.tolist(), [[1.5, 2.5], [0.5, -0.5]], [1.0]), pulled, [True])
-    other = pressed.copy()
+    push = np.empty((4, 3))
+    push[order] = rows
+    pulled = under_load((10 * push).tolist(), [[-0.5, 0.5], [0.25, 0.75]], [0.0])
+    best = stuck(under_load(push.tolist(), [[1.5, 2.5], [0.5, -0.5]], [1.0]), pulled, [True])
+    other = push.copy()
     other[order[3]] += [0.5, -0.25, 0.125]
     other[order[2], 0] += beside
     lower = replace(
-        best, pressed=under_load(other.tolist(), [[1.4, 2.6], [0.5, -0.25]], [1.0]), residual=1e-8
+        best, normal_state=under_load(other.tolist(), [[1.4, 2.6], [0.5, -0.25]], [1.0]), residual=1e-8
     )
-    found = film_rungs._estimated(piece, best, lower, 4.0, 2.0)
-    across, along, lengthwise = (21 * rows).T
-    for told, expected, error in (
-        (found.s1, across[::2], 1.0),
-        (found.s2, across[1::2], 1.0),
-        (found.differential, across[::2] - across[1::2], apart),
-        (found.along1, along[::2], 0.5),
-        (found.along2, along[1::2], 0.5),
-        (found.lengthwise1, lengthwise[::2], 0.25),
-        (found.lengthwise2, lengthwise[1::2], 0.25),
-        (found.ridge_force, np.array([0.5, 3.5]), 0.2),
-        (found.ridge_tangential, np.array([1.0, 1.0]), 0.5),
+    stress = film_rungs._estimated(piece, best, lower, 4.0, 2.0)
+    normal, along, lengthwise = (21 * rows).T
+    for estimates, expected, error in (
+        (stress.s1, normal[::2], 1.0),
+        (stress.s2, normal[1::2], 1.0),
+        (stress.differential, normal[::2] - normal[1::2], difference),
+        (stress.along1, along[::2], 0.5),
+        (stress.along2, along[1::2], 0.5),
+        (stress.lengthwise1, lengthwise[::2], 0.25),
+        (stress.lengthwise2, lengthwise[1::2], 0.25),
+        (stress.ridge_force, np.array([0.5, 3.5]), 0.2),
+        (stress.ridge_tangential, np.array([1.0, 1.0]), 0.5),
     ):
-        assert values(told) == pytest.approx(expected, rel=1e-12)
-        assert [each.error for each in told] == pytest.approx([error] * 2, rel=1e-9)  # rounding of 2.6 - 2.5
-    assert {each.unit for each in (*found.ridge_force, *found.ridge_tangential)} == {"N"}
-    assert {each.unit for each in (*found.s1, *found.differential, *found.along2)} == {"MPa"}
-    assert (found.residual, found.unknowns, found.force, found.tangential) == (1e-8, 10, 4.0, 2.0)
-    largest = float(across.max())
-    assert film_rungs._relative_error(found) == pytest.approx(max(1.0, apart) / largest, rel=1e-9)
-    alone = film_rungs._estimated(piece, replace(best, pulled=None), replace(lower, pulled=None), 4.0, 0.0)
+        assert values(estimates) == pytest.approx(expected, rel=1e-12)
+        # rounding of 2.6 - 2.5
+        assert [estimate.error for estimate in estimates] == pytest.approx([error] * 2, rel=1e-9)
+    assert {estimate.unit for estimate in (*stress.ridge_force, *stress.ridge_tangential)} == {"N"}
+    assert {estimate.unit for estimate in (*stress.s1, *stress.differential, *stress.along2)} == {"MPa"}
+    assert (stress.residual, stress.unknowns, stress.force, stress.tangential) == (1e-8, 10, 4.0, 2.0)
+    largest = float(normal.max())
+    assert film_rungs._relative_error(stress) == pytest.approx(max(1.0, difference) / largest, rel=1e-9)
+    alone = film_rungs._estimated(
+        piece, replace(best, pull_state=None), replace(lower, pull_state=None), 4.0, 0.0
+    )
     assert values(alone.s1) == pytest.approx(rows[::2, 0], rel=1e-12)
-    assert film_rungs._relative_error(alone) == pytest.approx(max(1.0, apart) / 0.09, rel=1e-9)
+    assert film_rungs._relative_error(alone) == pytest.approx(max(1.0, difference) / 0.09, rel=1e-9)

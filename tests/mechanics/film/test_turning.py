@@ -12,8 +12,8 @@ import pytest
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import CondensedPad, condensed
 from skincad.mechanics.contact.grip import Cone, Drive, Grip
-from skincad.mechanics.film.sliding import Sliding
-from skincad.mechanics.film.turning import in_skin_axes, turned
+from skincad.mechanics.film.sliding import ContactPad
+from skincad.mechanics.film.turning import in_skin_axes, rotated_pad
 from tests.mechanics.film.test_sliding import meshed
 
 RADIUS, SPACING = 60.0, 0.05
@@ -25,14 +25,14 @@ def stiff_circle() -> CondensedPad:
     x, gap = RADIUS * np.sin(angle), 2 * RADIUS * np.sin(angle / 2) ** 2
     none = np.zeros((0, 3, 2 * x.size))
     ridge = np.ones(x.size, dtype=np.int64)
-    return condensed(Sliding(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
+    return condensed(ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
 
 
 def marched(model: CondensedPad, drives: list[Drive], cone: Cone) -> list[Grip]:
-    found = [model.start()]
+    states = [model.start()]
     for before, after in pairwise(drives):
-        found.append(model.advanced(found[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
-    return found
+        states.append(model.advanced(states[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
+    return states
 
 
 @pytest.mark.parametrize("way", [1, -1])
@@ -41,13 +41,13 @@ def test_a_plane_rolls_on_a_circle(way: int) -> None:
     last = math.radians(3.0)
     drives = [Drive(0.0, 0.0), Drive(1.0, 0.0)]
     drives += [Drive(1.0, 0.0, angle=way * last * i / 300) for i in range(1, 301)]
-    found = marched(stiff_circle(), drives, Cone(1.0, 1.0))
+    states = marched(stiff_circle(), drives, Cone(1.0, 1.0))
     rolled = -way * last
     # points on chords of 0.05 mm instead of the circle: (0.05 / 60)^2 / 24 of the way rolled
-    assert found[-1].travel == pytest.approx(RADIUS * (math.sin(rolled) - rolled), abs=1e-5)
-    assert abs(found[-1].travel) > 1e-3
-    assert not any(state.slips.any() for state in found[2:])
-    middle = stiff_circle().pad.x @ found[-1].normal
+    assert states[-1].travel == pytest.approx(RADIUS * (math.sin(rolled) - rolled), abs=1e-5)
+    assert abs(states[-1].travel) > 1e-3
+    assert not any(state.slips.any() for state in states[2:])
+    middle = stiff_circle().pad.x @ states[-1].normal
     # where a polygon's corner meets the plate: to half a chord
     assert middle == pytest.approx(RADIUS * math.sin(rolled), abs=SPACING)
 
@@ -55,7 +55,7 @@ def test_a_plane_rolls_on_a_circle(way: int) -> None:
 def test_the_frame_turns_with_the_plate() -> None:
     """Against vectors written out: how a force along the plate and one along its normal move the skin."""
     pad, angle = meshed()[2], math.radians(4.0)
-    m, seen = pad.gap.size, turned(meshed()[2], angle)
+    m, seen = pad.gap.size, rotated_pad(meshed()[2], angle)
     along, normal = (
         np.array([math.cos(angle), math.sin(angle)]),
         np.array([-math.sin(angle), math.cos(angle)]),
@@ -89,12 +89,12 @@ def test_a_turned_plate_is_a_turned_pull() -> None:
     )
     angle = math.radians(5.0)
     drives = [Drive(0.0, 0.0), Drive(0.0, 0.0, angle=angle), Drive(2.0, 0.5, angle=angle)]
-    found = marched(condensed(point), drives, Cone(1.0, 1.0))[-1]
+    state = marched(condensed(point), drives, Cone(1.0, 1.0))[-1]
     x = 2.0 * math.sin(angle) + 0.5 * math.cos(angle)
     z = -2.0 * math.cos(angle) + 0.5 * math.sin(angle)
     by_hand = np.array([0.3 * x, 0.1 * z])
-    assert found.approach == pytest.approx(by_hand @ [math.sin(angle), -math.cos(angle)], rel=1e-12)
-    assert found.travel == pytest.approx(by_hand @ [math.cos(angle), math.sin(angle)], rel=1e-12)
+    assert state.approach == pytest.approx(by_hand @ [math.sin(angle), -math.cos(angle)], rel=1e-12)
+    assert state.travel == pytest.approx(by_hand @ [math.cos(angle), math.sin(angle)], rel=1e-12)
 
 
 def test_work_is_what_is_stored_and_lost() -> None:
@@ -107,12 +107,12 @@ def test_work_is_what_is_stored_and_lost() -> None:
         model = condensed(pad)
         states = marched(model, drives, Cone(0.0, 0.0))
         readings = [model.reading(a, b) for a, b in pairwise([states[0], *states])]
-        pressed = 0.5 * sum(
+        press_work = 0.5 * sum(
             (a.normal + b.normal) * (b.approach - a.approach) for a, b in pairwise(readings[: steps + 1])
         )
-        work = pressed + sum(reading.work or 0.0 for reading in readings)
+        work = press_work + sum(reading.work or 0.0 for reading in readings)
         turned_work = sum(reading.work or 0.0 for reading in readings)
-        assert abs(turned_work) > 0.01 * pressed
+        assert abs(turned_work) > 0.01 * press_work
         return abs(work - readings[-1].elastic) / work
 
     coarse, fine = missing(20), missing(40)

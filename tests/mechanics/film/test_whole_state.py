@@ -7,7 +7,7 @@ import pytest
 
 from skincad.mechanics.bodies import strip_field
 from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.film.stick import on_whole, resolved
+from skincad.mechanics.film.stick import in_strip_axes, on_whole
 from tests.mechanics.film.test_sliding import meshed
 
 
@@ -21,7 +21,7 @@ def force() -> np.ndarray:
 
 def test_contact_points_move_as_the_condensed_pads() -> None:
     part, _, pad = meshed()
-    shown = pad.whole.shown(force(), part.whole.top, 0.0)
+    shown = pad.whole.deformed_section(force(), part.whole.top, 0.0)
     moved = (pad.compliance @ force()).reshape(2, -1).T
     points = np.column_stack([pad.x, part.whole.top - pad.gap])
     off = np.hypot(*(shown.place[:, None] - points[None]).transpose(2, 0, 1))
@@ -36,14 +36,14 @@ def test_contact_points_move_as_the_condensed_pads() -> None:
 def test_strips_feel_what_the_condensed_pad_says() -> None:
     part, _, pad = meshed()
     sides = pad.whole._moved(force())
-    found = []
+    stresses = []
     for moved in sides:
         strip_field.set_state(pad.whole.body, moved)
         stress = strip_field.averages(pad.whole.body, part.slots, part.thickness, part.unit)
-        found.append(on_whole(part, resolved(stress * part.pad.young_modulus, part.slots), 1))
+        stresses.append(on_whole(part, in_strip_axes(stress * part.pad.young_modulus, part.slots), 1))
     right = np.array([slot.centre.x > 0 for slot in part.whole.section.slots])
     expected = pad.strips @ force()
-    whole = np.where(right[:, None], found[0], found[1])
+    whole = np.where(right[:, None], stresses[0], stresses[1])
     assert whole == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
 
 

@@ -7,7 +7,7 @@ import pytest
 from skincad.mechanics.bodies.meshed import meshed_piece
 from skincad.mechanics.problem import Request, pad_of
 from skincad.mechanics.tiers import corrected, linear
-from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, pressed
+from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, solve_level
 from skincad.mechanics.touching import check
 from tests.mechanics.designs import THREE, filleted, reference, yamada
 from tests.mechanics.tiers.test_solid import FORCE, assert_inside, refined
@@ -15,19 +15,19 @@ from tests.mechanics.tiers.test_solid import FORCE, assert_inside, refined
 
 @pytest.mark.slow
 def test_refined_solid_lies_inside() -> None:
-    found = corrected.answer(reference().with_(**THREE), Request(FORCE))
-    assert_inside(found, refined())
+    answer = corrected.answer(reference().with_(**THREE), Request(FORCE))
+    assert_inside(answer, refined())
     # docs/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear tier's own error aside
-    assert found.approach.value == pytest.approx(refined().approach, rel=5e-3)
-    assert found.all_touch_force.value == pytest.approx(refined().all_touch_force, rel=5e-3)
+    assert answer.approach.value == pytest.approx(refined().approach, rel=5e-3)
+    assert answer.all_touch_force.value == pytest.approx(refined().all_touch_force, rel=5e-3)
 
 
 def test_shares_sum_to_the_force() -> None:
-    found = check(yamada().with_(**THREE), force=FORCE, tier="corrected", tol=0.05)
-    assert found.touching == 3
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(FORCE, rel=1e-9)
-    assert found.residual < 1e-6
-    assert [bound.effect for bound in found.left_out] == ["finite strain"]
+    verdict = check(yamada().with_(**THREE), force=FORCE, tier="corrected", tol=0.05)
+    assert verdict.touching == 3
+    assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(FORCE, rel=1e-9)
+    assert verdict.residual < 1e-6
+    assert [bound.effect for bound in verdict.left_out] == ["finite strain"]
 
 
 @pytest.mark.slow
@@ -72,7 +72,7 @@ def test_the_changes_error_on_variants(name: str) -> None:
     pad = pad_of(design)
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.25))
     forms = forms_of(meshed, 3)
-    plane, solid = (pressed(meshed, forms, along, FORCE, {}) for along in (None, Layers(0.3, 1.8, 4)))
+    plane, solid = (solve_level(meshed, forms, along, FORCE, {}) for along in (None, Layers(0.3, 1.8, 4)))
     fine = corrected.Ends(plane, solid)
     assert approach_ratio(coarse) == pytest.approx(approach_ratio(fine), rel=corrected.APPROACH_ERROR)
     assert threshold_ratio(coarse) == pytest.approx(threshold_ratio(fine), rel=corrected.THRESHOLD_ERROR)
@@ -99,40 +99,42 @@ def test_a_long_pad_is_hardly_changed() -> None:
     "force", [pytest.param(1e-3, marks=pytest.mark.slow), 1.0, pytest.param(20.0, marks=pytest.mark.slow)]
 )
 def test_any_force(force: float) -> None:
-    found = corrected.answer(filleted().with_(**THREE), Request(force, tol=0.05))
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(force, rel=1e-9)
-    assert all((f.value or 0.0) >= 0.0 for f in found.ridge_force)
+    answer = corrected.answer(filleted().with_(**THREE), Request(force, tol=0.05))
+    assert sum(f.value or 0.0 for f in answer.ridge_force) == pytest.approx(force, rel=1e-9)
+    assert all((f.value or 0.0) >= 0.0 for f in answer.ridge_force)
 
 
 def test_one_ridge_needs_no_force() -> None:
-    found = corrected.answer(
+    answer = corrected.answer(
         reference().with_(ridge={"count": 1}, skin={"width": 3.0}), Request(0.2, tol=0.05)
     )
-    assert found.all_touch_force.value == 0.0
+    assert answer.all_touch_force.value == 0.0
 
 
 @pytest.mark.slow
 def test_a_tolerance_below_the_changes_error_is_said() -> None:
-    found = check(reference().with_(**THREE), force=FORCE, tier="corrected", tol=4e-3)
-    assert any("the tolerance 0.004 is not met" in w for w in found.warnings)
+    verdict = check(reference().with_(**THREE), force=FORCE, tier="corrected", tol=4e-3)
+    assert any("the tolerance 0.004 is not met" in w for w in verdict.warnings)
 
 
 def test_a_part_measured_as_designed_is_corrected_as_designed() -> None:
     """On the whole pad's mesh instead of its half's: two coarse meshes, half the change's own error."""
     design = reference().with_(**THREE)
-    part = corrected.answer(design, Request(FORCE, 0.05, drops=(0.0,) * 3))
-    made = corrected.answer(design, Request(FORCE, 0.05))
+    part = corrected.answer(design, Request(FORCE, 0.05, crest_offsets=(0.0,) * 3))
+    whole = corrected.answer(design, Request(FORCE, 0.05))
     assert part.all_touch_force.value == pytest.approx(
-        made.all_touch_force.value, rel=corrected.THRESHOLD_ERROR / 2
+        whole.all_touch_force.value, rel=corrected.THRESHOLD_ERROR / 2
     )
-    assert part.approach.value == pytest.approx(made.approach.value, rel=corrected.APPROACH_ERROR / 2)
+    assert part.approach.value == pytest.approx(whole.approach.value, rel=corrected.APPROACH_ERROR / 2)
 
 
 @pytest.mark.slow
 def test_a_lower_crest_delays_the_touch_with_free_ends_too() -> None:
     design = reference()
     drops = (0.01, *(0.0,) * 8)
-    plane, ends = (tier.answer(design, Request(4.0, 0.05, drops=drops)) for tier in (linear, corrected))
+    plane, ends = (
+        tier.answer(design, Request(4.0, 0.05, crest_offsets=drops)) for tier in (linear, corrected)
+    )
     base = linear.answer(design, Request(4.0, 0.05)), corrected.answer(design, Request(4.0, 0.05))
     delay = [
         (low.all_touch_force.value or 0.0) / (as_made.all_touch_force.value or 1.0) - 1

@@ -53,8 +53,8 @@ def value(estimate: Estimate) -> float:
     return estimate.value
 
 
-def shares(found: Answer) -> np.ndarray:
-    return np.array([value(f) for f in found.ridge_force])
+def shares(answer: Answer) -> np.ndarray:
+    return np.array([value(f) for f in answer.ridge_force])
 
 
 def coarse(design: Any, order: int = 2) -> Pressed:
@@ -66,20 +66,20 @@ def coarse(design: Any, order: int = 2) -> Pressed:
 
 def stress(gradient: np.ndarray, q: float, shear: float, bulk: float) -> np.ndarray:
     """First Piola-Kirchhoff stress of the law by complex steps, exact to rounding."""
-    found = np.zeros((2, 2))
+    result = np.zeros((2, 2))
     for i in range(2):
         for j in range(2):
             h = gradient.astype(complex)
             h[i, j] += 1e-30j
-            found[i, j] = neo_hooke.strain_energy(h, q, shear, bulk, np.log).imag / 1e-30
-    return found
+            result[i, j] = neo_hooke.strain_energy(h, q, shear, bulk, np.log).imag / 1e-30
+    return result
 
 
 @pytest.mark.parametrize("shift", [-0.8, 1e-3, 0.3, 2.0])
 def test_simple_shear_of_the_law(shift: float) -> None:
     """Plane simple shear keeps the volume: tau = G times the shear, at any size (Ogden 1984, sec. 4.4)."""
-    found = stress(np.array([[0.0, shift], [0.0, 0.0]]), 0.0, 0.7, 90.0)
-    assert found[0, 1] == pytest.approx(closed_forms.neo_hookean_shear(shift, 0.7), rel=1e-12)  # rounding
+    cauchy = stress(np.array([[0.0, shift], [0.0, 0.0]]), 0.0, 0.7, 90.0)
+    assert cauchy[0, 1] == pytest.approx(closed_forms.neo_hookean_shear(shift, 0.7), rel=1e-12)  # rounding
 
 
 @pytest.mark.parametrize("stretch", [0.5, 0.8, 0.999, 1.5])
@@ -89,8 +89,8 @@ def test_plane_strain_compression_of_the_law(ratio: float, stretch: float) -> No
     shear, rest = closed_forms.lame(1.0, ratio)
     width, wanted = closed_forms.neo_hookean_compression(stretch, shear, rest)
     bulk = rest + 2 * shear / 3
-    found = stress(np.diag([width - 1, stretch - 1]), bulk * (width * stretch - 1), shear, bulk)
-    assert np.diag(found) == pytest.approx([0.0, wanted], abs=1e-10)
+    cauchy = stress(np.diag([width - 1, stretch - 1]), bulk * (width * stretch - 1), shear, bulk)
+    assert np.diag(cauchy) == pytest.approx([0.0, wanted], abs=1e-10)
 
 
 def test_a_block_shortens_as_the_closed_form() -> None:
@@ -102,9 +102,9 @@ def test_a_block_shortens_as_the_closed_form() -> None:
     force, area, shear = 0.9, 6.0, 0.35
     ratio = force / area / shear
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
-    found = finite_strain.Levels()(plane_piece(pad, 0.5), 3, force)
-    assert found.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-4)
-    assert found.pressure == pytest.approx(force / area, rel=0.02)
+    solution = finite_strain.Levels()(plane_piece(pad, 0.5), 3, force)
+    assert solution.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-4)
+    assert solution.pressure == pytest.approx(force / area, rel=0.02)
 
 
 def test_tangent_is_the_residuals_derivative() -> None:
@@ -172,14 +172,15 @@ def test_all_touch_force_is_where_the_last_ridge_starts() -> None:
     """Independent of the root: plain presses just below and above have 3 and 5 ridges in touch."""
     pad = coarse(reference().with_(ridge={"count": 5}, skin={"width": 7.0}))
     state = press_to(pad, 0.2)
-    found = press_until_all_touch(pad, state)
+    solution = press_until_all_touch(pad, state)
     for share, touching in ((0.998, 3), (1.002, 5)):
-        near = press_to(pad, share * found.force)
+        near = press_to(pad, share * solution.force)
         ridges = near.ridges
         carried = [near.contact.force[ridges.of_point == r].sum() for r in ridges.numbers]
         assert np.count_nonzero(carried) == touching
     other = press_until_all_touch(pad, press_to(pad, 1e-3))  # from another side
-    assert other.force == pytest.approx(found.force, rel=1e-7)  # the residuals' 1e-9, times the gap's slope
+    # the residuals' 1e-9, times the gap's slope
+    assert other.force == pytest.approx(solution.force, rel=1e-7)
 
 
 @pytest.mark.parametrize("force", [0.04, pytest.param(0.004, marks=pytest.mark.slow)])
@@ -231,16 +232,16 @@ def test_similarity() -> None:
     "ratio", [*(pytest.param(r, marks=pytest.mark.slow) for r in (0.0, 0.49999)), 0.4999999]
 )
 def test_any_poisson_ratio(ratio: float) -> None:
-    found = solved(reference().with_(**THREE, material={"poisson_ratio": ratio}), 1.3)
-    assert found.touching == 3
-    assert found.residual <= RESIDUAL
+    answer = solved(reference().with_(**THREE, material={"poisson_ratio": ratio}), 1.3)
+    assert answer.touching == 3
+    assert answer.residual <= RESIDUAL
 
 
 def test_a_single_ridge() -> None:
     """It needs no force to touch; a ridge that carries 4 N alone tips over, and is refused."""
     design = reference().with_(ridge={"count": 1}, skin={"width": 3.0})
-    found = solved(design, 1.0)
-    assert (found.all_touch_force.value, found.touching) == (0.0, 1)
+    answer = solved(design, 1.0)
+    assert (answer.all_touch_force.value, answer.touching) == (0.0, 1)
     with pytest.raises(InputError, match=r"^force: .* \(up to about 2\.\d+ N\): ridge 1 tips over"):
         solved(design, 4.0)
 
@@ -248,17 +249,17 @@ def test_a_single_ridge() -> None:
 @pytest.mark.slow
 def test_a_soft_pad_that_its_plate_holds_up_against_an_independent_solver() -> None:
     """Free, its ridges would buckle above 2.8 N. 1e-3: both of them solve the section to that."""
-    found = solved(soft(), 3.2, 2e-3)
-    assert value(found.approach) == pytest.approx(0.4762, rel=1e-3)
-    assert value(found.all_touch_force) == pytest.approx(2.387, rel=1e-3)
-    assert found.touching == 13
+    answer = solved(soft(), 3.2, 2e-3)
+    assert value(answer.approach) == pytest.approx(0.4762, rel=1e-3)
+    assert value(answer.all_touch_force) == pytest.approx(2.387, rel=1e-3)
+    assert answer.touching == 13
 
 
 @pytest.mark.slow
 def test_the_lightest_load() -> None:
-    found = solved(filleted().with_(**THREE), 1e-6)
-    assert found.touching == 1
-    assert found.residual <= RESIDUAL
+    answer = solved(filleted().with_(**THREE), 1e-6)
+    assert answer.touching == 1
+    assert answer.residual <= RESIDUAL
 
 
 @pytest.mark.slow  # one ridge: test_a_single_ridge
@@ -273,10 +274,10 @@ def test_an_overload_is_refused_with_its_range() -> None:
 @pytest.mark.slow
 def test_a_threshold_out_of_reach_is_said() -> None:
     """Strongly curved: the ridges in the middle tip over before the outer ones touch."""
-    found = solved(reference().with_(skin={"curvature_radius": 9.0}, ridge={"count": 7}), 1.0)
-    assert found.all_touch_force.value is None
-    assert found.touching < 7
-    assert any("beyond the finite-strain model's range (looked up to" in w for w in found.warnings)
+    answer = solved(reference().with_(skin={"curvature_radius": 9.0}, ridge={"count": 7}), 1.0)
+    assert answer.all_touch_force.value is None
+    assert answer.touching < 7
+    assert any("beyond the finite-strain model's range (looked up to" in w for w in answer.warnings)
 
 
 def test_neighbours_that_meet_are_found() -> None:
@@ -292,9 +293,9 @@ def test_neighbours_that_meet_are_found() -> None:
 
 @pytest.mark.slow
 def test_the_check_offers_the_tier() -> None:
-    found = check(yamada().with_(**THREE), force=1.3, tier="finite-strain", tol=COARSE)
-    assert (found.tier, found.touching) == ("finite-strain", 3)
-    assert [bound.effect for bound in found.left_out] == ["free ends"]
+    verdict = check(yamada().with_(**THREE), force=1.3, tier="finite-strain", tol=COARSE)
+    assert (verdict.tier, verdict.touching) == ("finite-strain", 3)
+    assert [bound.effect for bound in verdict.left_out] == ["free ends"]
 
 
 def test_other_plates_are_refused() -> None:
@@ -306,7 +307,7 @@ def test_other_plates_are_refused() -> None:
 def test_a_part_with_low_crests() -> None:
     """Both outer crests 0.025 mm low: F9 32 % higher by docs/facts.md#manufacture; here a third too."""
     drops = (0.025, *[0.0] * 7, 0.025)
-    low = finite_strain.answer(reference(), Request(4.0, COARSE, drops=drops))
+    low = finite_strain.answer(reference(), Request(4.0, COARSE, crest_offsets=drops))
     assert 1.25 < value(low.all_touch_force) / value(nine().all_touch_force) < 1.45
 
 
@@ -323,12 +324,12 @@ DESIGNS = {
 def test_truth_lies_inside(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Order 4 on a mesh twice as fine, with half the reach of the law at the clamped ends."""
     design, force = DESIGNS[name]().with_(**THREE), 1.3
-    found = [solved(design, force, tol) for tol in (COARSE, 5e-3)]
+    answers = [solved(design, force, tol) for tol in (COARSE, 5e-3)]
     monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", neo_hooke.CLAMPED_EDGE / 2)
     pad = pad_of(design)
     levels, meshed = finite_strain.Levels(), plane_piece(pad, 2.0)
     exact = [levels(meshed, order, force) for order in (3, 4)][-1]
-    for one in found:
+    for one in answers:
         threshold, approach = one.all_touch_force, one.approach
         assert abs(value(threshold) - (exact.all_touch_force or 0.0)) <= (threshold.error or 0.0)
         assert abs(value(approach) - exact.approach) <= (approach.error or 0.0)

@@ -13,7 +13,7 @@ from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer, pad_of
 from skincad.mechanics.tiers.corrected import plain_pad
-from skincad.mechanics.tiers.friction import CoarsePress, TwoPresses, rubbed, solve
+from skincad.mechanics.tiers.friction import CoarsePress, TwoPresses, solve, with_friction
 from skincad.scenes.scene import load_scene
 from tests.mechanics.designs import SHORT, linear_check, reference
 
@@ -21,11 +21,11 @@ from tests.mechanics.designs import SHORT, linear_check, reference
 SMOOTH, ROUGH = 0.16860, 0.15950
 
 
-def exact(found: CoarsePress) -> Answer:
+def exact(answer: CoarsePress) -> Answer:
     """A coarse answer as a tier's that knows it to the last digit."""
-    shares = tuple(Estimate(float(f), 0.0, "N") for f in found.ridge_force)
-    first, down = Estimate(found.all_touch_force, 0.0, "N"), Estimate(found.approach, 0.0, "mm")
-    return Answer(len(shares), first, down, shares, found.unknowns, found.residual, {})
+    shares = tuple(Estimate(float(f), 0.0, "N") for f in answer.ridge_force)
+    first, down = Estimate(answer.all_touch_force, 0.0, "N"), Estimate(answer.approach, 0.0, "mm")
+    return Answer(len(shares), first, down, shares, answer.unknowns, answer.residual, {})
 
 
 @cache
@@ -35,9 +35,9 @@ def on_yamada() -> TwoPresses:
 
 def test_a_scenes_press_gives_way_less_by_as_much() -> None:
     smooth = replace(exact(on_yamada().without), approach=Estimate(SMOOTH, 0.0, "mm"))
-    found = rubbed(smooth, on_yamada(), 4.0).approach
-    assert abs((found.value or 0.0) - ROUGH) < 0.05 * (SMOOTH - ROUGH)
-    assert found.lower < ROUGH < found.upper
+    approach = with_friction(smooth, on_yamada(), 4.0).approach
+    assert abs((approach.value or 0.0) - ROUGH) < 0.05 * (SMOOTH - ROUGH)
+    assert approach.lower < ROUGH < approach.upper
 
 
 @pytest.mark.slow
@@ -46,21 +46,23 @@ def test_the_scene_still_gives_way_so_far() -> None:
         scene = load_scene("yamada-2002-press", [f"effects.friction.coefficient={coefficient}"])
         assert simulate(scene).march.column("approach")[-1] == pytest.approx(approach, abs=6e-6)
         design = load("yamada-2002", [f"contact.friction={coefficient}"])
-        found = linear_check(design, tol=0.05).approach
-        own = sum(part.approach for part in linear_check(design, tol=0.05).left_out) * (found.value or 0.0)
-        assert abs((found.value or 0.0) - approach) <= (found.error or 0.0) - own
+        smooth = linear_check(design, tol=0.05).approach
+        bound = sum(part.approach for part in linear_check(design, tol=0.05).left_out) * (smooth.value or 0.0)
+        assert abs((smooth.value or 0.0) - approach) <= (smooth.error or 0.0) - bound
 
 
 def test_friction_raises_f9_and_takes_from_the_approach_on_thin_pads() -> None:
     """An independent linear solver: F9 + 0.8 to + 1.4 %, the approach - 4.6 to - 5.3 % at 0.2 to 1."""
-    found = rubbed(exact(on_yamada().without), on_yamada(), 4.0)
-    by_force = (found.all_touch_force.value or 0.0) / (on_yamada().without.all_touch_force or 1.0) - 1
-    by_approach = (found.approach.value or 0.0) / on_yamada().without.approach - 1
+    answer = with_friction(exact(on_yamada().without), on_yamada(), 4.0)
+    by_force = (answer.all_touch_force.value or 0.0) / (on_yamada().without.all_touch_force or 1.0) - 1
+    by_approach = (answer.approach.value or 0.0) / on_yamada().without.approach - 1
     assert by_force == pytest.approx(0.014, abs=0.002)
     assert by_approach == pytest.approx(-0.053, abs=0.002)
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(4.0, rel=1e-9)
-    assert found.all_touch_force.error == pytest.approx((0.02 + 0.3 * by_force) * found.all_touch_force.value)
-    assert found.approach.error == pytest.approx((0.005 - 0.5 * by_approach) * found.approach.value)
+    assert sum(f.value or 0.0 for f in answer.ridge_force) == pytest.approx(4.0, rel=1e-9)
+    assert answer.all_touch_force.error == pytest.approx(
+        (0.02 + 0.3 * by_force) * answer.all_touch_force.value
+    )
+    assert answer.approach.error == pytest.approx((0.005 - 0.5 * by_approach) * answer.approach.value)
 
 
 def small() -> Design:
@@ -83,11 +85,11 @@ def assert_inside(design: Design, coefficient: float) -> None:
     force = design.contact.force
     coarse = solve(plain_pad(design), coefficient, force)
     fine = solve(pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200)
-    found, truth = rubbed(exact(fine.without), coarse, force), fine.gripped
-    assert found.all_touch_force.lower <= (truth.all_touch_force or 0.0) <= found.all_touch_force.upper
-    assert found.approach.lower <= truth.approach <= found.approach.upper
-    missed = np.abs(np.array([f.value for f in found.ridge_force]) - truth.ridge_force)
-    assert missed.max() <= (found.ridge_force[0].error or 0.0)
+    answer, truth = with_friction(exact(fine.without), coarse, force), fine.gripped
+    assert answer.all_touch_force.lower <= (truth.all_touch_force or 0.0) <= answer.all_touch_force.upper
+    assert answer.approach.lower <= truth.approach <= answer.approach.upper
+    missed = np.abs(np.array([f.value for f in answer.ridge_force]) - truth.ridge_force)
+    assert missed.max() <= (answer.ridge_force[0].error or 0.0)
 
 
 @pytest.mark.parametrize(
@@ -101,9 +103,9 @@ def assert_inside(design: Design, coefficient: float) -> None:
 def test_shaped_plates_and_measured_parts_are_pressed_with_friction(plate: dict[str, object]) -> None:
     """Equal drops are none; a plate or a part that is not symmetric has other forces left than right."""
     design = small().with_(contact={"plate": plate})
-    found = solve(pad_of(design), 0.5, 0.65).gripped
-    assert found.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
-    assert found.residual < 1e-10
+    solution = solve(pad_of(design), 0.5, 0.65).gripped
+    assert solution.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
+    assert solution.residual < 1e-10
     same, lower = (solve(pad_of(small()), 0.5, 0.65, (0.02, 0.02, d)).gripped for d in (0.02, 0.03))
     level = solve(pad_of(small()), 0.5, 0.65).gripped
     assert same.all_touch_force == pytest.approx(level.all_touch_force, rel=1e-9)

@@ -14,16 +14,22 @@ from skincad.base.version import __version__
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.mechanics.tiers import measured
-from skincad.mechanics.tiers.measured import Taken, keep, kept, place, shown
-from skincad.mechanics.tiers.table import TIERS, beside, expected, factor, own
+from skincad.mechanics.tiers.measured import TierTiming, cache_file, save_timings, timing_cache, without_home
+from skincad.mechanics.tiers.table import (
+    TIERS,
+    expected_seconds,
+    machine_factor,
+    overhead_seconds,
+    own_seconds,
+)
 from skincad.mechanics.touching import check
 
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the file of this test will lie; the folder is not there yet."""
-    monkeypatch.setenv(measured.FOLDER, str(tmp_path / "cache"))
-    return tmp_path / "cache" / measured.NAME
+    monkeypatch.setenv(measured.FOLDER_VARIABLE, str(tmp_path / "cache"))
+    return tmp_path / "cache" / measured.FILE_NAME
 
 
 @pytest.fixture(scope="module")
@@ -31,50 +37,50 @@ def plain() -> Design:
     return load("plain-ridges")
 
 
-def times(tier: str, ratio: float, size: float = 5000.0) -> dict[str, Taken]:
+def times(tier: str, ratio: float, size: float = 5000.0) -> dict[str, TierTiming]:
     """A tier that took `ratio` times its law."""
-    return {tier: Taken(size=size, seconds=ratio * TIERS[tier].law.at(size))}
+    return {tier: TierTiming(size=size, seconds=ratio * TIERS[tier].law.at(size))}
 
 
 def test_a_tier_is_expected_to_take_what_it_took(file: Path, plain: Design) -> None:
-    before, sampling = {tier: own(tier, plain) for tier in TIERS}, beside("yield", plain)
+    before, sampling = {tier: own_seconds(tier, plain) for tier in TIERS}, overhead_seconds("yield", plain)
     size = TIERS["linear"].size(plain)
-    assert keep("plain-ridges", {"linear": Taken(size=size, seconds=12.5)}) == file
-    assert own("linear", plain) == pytest.approx(12.5, rel=1e-12)
-    assert expected("linear", plain, set()) == pytest.approx(12.5, rel=1e-12)
+    assert save_timings("plain-ridges", {"linear": TierTiming(size=size, seconds=12.5)}) == file
+    assert own_seconds("linear", plain) == pytest.approx(12.5, rel=1e-12)
+    assert expected_seconds("linear", plain, set()) == pytest.approx(12.5, rel=1e-12)
     # the others, the yield and friction by how fast that tells the machine to be
     faster = 12.5 / before["linear"]
-    assert {tier: own(tier, plain) / s for tier, s in before.items()} == pytest.approx(
+    assert {tier: own_seconds(tier, plain) / s for tier, s in before.items()} == pytest.approx(
         dict.fromkeys(TIERS, faster)
     )
-    assert beside("yield", plain) == pytest.approx(faster * sampling)
-    keep("plain-ridges", times("solid", 3.0))
-    assert factor("solid") == pytest.approx(3.0)
-    assert factor("linear") == pytest.approx(faster)  # kept beside it
+    assert overhead_seconds("yield", plain) == pytest.approx(faster * sampling)
+    save_timings("plain-ridges", times("solid", 3.0))
+    assert machine_factor("solid") == pytest.approx(3.0)
+    assert machine_factor("linear") == pytest.approx(faster)  # kept beside it
 
 
 def test_designs_add_up_to_the_median_and_one_takes_the_place_of_its_own(file: Path) -> None:
     for name, ratio in (("a", 1.0), ("b", 2.0), ("c", 9.0)):
-        keep(name, times("corrected", ratio))
-    assert factor("corrected") == pytest.approx(2.0)
-    keep("b", times("corrected", 4.0, size=70_000.0))
-    assert factor("corrected") == pytest.approx(4.0)
+        save_timings(name, times("corrected", ratio))
+    assert machine_factor("corrected") == pytest.approx(2.0)
+    save_timings("b", times("corrected", 4.0, size=70_000.0))
+    assert machine_factor("corrected") == pytest.approx(4.0)
     assert set(json.loads(file.read_text())["measured"]["corrected"]) == {"a", "b", "c"}
 
 
 def other(**change: Any) -> Any:
     """What makes a file another machine's."""
-    return lambda told: {**told, "machine": {**told["machine"], **change}}
+    return lambda contents: {**contents, "machine": {**contents["machine"], **change}}
 
 
 WRONG = {
     "no JSON": lambda _: "not a table {",
-    "cut": lambda told: json.dumps(told)[:-20],
-    "a list": lambda told: [told],
-    "no machine": lambda told: {"measured": told["measured"]},
-    "words": lambda told: {**told, "measured": {"linear": {"a": {"size": 1.0, "seconds": "long"}}}},
-    "no time": lambda told: {**told, "measured": {"linear": {"a": {"size": 1.0, "seconds": 0.0}}}},
-    "endless": lambda told: {**told, "measured": {"linear": {"a": {"size": 1.0, "seconds": 1e999}}}},
+    "cut": lambda contents: json.dumps(contents)[:-20],
+    "a list": lambda contents: [contents],
+    "no machine": lambda contents: {"measured": contents["measured"]},
+    "words": lambda contents: {**contents, "measured": {"linear": {"a": {"size": 1.0, "seconds": "long"}}}},
+    "no time": lambda contents: {**contents, "measured": {"linear": {"a": {"size": 1.0, "seconds": 0.0}}}},
+    "endless": lambda contents: {**contents, "measured": {"linear": {"a": {"size": 1.0, "seconds": 1e999}}}},
 }
 STRANGE = {
     "processor": other(processor="abacus"),
@@ -84,54 +90,61 @@ STRANGE = {
 
 @pytest.mark.parametrize("what", [*WRONG, *STRANGE])
 def test_a_file_that_is_broken_or_another_machines_is_ignored(what: str, file: Path, plain: Design) -> None:
-    before, speed = own("linear", plain), factor()
-    keep("a", times("linear", 7.0))
-    assert (own("linear", plain), factor()) == (pytest.approx(7.0 * before), pytest.approx(7.0))
+    before, speed = own_seconds("linear", plain), machine_factor()
+    save_timings("a", times("linear", 7.0))
+    assert (own_seconds("linear", plain), machine_factor()) == (
+        pytest.approx(7.0 * before),
+        pytest.approx(7.0),
+    )
     text = {**WRONG, **STRANGE}[what](json.loads(file.read_text()))
     file.write_text(text if isinstance(text, str) else json.dumps(text))
-    assert (own("linear", plain), factor()) == (before, speed)
-    told = [w for w in check(plain, tier="winkler").warnings if "cost law" in w]
-    assert len(told) == (what in WRONG)  # another machine's is no fault of the file
-    assert all(shown(file) in w and "delete it" in w for w in told)
-    keep("b", times("linear", 3.0))  # in its place
-    assert own("linear", plain) == pytest.approx(3.0 * before)
-    assert kept().trouble == ""
+    assert (own_seconds("linear", plain), machine_factor()) == (before, speed)
+    contents = [w for w in check(plain, tier="winkler").warnings if "cost law" in w]
+    assert len(contents) == (what in WRONG)  # another machine's is no fault of the file
+    assert all(without_home(file) in w and "delete it" in w for w in contents)
+    save_timings("b", times("linear", 3.0))  # in its place
+    assert own_seconds("linear", plain) == pytest.approx(3.0 * before)
+    assert timing_cache().trouble == ""
 
 
 def test_bytes_that_are_no_text_and_a_folder_in_its_place_are_ignored(file: Path, plain: Design) -> None:
-    before = own("linear", plain)
+    before = own_seconds("linear", plain)
     file.parent.mkdir()
     file.write_bytes(b"\xff\xfe\x00{")
-    assert (own("linear", plain), "delete it" in kept().trouble) == (before, True)
+    assert (own_seconds("linear", plain), "delete it" in timing_cache().trouble) == (before, True)
     file.unlink()
     file.mkdir()
-    assert (own("linear", plain), "delete it" in kept().trouble) == (before, True)
+    assert (own_seconds("linear", plain), "delete it" in timing_cache().trouble) == (before, True)
     with pytest.raises(OSError, match="directory"):
-        keep("a", times("linear", 7.0))
+        save_timings("a", times("linear", 7.0))
     assert list(file.parent.iterdir()) == [file]  # nothing is left beside it
 
 
 def test_to_delete_it_is_harmless(file: Path, plain: Design) -> None:
-    before = own("linear", plain)
-    assert kept().taken == {}
-    keep("a", times("linear", 7.0))
+    before = own_seconds("linear", plain)
+    assert timing_cache().timings == {}
+    save_timings("a", times("linear", 7.0))
     file.unlink()
-    assert (own("linear", plain), kept().trouble) == (before, "")
+    assert (own_seconds("linear", plain), timing_cache().trouble) == (before, "")
     file.parent.rmdir()
-    assert own("linear", plain) == before
-    keep("a", times("linear", 7.0))
-    assert own("linear", plain) == pytest.approx(7.0 * before)
+    assert own_seconds("linear", plain) == before
+    save_timings("a", times("linear", 7.0))
+    assert own_seconds("linear", plain) == pytest.approx(7.0 * before)
     assert stat.S_ISREG(file.stat().st_mode)
 
 
 def test_it_lies_in_the_users_cache_folder_and_is_told_without_the_user(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delenv(measured.FOLDER)
+    monkeypatch.delenv(measured.FOLDER_VARIABLE)
     monkeypatch.setattr(Path, "home", lambda: tmp_path)
     variable = "LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME"
-    for told, folder in (("", tmp_path / ".cache"), ("rel", tmp_path / ".cache"), (str(tmp_path), tmp_path)):
-        monkeypatch.setenv(variable, told)
-        assert place() == folder / "skincad" / measured.NAME
-    assert shown(tmp_path / "a") == str(Path("~", "a"))
-    assert shown(tmp_path.parent / "a") == str(tmp_path.parent / "a")
+    for contents, folder in (
+        ("", tmp_path / ".cache"),
+        ("rel", tmp_path / ".cache"),
+        (str(tmp_path), tmp_path),
+    ):
+        monkeypatch.setenv(variable, contents)
+        assert cache_file() == folder / "skincad" / measured.FILE_NAME
+    assert without_home(tmp_path / "a") == str(Path("~", "a"))
+    assert without_home(tmp_path.parent / "a") == str(tmp_path.parent / "a")

@@ -33,12 +33,12 @@ FINITE = answer(3.3, 0.19, (0.9, 2.2, 0.9))
 
 
 def test_changes_multiply_and_shares_add() -> None:
-    found = product.answer(load("plain-ridges"), REQUEST, None, SMALL, ENDS, FINITE)
-    assert found.all_touch_force.value == pytest.approx(2.4 * 1.1)
-    assert found.approach.value == pytest.approx(0.25 * 0.95)
-    assert [s.value for s in found.ridge_force] == pytest.approx([1.1, 1.8, 1.1])
+    answer = product.answer(load("plain-ridges"), REQUEST, None, SMALL, ENDS, FINITE)
+    assert answer.all_touch_force.value == pytest.approx(2.4 * 1.1)
+    assert answer.approach.value == pytest.approx(0.25 * 0.95)
+    assert [s.value for s in answer.ridge_force] == pytest.approx([1.1, 1.8, 1.1])
     # 0.01 of each side times the other's ratio, and half of the 10 % of finite strain
-    assert found.all_touch_force.error == pytest.approx(0.01 * 1.1 + 0.01 * 0.8 + 0.05 * 2.4)
+    assert answer.all_touch_force.error == pytest.approx(0.01 * 1.1 + 0.01 * 0.8 + 0.05 * 2.4)
 
 
 def test_no_threshold_without_all_three() -> None:

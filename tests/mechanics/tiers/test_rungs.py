@@ -12,9 +12,9 @@ import pytest
 from skincad.base import climbing
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load
-from skincad.mechanics.problem import FLOOR, Answer, LateError, Request, SizeError, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.tiers import corrected, linear, product, solid, solid_finite_strain
-from skincad.mechanics.tiers.corrected import Errors, changed
+from skincad.mechanics.tiers.corrected import Errors, apply_change
 from skincad.mechanics.tiers.linear import RUNGS
 from skincad.mechanics.tiers.plane_level import PlaneSolution
 from skincad.mechanics.tiers.reached import relative_error, shortfalls
@@ -58,15 +58,17 @@ def test_where_the_error_falls_as_one_over_the_order_the_bar_is_that_error_times
         plane(at(k, 3.0, 0.2), at(k, 0.2, 0.008), (at(k, 1.0, 0.1), at(k, 2.0, -0.3)))
         for k in (order, order - 1)
     )
-    told = linear._estimated(best, lower, None, order, {})
-    assert told.all_touch_force.error == pytest.approx(linear.TAIL * 0.2 / order, rel=1e-9)
-    assert told.approach.error == pytest.approx(linear.TAIL * 0.008 / order, rel=1e-9)
+    estimated = linear._estimated(best, lower, None, order, {})
+    assert estimated.all_touch_force.error == pytest.approx(linear.TAIL * 0.2 / order, rel=1e-9)
+    assert estimated.approach.error == pytest.approx(linear.TAIL * 0.008 / order, rel=1e-9)
     # the largest of the ridges' is every ridge's
-    assert [f.error for f in told.ridge_force] == pytest.approx([linear.TAIL * 0.3 / order] * 2, rel=1e-9)
-    assert [f.value for f in told.ridge_force] == list(best.ridge_force)
+    assert [f.error for f in estimated.ridge_force] == pytest.approx(
+        [linear.TAIL * 0.3 / order] * 2, rel=1e-9
+    )
+    assert [f.value for f in estimated.ridge_force] == list(best.ridge_force)
     third = linear._estimated(best, lower, None, 3, {})
-    assert (third.approach.error or 0.0) * (order - 1) > (told.approach.error or 0.0)
-    assert (third.approach.error or 0.0) < (told.approach.error or 0.0)
+    assert (third.approach.error or 0.0) * (order - 1) > (estimated.approach.error or 0.0)
+    assert (third.approach.error or 0.0) < (estimated.approach.error or 0.0)
 
 
 def test_the_rung_before_bounds_the_error_too() -> None:
@@ -77,11 +79,11 @@ def test_the_rung_before_bounds_the_error_too() -> None:
     assert far.all_touch_force.error == pytest.approx(0.5, rel=1e-12)
     assert far.ridge_force[0].error == pytest.approx(0.4, rel=1e-12)
     # 1/6 of F9, of which a part is the approach's, and more than its own 5 %
-    assert far.approach.error == pytest.approx(linear.BY_FORCE * 0.5 / 3.0 * 0.2, rel=1e-12)
+    assert far.approach.error == pytest.approx(linear.APPROACH_BY_THRESHOLD * 0.5 / 3.0 * 0.2, rel=1e-12)
     assert far.approach.error > 0.01
     nearer = linear._estimated(best, lower, plane(3.0, 0.25, (1.0, 2.0)), 4, {})
     assert nearer.approach.error == pytest.approx(0.05, rel=1e-12)
-    assert nearer.all_touch_force.error == pytest.approx(linear.BY_APPROACH * 0.25 * 3.0, rel=1e-12)
+    assert nearer.all_touch_force.error == pytest.approx(linear.THRESHOLD_BY_APPROACH * 0.25 * 3.0, rel=1e-12)
     for levels in ((plane(None, 0.2, (1.0, 2.0)), lower, None), (best, lower, plane(None, 0.2, (1.0, 2.0)))):
         unknown = linear._estimated(*levels, 4, {}).all_touch_force
         assert (unknown.value, unknown.error) == (None, None)
@@ -97,10 +99,10 @@ def test_the_relative_error_is_the_largest_of_force_approach_and_share() -> None
     by_share = replace(known, ridge_force=tuple(Estimate(f, 0.06, "N") for f in (1.0, 3.0)))
     assert relative_error(by_share, 4.0, 0.5) == pytest.approx(0.03, rel=1e-12)  # of the mean share, 2 N
     # what is next to nothing is compared with a part of the force, or of the pad
-    small = replace(known, all_touch_force=Estimate(1e-9 * FLOOR, 0.01, "N"))
-    assert relative_error(small, 4.0, 0.5) == pytest.approx(0.01 / (4.0 * FLOOR), rel=1e-12)
+    small = replace(known, all_touch_force=Estimate(1e-9 * NEGLIGIBLE, 0.01, "N"))
+    assert relative_error(small, 4.0, 0.5) == pytest.approx(0.01 / (4.0 * NEGLIGIBLE), rel=1e-12)
     still = replace(known, approach=Estimate(0.0, 0.01, "mm"))
-    assert relative_error(still, 4.0, 0.5) == pytest.approx(0.01 / (0.5 * FLOOR), rel=1e-12)
+    assert relative_error(still, 4.0, 0.5) == pytest.approx(0.01 / (0.5 * NEGLIGIBLE), rel=1e-12)
     assert relative_error(replace(known, all_touch_force=Estimate(None, None, "N")), 4.0, 0.5) == 0.0
 
 
@@ -146,59 +148,59 @@ class Levels:
         self.solved.append((meshed.mesh, order))
         self.clock.now += self.seconds
         off = 0.1 / meshed.mesh / order**2
-        found = plane(2.0 * (1 + off), 0.1, (force / 2, force / 2))
-        return replace(found, seconds={"contact": self.seconds})
+        solution = plane(2.0 * (1 + off), 0.1, (force / 2, force / 2))
+        return replace(solution, seconds={"contact": self.seconds})
 
-    def climbed(self, **asked: Any) -> Answer:
+    def climbed(self, **goals: Any) -> Answer:
         self.solved.clear()
-        return linear.climb(pad_of(load("plain-ridges")), Request(4.0, **asked), self, "linear")[0]
+        return linear.climb(pad_of(load("plain-ridges")), Request(4.0, **goals), self, "linear")[0]
 
 
 def test_a_climb_solves_no_level_twice_and_ends_where_the_tolerance_is_met(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = Levels(monkeypatch, 1.0, 0.5)
-    whole = made.climbed(tol=1e-9)
+    levels = Levels(monkeypatch, 1.0, 0.5)
+    whole = levels.climbed(tol=1e-9)
     first = (RUNGS[-2].fineness, RUNGS[-2].order - 1)
-    assert made.solved[0] == first  # from the rung before the one that may do: that bounds its error
-    assert len(made.solved) == len(set(made.solved)) == 3
+    assert levels.solved[0] == first  # from the rung before the one that may do: that bounds its error
+    assert len(levels.solved) == len(set(levels.solved)) == 3
     assert whole.seconds == {"mesh": 0.5, "contact": 3.0}
     assert [w.split(":")[1] for w in whole.warnings] == [" the tolerance 1.0e-09 is not met"]
-    coarse = made.climbed(tol=0.5)
-    assert made.solved == [(RUNGS[0].fineness, 2), (RUNGS[0].fineness, 3)]
+    coarse = levels.climbed(tol=0.5)
+    assert levels.solved == [(RUNGS[0].fineness, 2), (RUNGS[0].fineness, 3)]
     assert (coarse.warnings, coarse.seconds) == ((), {"mesh": 0.5, "contact": 2.0})
-    for i, rung in enumerate(RUNGS):
-        made.climbed(tol=max(rung.usual, 1e-12))
-        begun = RUNGS[i if i < 2 else i - 1]
-        assert made.solved[0] == (begun.fineness, begun.order - 1)
+    for i, refinement in enumerate(RUNGS):
+        levels.climbed(tol=max(refinement.usual, 1e-12))
+        first_rung = RUNGS[i if i < 2 else i - 1]
+        assert levels.solved[0] == (first_rung.fineness, first_rung.order - 1)
     # a budget without a tolerance asks for the best: all rungs from the first
-    best = made.climbed(budget=1e6)
-    assert {(r.fineness, k) for r in RUNGS for k in (r.order - 1, r.order)} == set(made.solved)
+    best = levels.climbed(budget=1e6)
+    assert {(r.fineness, k) for r in RUNGS for k in (r.order - 1, r.order)} == set(levels.solved)
     assert best.warnings == ()
 
 
 def test_a_budget_is_kept_by_what_the_rungs_before_took(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two levels at 1 s are the first rung; the next is expected to take its price times that."""
-    made = Levels(monkeypatch, 1.0)
+    stub = Levels(monkeypatch, 1.0)
     needed = 2.0 * (1 + RUNGS[1].price / RUNGS[0].price)
     for more, levels in ((-1e-6, 2), (1e-6, 4)):
-        assert made.climbed(budget=needed + more).warnings == ()
-        assert len(made.solved) == levels
-    (late,) = made.climbed(budget=1.5).warnings
+        assert stub.climbed(budget=needed + more).warnings == ()
+        assert len(stub.solved) == levels
+    (late,) = stub.climbed(budget=1.5).warnings
     assert late == "the cheapest mesh took 2 s, more than the budget of 1.5 s"
 
 
 def test_what_must_fit_and_will_not_is_given_up_after_its_mesh_or_its_first_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = Levels(monkeypatch, 0.0, 1.0)
+    levels = Levels(monkeypatch, 0.0, 1.0)
     expected = 1.0 + linear.AFTER_MESH
     with pytest.raises(LateError) as late:
-        made.climbed(budget=expected - 1e-6, must_fit=True)
-    assert (late.value.seconds, made.solved) == (pytest.approx(expected), [])
-    made.climbed(budget=expected + 1e-6, must_fit=True)
-    made.climbed(budget=1.1)  # what need not fit is solved as the least there is
-    assert len(made.solved) == 2
+        levels.climbed(budget=expected - 1e-6, must_fit=True)
+    assert (late.value.seconds, levels.solved) == (pytest.approx(expected), [])
+    levels.climbed(budget=expected + 1e-6, must_fit=True)
+    levels.climbed(budget=1.1)  # what need not fit is solved as the least there is
+    assert len(levels.solved) == 2
     slow = Levels(monkeypatch, 1.0)
     expected = 1.0 + linear.AFTER_ORDER
     with pytest.raises(LateError) as late:
@@ -211,30 +213,30 @@ def test_what_must_fit_and_will_not_is_given_up_after_its_mesh_or_its_first_orde
 def test_a_mesh_of_as_many_unknowns_as_fit_is_solved_and_one_of_more_is_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = Levels(monkeypatch)
-    made.contact = linear.MOST_CONTACT_UNKNOWNS / RUNGS[1].fineness
-    found = made.climbed(budget=1e6, tol=1e-9)
-    assert {fineness for fineness, _ in made.solved} == {RUNGS[0].fineness, RUNGS[1].fineness}
-    assert found.warnings[0].endswith(
+    levels = Levels(monkeypatch)
+    levels.contact = linear.MOST_CONTACT_UNKNOWNS / RUNGS[1].fineness
+    answer = levels.climbed(budget=1e6, tol=1e-9)
+    assert {fineness for fineness, _ in levels.solved} == {RUNGS[0].fineness, RUNGS[1].fineness}
+    assert answer.warnings[0].endswith(
         f"is not met: a finer mesh takes more than {linear.MOST_CONTACT_UNKNOWNS} contact unknowns"
     )
-    made.climbed(tol=1e-9)  # begun on the finest, which does not fit
-    assert {fineness for fineness, _ in made.solved} == {RUNGS[1].fineness}
-    made.contact = 1.01 * linear.MOST_CONTACT_UNKNOWNS / RUNGS[0].fineness
+    levels.climbed(tol=1e-9)  # begun on the finest, which does not fit
+    assert {fineness for fineness, _ in levels.solved} == {RUNGS[1].fineness}
+    levels.contact = 1.01 * linear.MOST_CONTACT_UNKNOWNS / RUNGS[0].fineness
     with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
-        made.climbed()
+        levels.climbed()
 
 
 def test_a_ridge_too_many_is_told_before_anything_is_meshed(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = Levels(monkeypatch)
-    made.contact = 1e9
+    levels = Levels(monkeypatch)
+    levels.contact = 1e9
     pad = pad_of(load("plain-ridges"))
     most = linear.MOST_A_RIDGE * len(pad.ridges)
     linear._check_coarsest(pad, most, "linear")
     with pytest.raises(SizeError) as large:
         linear._check_coarsest(pad, most - 1, "linear")
     alone = 1e9 * RUNGS[0].fineness
-    assert f"got {round(linear.ALONE * len(pad.ridges) * alone)}" in str(large.value)
+    assert f"got {round(linear.SINGLE_RIDGE_FACTOR * len(pad.ridges) * alone)}" in str(large.value)
 
 
 def test_finer_layers_and_a_higher_order_add_up_in_the_solid() -> None:
@@ -242,15 +244,15 @@ def test_finer_layers_and_a_higher_order_add_up_in_the_solid() -> None:
     lower = spatial(3.0, 0.20, (1.0, 2.0), 1)
     best = spatial(3.1, 0.19, (1.2, 1.8), 2)  # the higher order changes by this much
     finer = spatial(2.8, 0.23, (0.9, 2.1), 3)  # the finer layers by this
-    found = solid._estimated(best, lower, finer)
-    assert found.all_touch_force.value == pytest.approx(2.9)
-    assert found.approach.value == pytest.approx(0.22)
-    assert [f.value for f in found.ridge_force] == pytest.approx([1.1, 1.9])
+    result = solid._estimated(best, lower, finer)
+    assert result.all_touch_force.value == pytest.approx(2.9)
+    assert result.approach.value == pytest.approx(0.22)
+    assert [f.value for f in result.ridge_force] == pytest.approx([1.1, 1.9])
     tails = np.array([solid.SECTION_TAIL, solid.LAYERS_TAIL])
-    assert found.all_touch_force.error == pytest.approx(tails @ [0.1, 0.2])
-    assert found.approach.error == pytest.approx(tails @ [0.01, 0.03])
-    assert [f.error for f in found.ridge_force] == pytest.approx([tails @ [0.2, 0.1]] * 2)
-    assert (found.touching, found.unknowns, found.residual) == (2, 2, pytest.approx(3e-12))
+    assert result.all_touch_force.error == pytest.approx(tails @ [0.1, 0.2])
+    assert result.approach.error == pytest.approx(tails @ [0.01, 0.03])
+    assert [f.error for f in result.ridge_force] == pytest.approx([tails @ [0.2, 0.1]] * 2)
+    assert (result.touching, result.unknowns, result.residual) == (2, 2, pytest.approx(3e-12))
     unknown = solid._estimated(best, lower, spatial(None, 0.23, (0.9, 2.1)))
     assert unknown.all_touch_force.value is None
     # a ridge at the brink: no sum of differences makes it pull
@@ -267,12 +269,12 @@ def test_the_solid_climbs_where_the_tolerance_asks_it_and_the_budget_lets_it(
     clock, climbed = Clock(monkeypatch, climbing, solid), []
     pad = pad_of(load("plain-ridges"))
 
-    def climb(_: object, rung: Any, *__: object) -> Answer:
-        climbed.append(rung)
-        clock.now += 2.0 * rung.price
-        if rung is solid.RUNGS[1] and too_large:
+    def climb(_: object, refinement: Any, *__: object) -> Answer:
+        climbed.append(refinement)
+        clock.now += 2.0 * refinement.price
+        if refinement is solid.RUNGS[1] and too_large:
             raise SizeError("ridge.count", "too many", 1)
-        return answer(3.0, 0.2, (1.0, 3.0), 0.0 if rung is solid.RUNGS[1] else 0.002)
+        return answer(3.0, 0.2, (1.0, 3.0), 0.0 if refinement is solid.RUNGS[1] else 0.002)
 
     monkeypatch.setattr(solid, "_climb", climb)
 
@@ -301,42 +303,48 @@ ERRORS = Errors(approach=0.01, threshold=0.02, share=0.03)
 
 def test_a_change_scales_force_and_approach_and_shifts_shares() -> None:
     fine = answer(3.0, 0.2, (1.0, 2.0, 1.0))
-    found = changed(
+    result = apply_change(
         fine, spatial(2.0, 0.1, (1.1, 1.8, 1.1)), spatial(1.5, 0.11, (1.3, 1.4, 1.3)), 4.0, ERRORS
     )
-    assert found.all_touch_force.value == pytest.approx(3.0 * 0.75)
-    assert found.all_touch_force.error == pytest.approx((0.01 + 0.02 * 3.0) * 0.75)
-    assert found.approach.value == pytest.approx(0.2 * 1.1)
-    assert found.approach.error == pytest.approx((0.01 + 0.01 * 0.2) * 1.1)
-    assert [f.value for f in found.ridge_force] == pytest.approx([1.2, 1.6, 1.2])
-    assert found.ridge_force[0].error == pytest.approx(0.01 + 0.03 * 4.0 / 3)
-    assert (found.touching, found.unknowns, found.residual) == (3, 20, pytest.approx(1e-9))
-    more = changed(fine, spatial(2.0, 0.1, (1, 2, 1), 2000), spatial(2.0, 0.1, (1, 2, 1), 30), 4.0, ERRORS)
+    assert result.all_touch_force.value == pytest.approx(3.0 * 0.75)
+    assert result.all_touch_force.error == pytest.approx((0.01 + 0.02 * 3.0) * 0.75)
+    assert result.approach.value == pytest.approx(0.2 * 1.1)
+    assert result.approach.error == pytest.approx((0.01 + 0.01 * 0.2) * 1.1)
+    assert [f.value for f in result.ridge_force] == pytest.approx([1.2, 1.6, 1.2])
+    assert result.ridge_force[0].error == pytest.approx(0.01 + 0.03 * 4.0 / 3)
+    assert (result.touching, result.unknowns, result.residual) == (3, 20, pytest.approx(1e-9))
+    more = apply_change(
+        fine, spatial(2.0, 0.1, (1, 2, 1), 2000), spatial(2.0, 0.1, (1, 2, 1), 30), 4.0, ERRORS
+    )
     assert (more.unknowns, more.residual) == (30, pytest.approx(2e-9))
 
 
 def test_a_ridge_that_the_changed_level_leaves_clear_carries_nothing_and_none_pulls() -> None:
     fine = answer(3.0, 0.2, (0.5, 3.0, 0.5))
-    found = changed(fine, spatial(2.0, 0.1, (1.0, 2.0, 0.1)), spatial(2.0, 0.1, (0.1, 2.9, 0.0)), 4.0, ERRORS)
-    assert [f.value for f in found.ridge_force] == pytest.approx([0.0, 4.0, 0.0])
-    assert found.touching == 1
+    result = apply_change(
+        fine, spatial(2.0, 0.1, (1.0, 2.0, 0.1)), spatial(2.0, 0.1, (0.1, 2.9, 0.0)), 4.0, ERRORS
+    )
+    assert [f.value for f in result.ridge_force] == pytest.approx([0.0, 4.0, 0.0])
+    assert result.touching == 1
 
 
 @pytest.mark.parametrize(("first", "last"), [(None, 1.0), (1.0, None)])
 def test_no_changed_force_without_both(first: float | None, last: float | None) -> None:
     one, other = spatial(first, 0.1, (2.0, 2.0)), spatial(last, 0.1, (2.0, 2.0))
-    assert changed(answer(3.0, 0.2, (2.0, 2.0)), one, other, 4.0, ERRORS).all_touch_force.value is None
+    assert apply_change(answer(3.0, 0.2, (2.0, 2.0)), one, other, 4.0, ERRORS).all_touch_force.value is None
 
 
 def test_a_force_next_to_nothing_is_the_changed_levels_own() -> None:
-    floor, shares = FLOOR * 4.0, (2.0, 2.0)
+    floor, shares = NEGLIGIBLE * 4.0, (2.0, 2.0)
     after = spatial(0.3, 0.1, shares)
     for value, first in ((3.0, 0.9 * floor), (0.9 * floor, 3.0)):
-        told = changed(answer(value, 0.2, shares), spatial(first, 0.1, shares), after, 4.0, ERRORS)
-        assert (told.all_touch_force.value, told.all_touch_force.error) == (0.3, pytest.approx(floor))
-    usual = changed(answer(3.0, 0.2, shares), spatial(1.1 * floor, 0.1, shares), after, 4.0, ERRORS)
+        changed = apply_change(answer(value, 0.2, shares), spatial(first, 0.1, shares), after, 4.0, ERRORS)
+        assert (changed.all_touch_force.value, changed.all_touch_force.error) == (0.3, pytest.approx(floor))
+    usual = apply_change(answer(3.0, 0.2, shares), spatial(1.1 * floor, 0.1, shares), after, 4.0, ERRORS)
     assert usual.all_touch_force.value == pytest.approx(3.0 * 0.3 / (1.1 * floor))
-    one = changed(answer(0.0, 0.2, shares), spatial(0.0, 0.1, shares), spatial(0.0, 0.1, shares), 4.0, ERRORS)
+    one = apply_change(
+        answer(0.0, 0.2, shares), spatial(0.0, 0.1, shares), spatial(0.0, 0.1, shares), 4.0, ERRORS
+    )
     assert (one.all_touch_force.value, one.all_touch_force.error) == (0.0, 0.0)  # it touches at once
 
 
@@ -347,27 +355,27 @@ def test_a_coarse_solid_that_overruns_the_budget_says_so(monkeypatch: pytest.Mon
     def ends(_: object, __: float, seconds: dict[str, float], **___: object) -> Any:
         clock.now += 3.0
         seconds.update(mesh=1.0, contact=2.0)
-        return SimpleNamespace(plane=level, solid=level, small=level, finite=level, beyond="")
+        return SimpleNamespace(plane=level, solid=level, small=level, finite=level, out_of_range="")
 
     monkeypatch.setattr(corrected, "free_ends", ends)
     monkeypatch.setattr(solid_finite_strain, "solve", ends)
     design, fine = load("plain-ridges"), answer(3.0, 0.2, (2.0, 2.0))
     for budget, words in ((3.5, ()), (None, ()), (2.5, (" overran the budget of 2.5 s",))):
         request = Request(4.0, budget=budget)
-        found = corrected.answer(design, request, None, fine)
-        assert found.warnings == ("said before", *(f"the coarse solid{each}" for each in words))
-        assert found.seconds == {"contact": 1.0, "solid": 3.0}
-        found = solid_finite_strain.answer(design, request, None, fine)
-        assert found.warnings == (
+        result = corrected.answer(design, request, None, fine)
+        assert result.warnings == ("said before", *(f"the coarse solid{end}" for end in words))
+        assert result.seconds == {"contact": 1.0, "solid": 3.0}
+        result = solid_finite_strain.answer(design, request, None, fine)
+        assert result.warnings == (
             "said before",
-            *(f"the solid with finite strain{each}" for each in words),
+            *(f"the solid with finite strain{end}" for end in words),
         )
-        assert found.seconds == {"contact": 1.0, "finite mesh": 1.0, "finite contact": 2.0}
+        assert result.seconds == {"contact": 1.0, "finite mesh": 1.0, "finite contact": 2.0}
 
 
 def test_a_tolerance_below_what_a_change_is_known_to_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     level = spatial(2.0, 0.1, (2.0, 2.0))
-    strains = SimpleNamespace(small=level, finite=level, beyond="F9 is beyond")
+    strains = SimpleNamespace(small=level, finite=level, out_of_range="F9 is beyond")
     monkeypatch.setattr(solid_finite_strain, "solve", lambda *_: strains)
     design, fine = load("plain-ridges"), answer(3.0, 0.2, (2.0, 2.0))
     known = max(vars(solid_finite_strain.ERRORS).values())
@@ -381,14 +389,14 @@ def test_a_tolerance_below_what_a_change_is_known_to_is_said(monkeypatch: pytest
 def test_in_the_product_each_change_has_its_error_and_no_ridge_pulls() -> None:
     small, ends = answer(3.0, 0.2, (1.0, 2.0, 1.0)), answer(2.4, 0.25, (0.4, 3.2, 0.4), 0.02)
     finite = replace(answer(3.3, 0.19, (0.9, 2.2, 0.9), 0.03), unknowns=40, residual=1e-10)
-    found = product.answer(load("plain-ridges"), Request(4.0), None, small, ends, finite)
-    assert found.ridge_force[0].error == pytest.approx(0.02 + 0.03 + product.PLANE * 0.2)
-    assert found.approach.error == pytest.approx(
-        0.02 * 0.95 + 0.03 * 1.25 + product.PLANE * 0.05 * 0.25, rel=1e-9
+    result = product.answer(load("plain-ridges"), Request(4.0), None, small, ends, finite)
+    assert result.ridge_force[0].error == pytest.approx(0.02 + 0.03 + product.INTERACTION * 0.2)
+    assert result.approach.error == pytest.approx(
+        0.02 * 0.95 + 0.03 * 1.25 + product.INTERACTION * 0.05 * 0.25, rel=1e-9
     )
-    assert (found.touching, found.unknowns, found.residual) == (3, 40, 1e-9)
-    assert found.warnings == ("said before",)  # by all three, told once
-    assert found.seconds == {"contact": 1.0, "finite strain": 1.0}
+    assert (result.touching, result.unknowns, result.residual) == (3, 40, 1e-9)
+    assert result.warnings == ("said before",)  # by all three, told once
+    assert result.seconds == {"contact": 1.0, "finite strain": 1.0}
     clear = product.answer(
         load("plain-ridges"), Request(4.0), None, small, ends, answer(3.3, 0.19, (0.5, 3.0, 0.5))
     )
@@ -402,11 +410,11 @@ def test_a_ridge_that_carries_anything_touches() -> None:
         kind(3.0, 0.2, (0.5 + by, 3.0 - 2 * by, 0.5 + by))
         for kind, by in ((answer, 0.0), (spatial, 0.1), (spatial, 0.0))
     )
-    by_ends = changed(fine, before, after, 4.0, ERRORS)
+    by_ends = apply_change(fine, before, after, 4.0, ERRORS)
     in_solid = solid._estimated(before, before, after)
     by_both = product.answer(
         load("plain-ridges"), Request(4.0), None, fine, fine, answer(3.0, 0.2, (0.4, 3.2, 0.4))
     )
-    for each, outer in ((by_ends, 0.4), (in_solid, 0.5), (by_both, 0.4)):
-        assert each.ridge_force[0].value == pytest.approx(outer)
-        assert each.touching == 3
+    for result, outer in ((by_ends, 0.4), (in_solid, 0.5), (by_both, 0.4)):
+        assert result.ridge_force[0].value == pytest.approx(outer)
+        assert result.touching == 3

@@ -22,7 +22,7 @@ from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
 from skincad.mechanics.problem import Pad, Request, pad_of
 from skincad.mechanics.tiers import corrected, plane_level, solid, solid_level
-from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, pressed
+from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import SHORT, THREE, filleted, yamada
@@ -37,7 +37,7 @@ def coarse(
     pad: Pad, order: int = 2, along: Layers | None = USUAL, force: float = 4.0, **how: Any
 ) -> SolidSolution:
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
-    return pressed(meshed, forms_of(meshed, order), along, force, {}, **how)
+    return solve_level(meshed, forms_of(meshed, order), along, force, {}, **how)
 
 
 @cache
@@ -45,7 +45,7 @@ def refined() -> SolidSolution:
     """Three ridges of the reference section: order 3 on a finer mesh and finer layers than any rung's."""
     pad = pad_of(sharp().with_(**THREE))
     meshed = meshed_piece(pad, coarse_sizes(pad, 2.0))
-    return pressed(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), FORCE, {})
+    return solve_level(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), FORCE, {})
 
 
 @pytest.mark.parametrize("order", [2, pytest.param(3, marks=pytest.mark.slow)])
@@ -55,11 +55,11 @@ def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
     pad = pad_of(sharp())
     mesh = triangles(pad, default_sizes(pad, 0.25))
     meshed = Meshed(pad, pad, False, unit_of(pad), height_of(pad), mesh)
-    found = pressed(meshed, forms_of(meshed, order), None, 4.0, {})
+    solution = solve_level(meshed, forms_of(meshed, order), None, 4.0, {})
     exact = plane_level.level(meshed, order, 4.0)
-    assert found.approach == pytest.approx(exact.approach, rel=1e-5)
-    assert found.all_touch_force == pytest.approx(exact.all_touch_force, rel=1e-5)
-    assert found.ridge_force == pytest.approx(exact.ridge_force, rel=1e-4)
+    assert solution.approach == pytest.approx(exact.approach, rel=1e-5)
+    assert solution.all_touch_force == pytest.approx(exact.all_touch_force, rel=1e-5)
+    assert solution.ridge_force == pytest.approx(exact.ridge_force, rel=1e-4)
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -68,9 +68,9 @@ def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> No
     pad = block(3.0, 2.0, 0.499)
     mesh = triangles(pad, coarse_sizes(pad, 1.0))
     meshed = Meshed(pad, pad, False, unit_of(pad), height_of(pad), mesh)
-    found = pressed(meshed, forms_of(meshed, order), None, 0.5, {})
+    solution = solve_level(meshed, forms_of(meshed, order), None, 0.5, {})
     exact = plane_level.level(meshed, order, 0.5)
-    assert found.approach == pytest.approx(exact.approach, rel=1e-10)
+    assert solution.approach == pytest.approx(exact.approach, rel=1e-10)
 
 
 @pytest.mark.parametrize("film", [pytest.param(False, marks=pytest.mark.slow), True])
@@ -79,19 +79,19 @@ def test_clamped_ends_are_plane_strain(film: bool) -> None:
     pad = pad_of((yamada() if film else sharp()).with_(**SHORT))
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, 2)
-    plane = pressed(meshed, forms, None, 1.0, {})
-    held = pressed(meshed, forms, FEW, 1.0, {}, clamped_end=True)
-    assert held.approach == pytest.approx(plane.approach, rel=1e-8)
-    assert held.all_touch_force == pytest.approx(plane.all_touch_force, rel=1e-7)
-    assert held.ridge_force == pytest.approx(plane.ridge_force, rel=1e-7)
+    plane = solve_level(meshed, forms, None, 1.0, {})
+    clamped = solve_level(meshed, forms, FEW, 1.0, {}, clamped_end=True)
+    assert clamped.approach == pytest.approx(plane.approach, rel=1e-8)
+    assert clamped.all_touch_force == pytest.approx(plane.all_touch_force, rel=1e-7)
+    assert clamped.ridge_force == pytest.approx(plane.ridge_force, rel=1e-7)
 
 
 @pytest.mark.parametrize("order", [2, 3])
 def test_patch_uniform_compression(order: int) -> None:
     """At nu = 0 the clamped back holds nothing sideways: the block shortens uniformly, rounding only."""
-    found = coarse(block(3.0, 2.0, 0.0), order, FEW, 0.5)
-    assert found.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
-    assert found.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
+    solution = coarse(block(3.0, 2.0, 0.0), order, FEW, 0.5)
+    assert solution.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
+    assert solution.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
 
 
 def test_half_is_the_whole() -> None:
@@ -102,7 +102,7 @@ def test_half_is_the_whole() -> None:
     half = meshed_piece(pad, sizes)
     assert half.mirrored
     whole = Meshed(pad, pad, False, unit_of(pad), height_of(pad), triangles(pad, sizes))
-    one, other = (pressed(m, forms_of(m, 2), FEW, 1.0, {}) for m in (half, whole))
+    one, other = (solve_level(m, forms_of(m, 2), FEW, 1.0, {}) for m in (half, whole))
     assert one.approach == pytest.approx(other.approach, rel=5e-3)
     assert one.all_touch_force == pytest.approx(other.all_touch_force, abs=5e-3)
     assert one.ridge_force == pytest.approx(other.ridge_force, abs=5e-3)
@@ -146,12 +146,12 @@ def test_nested_dissection_is_a_solve() -> None:
         lambda f: numbers[f].ravel(),
         np.zeros(matrix.shape[0]),
     )
-    kept = numbers[free].ravel()
+    unknowns = numbers[free].ravel()
     sides = np.zeros((matrix.shape[0], contact.size * layers))
     root = numbers[fronts[-1].border].ravel()
     sides[root, np.arange(root.size)] = 1.0
-    exact = splu(matrix[kept][:, kept].tocsc()).solve(sides[kept])
-    at = np.searchsorted(kept, root)
+    exact = splu(matrix[unknowns][:, unknowns].tocsc()).solve(sides[unknowns])
+    at = np.searchsorted(unknowns, root)
     assert np.abs(np.linalg.inv(complement) - exact[at]).max() <= 1e-9 * np.abs(exact).max()
 
 
@@ -167,12 +167,12 @@ def test_layers_integrate_polynomials() -> None:
 @pytest.mark.slow
 def test_free_ends_as_in_the_facts() -> None:
     """docs/facts.md: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; two meshes: 1 %."""
-    found = solid.solve(pad_of(sharp()), Request(4.0))
-    assert not found.warnings
-    assert found.touching == 9
-    assert found.approach.value == pytest.approx(0.2224, rel=1e-2)
-    assert found.all_touch_force.value == pytest.approx(0.77 * 3.026, rel=1e-2)
-    assert (found.ridge_force[0].value or 0.0) / 0.0885 == pytest.approx(2.0, rel=3e-2)
+    solution = solid.solve(pad_of(sharp()), Request(4.0))
+    assert not solution.warnings
+    assert solution.touching == 9
+    assert solution.approach.value == pytest.approx(0.2224, rel=1e-2)
+    assert solution.all_touch_force.value == pytest.approx(0.77 * 3.026, rel=1e-2)
+    assert (solution.ridge_force[0].value or 0.0) / 0.0885 == pytest.approx(2.0, rel=3e-2)
 
 
 @pytest.mark.parametrize(
@@ -182,8 +182,8 @@ def test_free_ends_as_in_the_facts() -> None:
 def test_length_at_equal_force_per_length(length: float, approach: float) -> None:
     """Of docs/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs had its own error."""
     pad = replace(pad_of(sharp()), length=length)
-    found = coarse(pad, force=4.0 * length / 12.0)
-    assert found.approach == pytest.approx(approach, rel=1.5e-2)
+    solution = coarse(pad, force=4.0 * length / 12.0)
+    assert solution.approach == pytest.approx(approach, rel=1.5e-2)
 
 
 @pytest.mark.parametrize("design", [pytest.param(sharp, marks=pytest.mark.slow), yamada])
@@ -225,20 +225,20 @@ def test_bonded_strips_hold_the_ends() -> None:
 
 @pytest.mark.slow
 def test_answer_holds_the_refined_solution_and_its_residual() -> None:
-    found, exact = solid.solve(pad_of(sharp().with_(**THREE)), Request(FORCE)), refined()
-    assert not found.warnings
-    assert found.residual <= COMPLEMENTARITY
-    assert found.touching == 3
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(FORCE, rel=1e-9)
-    assert_inside(found, exact)
+    solution, exact = solid.solve(pad_of(sharp().with_(**THREE)), Request(FORCE)), refined()
+    assert not solution.warnings
+    assert solution.residual <= COMPLEMENTARITY
+    assert solution.touching == 3
+    assert sum(f.value or 0.0 for f in solution.ridge_force) == pytest.approx(FORCE, rel=1e-9)
+    assert_inside(solution, exact)
 
 
-def assert_inside(found: Any, exact: SolidSolution) -> None:
-    threshold, approach = found.all_touch_force, found.approach
+def assert_inside(solution: Any, exact: SolidSolution) -> None:
+    threshold, approach = solution.all_touch_force, solution.approach
     assert abs((threshold.value or 0.0) - (exact.all_touch_force or 0.0)) <= (threshold.error or 0.0)
     assert abs((approach.value or 0.0) - exact.approach) <= (approach.error or 0.0)
-    missed = np.abs(np.array([f.value for f in found.ridge_force]) - exact.ridge_force)
-    assert missed.max() <= (found.ridge_force[0].error or 0.0)
+    missed = np.abs(np.array([f.value for f in solution.ridge_force]) - exact.ridge_force)
+    assert missed.max() <= (solution.ridge_force[0].error or 0.0)
 
 
 @pytest.mark.slow
@@ -256,25 +256,25 @@ def test_truth_lies_inside_for_templates(name: str) -> None:
     )
     pad, force = pad_of(design), whole.contact.force * 3 / whole.ridge.count
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.5))
-    exact = pressed(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), force, {})
+    exact = solve_level(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), force, {})
     for answer in (solid.answer, corrected.answer):
         assert_inside(answer(design, Request(force)), exact)
 
 
 def test_one_ridge_touches_at_once() -> None:
-    found = solid.solve(
+    answer = solid.solve(
         pad_of(sharp().with_(ridge={"count": 1}, skin={"width": 3.0})), Request(0.2, tol=0.05)
     )
-    assert found.all_touch_force.value == 0.0
-    assert found.touching == 1
-    assert found.ridge_force[0].value == pytest.approx(0.2, rel=1e-9)
+    assert answer.all_touch_force.value == 0.0
+    assert answer.touching == 1
+    assert answer.ridge_force[0].value == pytest.approx(0.2, rel=1e-9)
 
 
 def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid, "RUNGS", solid.RUNGS[:1])
     small = sharp().with_(**SHORT)
-    found = solid.solve(pad_of(small), Request(1.0, tol=1e-6))
-    assert any("1.0e-06 is not met" in w for w in found.warnings)
+    solution = solid.solve(pad_of(small), Request(1.0, tol=1e-6))
+    assert any("1.0e-06 is not met" in w for w in solution.warnings)
     assert any("budget of 0.001" in w for w in solid.solve(pad_of(small), Request(1.0, budget=1e-3)).warnings)
 
 

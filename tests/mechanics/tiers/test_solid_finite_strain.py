@@ -21,7 +21,7 @@ from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import solid_finite_strain
 from skincad.mechanics.tiers.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve
-from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, pressed
+from skincad.mechanics.tiers.solid_level import Layers, coarse_sizes, forms_of, solve_level
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import reference, yamada
 
@@ -66,12 +66,12 @@ def nominal_stress(body: SolidBody, gradient: np.ndarray, pressure: float) -> np
     """P from virtual work: the residual's work on each affine displacement, per volume."""
     residual = body.residual(affine(body, gradient, pressure))
     volume = body.elements.weight.sum()
-    found = np.zeros((3, 3))
+    stress = np.zeros((3, 3))
     for i, j in np.ndindex(3, 3):
         virtual = np.zeros((3, 3))
         virtual[i, j] = 1.0
-        found[i, j] = residual @ affine(body, virtual) / volume
-    return found
+        stress[i, j] = residual @ affine(body, virtual) / volume
+    return stress
 
 
 @pytest.mark.parametrize("axes", [(0, 1), (1, 2), (2, 0), (0, 2)])
@@ -81,8 +81,8 @@ def test_simple_shear(axes: tuple[int, int], shift: float) -> None:
     gradient = np.zeros((3, 3))
     gradient[axes] = shift
     shear = 1 / (2 * 1.4)
-    found = nominal_stress(plain_block(0.4), gradient, 0.0)
-    assert found[axes] == pytest.approx(shear * shift, rel=1e-10)  # rounding
+    stress = nominal_stress(plain_block(0.4), gradient, 0.0)
+    assert stress[axes] == pytest.approx(shear * shift, rel=1e-10)  # rounding
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -97,10 +97,10 @@ def test_uniaxial_stretch(axis: int, stretch: float) -> None:
     t = optimize.brentq(sides, 0.3, 3.0, xtol=1e-15)
     swell = stretch * t * t - 1
     gradient = np.diag([stretch - 1 if a == axis else t - 1 for a in range(3)])
-    found = nominal_stress(body, gradient, float(body.elements.bulk[0, 0]) * swell)
+    stress = nominal_stress(body, gradient, float(body.elements.bulk[0, 0]) * swell)
     wanted = np.zeros((3, 3))
     wanted[axis, axis] = shear * (stretch - 1 / stretch) + lame * swell * t * t
-    assert found == pytest.approx(wanted, abs=1e-11)  # rounding
+    assert stress == pytest.approx(wanted, abs=1e-11)  # rounding
     residual = body.residual(affine(body, gradient, float(body.elements.bulk[0, 0]) * swell))
     assert np.abs(residual[body.displacements :]).max() <= 1e-12  # the pressure is K (J - 1)
 
@@ -108,11 +108,11 @@ def test_uniaxial_stretch(axis: int, stretch: float) -> None:
 def test_a_block_shortens_as_the_closed_form() -> None:
     """At nu = 0 a clamped block with free ends stays straight: nominal stress G (1/l - l), G = E / 2."""
     pad = block(3.0, 2.0, 0.0)
-    found = solve(pad, 0.9, {}, FEW).finite
+    solution = solve(pad, 0.9, {}, FEW).finite
     ratio = 0.9 / 6.0 / 0.35
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
-    assert found.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-8)  # Newton's residual
-    assert found.pressure == pytest.approx(0.9 / 6.0, rel=1e-6)
+    assert solution.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-8)  # Newton's residual
+    assert solution.pressure == pytest.approx(0.9 / 6.0, rel=1e-6)
 
 
 def test_residual_is_the_energys_derivative() -> None:
@@ -130,12 +130,12 @@ def test_a_move_is_newtons() -> None:
     body = small_body()
     random = np.random.default_rng(7)
     state = 1e-3 * random.standard_normal(body.free.size)
-    given, push = 1e-3 * random.standard_normal((2, body.free.size))
+    start, push = 1e-3 * random.standard_normal((2, body.free.size))
     push[body.displacements :] = 0.0
-    move = body.linearised(state, given).move(push)
+    move = body.linearised(state, start).move(push)
     size = 1e-6 / np.abs(move).max()
     slope = (body.residual(state + size * move) - body.residual(state - size * move)) / (2 * size)
-    assert np.abs((slope + given + push)[body.free]).max() <= 1e-6 * np.abs(given + push).max()
+    assert np.abs((slope + start + push)[body.free]).max() <= 1e-6 * np.abs(start + push).max()
     assert (move[~body.free] == 0).all()
 
 
@@ -148,8 +148,8 @@ def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.
     rest = np.zeros(body.free.size)
     along = layers.line(np.unique(body.along)[::2], 2)
     wanted = prisms.condensed(forms_of(meshed, 2), along).flexibility
-    found = body.linearised(rest, rest).flexibility
-    assert np.abs(found - wanted).max() <= 1e-10 * np.abs(wanted).max()
+    flexibility = body.linearised(rest, rest).flexibility
+    assert np.abs(flexibility - wanted).max() <= 1e-10 * np.abs(wanted).max()
     assert np.abs(body.residual(rest)).max() <= 1e-12
 
 
@@ -157,10 +157,10 @@ def test_at_rest_it_is_close_to_the_solid_tiers() -> None:
     """What acts on the swelling itself stiffens coarse elements: 0.9 % of F9, 0.3 % of the approach."""
     pad = pad_of(reference())
     meshed = meshed_of(pad)
-    other = pressed(meshed, forms_of(meshed, 2), LAYERS, 4.0, {})
-    found = plain().small
-    assert found.approach == pytest.approx(other.approach, rel=0.005)
-    assert found.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
+    other = solve_level(meshed, forms_of(meshed, 2), LAYERS, 4.0, {})
+    solution = plain().small
+    assert solution.approach == pytest.approx(other.approach, rel=0.005)
+    assert solution.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
 
 
 def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -172,11 +172,11 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
     body = body_of(meshed, FEW, clamped_end=True)
     top, half = pad.top / meshed.unit, pad.length / 2 / meshed.unit
     force = 0.05  # per length; strains of 5 %
-    held = press_to(Pressed(body, top), force * half)
+    clamped = press_to(Pressed(body, top), force * half)
     flat = neo_hooke.body(elements.curved(meshed.mesh, 2), 2, pad.materials)
     plane = press_to(Pressed(flat, top), force)
-    assert held.approach == pytest.approx(plane.approach, rel=1e-4)
-    assert np.abs(held.values[2 * body.displacements // 3 : body.displacements]).max() <= 1e-9  # u_y
+    assert clamped.approach == pytest.approx(plane.approach, rel=1e-4)
+    assert np.abs(clamped.values[2 * body.displacements // 3 : body.displacements]).max() <= 1e-9  # u_y
 
 
 @pytest.mark.slow
@@ -195,10 +195,10 @@ def test_half_is_the_whole() -> None:
     assert ratios(half) == pytest.approx(ratios(whole), rel=1e-3)
 
 
-def ratios(found: Strains) -> tuple[float, float]:
+def ratios(strains: Strains) -> tuple[float, float]:
     return (
-        (found.finite.all_touch_force or 0.0) / (found.small.all_touch_force or 1.0),
-        found.finite.approach / found.small.approach,
+        (strains.finite.all_touch_force or 0.0) / (strains.small.all_touch_force or 1.0),
+        strains.finite.approach / strains.small.approach,
     )
 
 
@@ -206,10 +206,10 @@ def ratios(found: Strains) -> tuple[float, float]:
 def test_light_loads_are_linear(force: float) -> None:
     """The distance to small strain is of the order of the strain, approach over the ridge's height."""
     design = reference().with_(**SMALL)
-    found = solve(pad_of(design), force, {}, FEW)
-    strain = found.finite.approach / design.ridge.height
-    assert found.finite.approach == pytest.approx(found.small.approach, rel=strain)
-    assert found.finite.ridge_force == pytest.approx(found.small.ridge_force, abs=strain * force)
+    solution = solve(pad_of(design), force, {}, FEW)
+    strain = solution.finite.approach / design.ridge.height
+    assert solution.finite.approach == pytest.approx(solution.small.approach, rel=strain)
+    assert solution.finite.ridge_force == pytest.approx(solution.small.ridge_force, abs=strain * force)
 
 
 @cache
@@ -220,13 +220,13 @@ def plain() -> Strains:
 def test_plain_ridges() -> None:
     """Finite strain with free ends: F9 +2.9 % (plane strain +4.8 %), approach -3.2 % (-3.8 %); errors as
     the tier's own."""
-    found = plain()
-    assert ratios(found) == pytest.approx((1.029, 0.968), abs=0.002)
-    assert found.finite.residual <= max(RESIDUAL, COMPLEMENTARITY)
-    assert found.small.residual <= COMPLEMENTARITY
-    assert found.finite.ridge_force.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium
-    assert found.finite.touching == 9
-    assert not found.beyond
+    solution = plain()
+    assert ratios(solution) == pytest.approx((1.029, 0.968), abs=0.002)
+    assert solution.finite.residual <= max(RESIDUAL, COMPLEMENTARITY)
+    assert solution.small.residual <= COMPLEMENTARITY
+    assert solution.finite.ridge_force.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium
+    assert solution.finite.touching == 9
+    assert not solution.out_of_range
 
 
 def test_newton_converges_quadratically() -> None:
@@ -252,15 +252,15 @@ def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("ratio", [0.0, 0.49999])
 def test_any_poisson_ratio(ratio: float) -> None:
-    found = solve(pad_of(reference().with_(material={"poisson_ratio": ratio}, **SMALL)), 1.0, {}, FEW)
-    assert found.finite.touching == 3
-    assert found.finite.residual <= RESIDUAL
+    solution = solve(pad_of(reference().with_(material={"poisson_ratio": ratio}, **SMALL)), 1.0, {}, FEW)
+    assert solution.finite.touching == 3
+    assert solution.finite.residual <= RESIDUAL
 
 
 def test_a_single_ridge() -> None:
     design = reference().with_(ridge={"count": 1}, skin={"width": 5.0, "length": 6.0})
-    found = solve(pad_of(design), 0.3, {}, FEW)
-    assert (found.finite.all_touch_force, found.finite.touching) == (0.0, 1)
+    solution = solve(pad_of(design), 0.3, {}, FEW)
+    assert (solution.finite.all_touch_force, solution.finite.touching) == (0.0, 1)
 
 
 def test_an_overload_is_refused_with_its_range() -> None:
@@ -277,9 +277,9 @@ def test_faults_are_found_in_the_middle_and_at_the_end() -> None:
     at_end = rest[: body.displacements].reshape(3, body.forms.held.size, -1)
     at_end[1, : body.forms.plane.mesh.nv, -1] = 2e3  # lifted as a whole, at the end alone
     assert "meets the plate" in (body.fault(rest, top) or "")
-    across = affine(body, np.zeros((3, 3)))
-    across[: body.displacements].reshape(at_end.shape)[0, : body.forms.plane.mesh.nv] = -0.1
-    assert "in the middle" in (body.fault(across, top) or "")
+    sideways = affine(body, np.zeros((3, 3)))
+    sideways[: body.displacements].reshape(at_end.shape)[0, : body.forms.plane.mesh.nv] = -0.1
+    assert "in the middle" in (body.fault(sideways, top) or "")
 
 
 def test_other_plates_are_refused() -> None:
@@ -298,15 +298,15 @@ def test_the_answer_is_the_solids_changed() -> None:
     """F9 and approach by the factors, shares in sum the force, errors larger than the solid's."""
     design = reference().with_(**SMALL)
     small = solid_finite_strain.solid.answer(design, Request(1.0, tol=0.05))
-    found = solid_finite_strain.answer(design, Request(1.0, tol=1e-3), fine=small)
+    answer = solid_finite_strain.answer(design, Request(1.0, tol=1e-3), fine=small)
     by_threshold, by_approach = ratios(solve(pad_of(design), 1.0, {}))
-    assert value(found.all_touch_force) == pytest.approx(
+    assert value(answer.all_touch_force) == pytest.approx(
         by_threshold * value(small.all_touch_force), rel=1e-9
     )
-    assert value(found.approach) == pytest.approx(by_approach * value(small.approach), rel=1e-9)
-    assert sum(value(f) for f in found.ridge_force) == pytest.approx(1.0, rel=1e-9)
-    assert (found.approach.error or 0.0) > (small.approach.error or 0.0) * by_approach
-    assert any("1.0e-03 is not met" in w for w in found.warnings)
+    assert value(answer.approach) == pytest.approx(by_approach * value(small.approach), rel=1e-9)
+    assert sum(value(f) for f in answer.ridge_force) == pytest.approx(1.0, rel=1e-9)
+    assert (answer.approach.error or 0.0) > (small.approach.error or 0.0) * by_approach
+    assert any("1.0e-03 is not met" in w for w in answer.warnings)
 
 
 @pytest.mark.slow
@@ -314,17 +314,17 @@ def test_a_threshold_out_of_reach_is_said() -> None:
     """Strongly curved: the ridges in the middle fail before the outer ones touch."""
     skin = {"curvature_radius": 4.0, "length": 6.0, "width": 5.5}
     design = reference().with_(skin=skin, ridge={"count": 5})
-    found = solve(pad_of(design), 0.1, {}, FEW)
-    assert found.finite.all_touch_force is None
-    assert "beyond the finite-strain model's range (looked up to" in found.beyond
+    solution = solve(pad_of(design), 0.1, {}, FEW)
+    assert solution.finite.all_touch_force is None
+    assert "beyond the finite-strain model's range (looked up to" in solution.out_of_range
 
 
 @pytest.mark.slow
 def test_yamada_2002() -> None:
     """Strips of PVDF hold the ends: F9 +3.1 %, approach -3.2 %."""
-    found = solve(pad_of(yamada()), 4.0, {})
-    assert ratios(found) == pytest.approx((1.0315, 0.9673), abs=0.001)
-    assert found.finite.residual <= RESIDUAL
+    solution = solve(pad_of(yamada()), 4.0, {})
+    assert ratios(solution) == pytest.approx((1.0315, 0.9673), abs=0.001)
+    assert solution.finite.residual <= RESIDUAL
 
 
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -370,13 +370,13 @@ def test_a_budget_that_is_overrun_is_said(took: float, late: bool, monkeypatch: 
     clock = iter([50.0, 50.0 + took])
     monkeypatch.setattr(solid_finite_strain, "perf_counter", lambda: next(clock))
     monkeypatch.setattr(
-        solid_finite_strain, "solve", lambda *_: SimpleNamespace(small=0, finite=0, beyond="")
+        solid_finite_strain, "solve", lambda *_: SimpleNamespace(small=0, finite=0, out_of_range="")
     )
-    monkeypatch.setattr(solid_finite_strain, "changed", lambda fine, *_: fine)
+    monkeypatch.setattr(solid_finite_strain, "apply_change", lambda fine, *_: fine)
     nothing = Estimate(0.0, 0.0, "N")
     fine = Answer(9, nothing, nothing, (), 10, 0.0, {})
-    found = solid_finite_strain.answer(reference(), Request(4.0, budget=2.0), None, fine)
-    assert found.warnings == (("the solid with finite strain overran the budget of 2 s",) if late else ())
+    answer = solid_finite_strain.answer(reference(), Request(4.0, budget=2.0), None, fine)
+    assert answer.warnings == (("the solid with finite strain overran the budget of 2 s",) if late else ())
 
 
 @pytest.mark.parametrize("along", [0, -1])

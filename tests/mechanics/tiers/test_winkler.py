@@ -58,8 +58,8 @@ def test_shares_balance_and_the_last_ridge_starts_at_the_threshold() -> None:
 
 @pytest.mark.parametrize("force", [1e-9, 1.0, 100.0])
 def test_any_force(force: float) -> None:
-    found = check(yamada(), tier="winkler", force=force)
-    assert sum(f.value or 0.0 for f in found.ridge_force) == pytest.approx(force, rel=1e-9)  # cancellation
+    verdict = check(yamada(), tier="winkler", force=force)
+    assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(force, rel=1e-9)  # cancellation
 
 
 def test_says_when_the_tolerance_is_beyond_it() -> None:
@@ -86,11 +86,11 @@ def missed(design: Design, force: float) -> tuple[float, float, float]:
         *zip(spring.ridge_force, solid.ridge_force, strict=True),
     )
     floor = 1e-9 * force  # F9 of ridges that touch at once is rounding
-    apart = [
+    differences = [
         abs((one.value or 0.0) - (other.value or 0.0)) / ((one.error or 0.0) + (other.error or 0.0) + floor)
         for one, other in pairs
     ]
-    return apart[0], apart[1], max(apart[2:])
+    return differences[0], differences[1], max(differences[2:])
 
 
 @pytest.mark.parametrize(
@@ -103,9 +103,9 @@ def test_bars_are_wider_where_springs_do_not_hold(seed: int) -> None:
 @pytest.mark.slow
 def test_bars_hold_far_from_the_templates() -> None:
     """On pads that no constant was fitted to: 95 % inside, none beyond two bars."""
-    found = np.array([missed(*wide(seed)) for seed in range(2000, 2030)])
-    assert (np.mean(found <= 1, axis=0) >= 0.95).all(), found
-    assert found.max() <= 2, found
+    errors = np.array([missed(*wide(seed)) for seed in range(2000, 2030)])
+    assert (np.mean(errors <= 1, axis=0) >= 0.95).all(), errors
+    assert errors.max() <= 2, errors
 
 
 def on_a_step(seed: int) -> Design:
@@ -131,7 +131,7 @@ def missed_on_steps(seeds: Iterable[int]) -> Array:
     for seed in seeds:
         try:
             design = on_a_step(seed)
-            if design.ridge.count > 1 and not check(design, tier="linear", tol=0.5).beyond:
+            if design.ridge.count > 1 and not check(design, tier="linear", tol=0.5).out_of_range:
                 rows.append(missed(design, design.contact.force))
         except (InputError, RefusedError):  # crushed by such a force
             continue
@@ -160,8 +160,8 @@ def test_bars_hold_where_a_step_crosses_a_tip_of_unseen_designs() -> None:
     (1e3, 0.49, 1.0),
 ])  # fmt: skip
 def test_confinement_at_its_limits(slender: float, nu: float, stiffer: float) -> None:
-    found = winkler_error.confinement(slender, nu)
-    assert found == pytest.approx(stiffer, rel=1e-4)  # near its limits
+    factor = winkler_error.confinement(slender, nu)
+    assert factor == pytest.approx(stiffer, rel=1e-4)  # near its limits
 
 
 def test_a_tip_adds_no_more_than_its_rise_and_nothing_when_flat() -> None:
@@ -177,10 +177,10 @@ def test_many_ridges_have_a_verdict_with_a_bar(ridges: int) -> None:
     width = ridges + 2.0
     skin = {"width": width, "curvature_radius": 50 * width}
     many = yamada().with_(**BARE, ridge={"count": ridges}, skin=skin)
-    found = check(many, tier="winkler", force=float(ridges))
-    assert found.all_touch_force.error is not None
-    assert found.all_touch_force.error > (found.all_touch_force.value or 0.0)  # a thin layer, confined
-    assert (found.approach.error or 0.0) < (found.approach.value or 0.0)
+    verdict = check(many, tier="winkler", force=float(ridges))
+    assert verdict.all_touch_force.error is not None
+    assert verdict.all_touch_force.error > (verdict.all_touch_force.value or 0.0)  # a thin layer, confined
+    assert (verdict.approach.error or 0.0) < (verdict.approach.value or 0.0)
 
 
 def test_a_ridge_and_its_part_of_the_base_are_springs_in_series() -> None:
@@ -202,7 +202,7 @@ def test_springs_are_stiffer_by_what_is_shared_confined_and_held(nu: float) -> N
     thick = 4.0 / 11.0
     layer = winkler_error.confinement(thick, nu)
     assert layer == pytest.approx(1.0) if nu == 0.0 else layer > 1.0
-    shared = base / (layer + winkler_error.COUPLED + winkler_error.PER_THICKNESS * thick)
+    shared = base / (layer + winkler_error.BASE_COUPLING + winkler_error.COUPLING_PER_THICKNESS * thick)
     many = winkler_error.stiffening(design, 0.0, 1e9)
     assert many == pytest.approx((base + ridge) / (shared + confined), rel=1e-12)
     # a tip counts as it gives way, but no more than the ridge
@@ -232,8 +232,8 @@ def test_a_plate_that_leans_like_a_tip_is_level_to_it() -> None:
         lean = math.degrees(crowned.lean(ridge + 1))
         # the sine of the lean against the tangent of the tilt: apart by its cube, 3e-4
         back = crowned.with_(contact={"plate": {"shape": "tilted", "tilt": -lean}})
-        found = [winkler_error.tip_approach(back, ridge, line) for line in (1e-6, 1e-3, 1e3)]
-        assert found == pytest.approx(level, rel=2e-2)
+        approaches = [winkler_error.tip_approach(back, ridge, line) for line in (1e-6, 1e-3, 1e3)]
+        assert approaches == pytest.approx(level, rel=2e-2)
         on = crowned.with_(contact={"plate": {"shape": "tilted", "tilt": lean}})
         slope = math.sin(abs(math.radians(lean))) + math.tan(abs(math.radians(lean)))
         assert winkler_error.tip_approach(on, ridge, 1e3) == pytest.approx(
@@ -251,8 +251,8 @@ def test_under_a_cylinder_the_plate_rises_over_a_tip_by_its_curvature() -> None:
     chord = [30 - math.sqrt(900 - (middle + sign * tip / 2) ** 2) for sign in (-1, 1)]
     tilt = math.sin(lean) + (chord[1] - chord[0]) / tip
     level = winkler_error.tip_approach(filleted(), 4, 1e3)
-    found = winkler_error.tip_approach(round_plate, 7, 1e3)
-    assert found == pytest.approx(level + tilt * tip / 2, rel=1e-9)
+    approach = winkler_error.tip_approach(round_plate, 7, 1e3)
+    assert approach == pytest.approx(level + tilt * tip / 2, rel=1e-9)
 
 
 def test_a_tip_is_touched_on_its_crown_up_to_the_crowns_own_slope_and_on_an_edge_beyond() -> None:
@@ -269,13 +269,13 @@ def test_a_tip_is_touched_on_its_crown_up_to_the_crowns_own_slope_and_on_an_edge
     rise = math.sin(lean) * tip / 2
     on_edge = max(math.log1p(math.sqrt(math.pi * rise / 2) / math.sqrt(line)), math.log((line + rise) / line))
     bent = 3 * (tip / ((flat.ridge.root_width + tip) / 2)) ** 2 * 0.8
-    whole = line * (winkler_error.EDGE * on_edge + bent)
+    whole = line * (winkler_error.EDGE_COMPLIANCE * on_edge + bent)
     assert winkler_error.tip_approach(flat, 0, line) == pytest.approx(whole, rel=1e-9)
     # between: by the share of the lean that is beyond the crown's own slope
     low = reference().with_(ridge={"crown": math.sin(lean) * tip / 16})
     most = low.ridge.crown + rise
     crowned = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
-    edged = winkler_error.EDGE * max(crowned, math.log((line + rise) / line)) + bent
+    edged = winkler_error.EDGE_COMPLIANCE * max(crowned, math.log((line + rise) / line)) + bent
     assert winkler_error.tip_approach(low, 0, line) == pytest.approx(
         line * (crowned / 4 + 0.75 * edged), rel=1e-9
     )
@@ -284,12 +284,11 @@ def test_a_tip_is_touched_on_its_crown_up_to_the_crowns_own_slope_and_on_an_edge
 
 def test_fillets_round_a_tip_off_as_far_as_it_is_wide() -> None:
     flat = reference().with_(ridge={"crown": 0.0, "height": 1.0})
-    found = [rounded(flat.with_(ridge={"tip_fillet": r})) for r in (0.0, 0.1, 0.2)]
-    assert found[0] == 0.0
-    assert found[2] == pytest.approx(2 * found[1], rel=1e-12)
-    assert (
-        0.05 * 0.1 < found[1] < (1 - math.sqrt(0.5)) * 0.1
-    )  # less than where an arc has turned by 45 degrees
+    approaches = [rounded(flat.with_(ridge={"tip_fillet": r})) for r in (0.0, 0.1, 0.2)]
+    assert approaches[0] == 0.0
+    assert approaches[2] == pytest.approx(2 * approaches[1], rel=1e-12)
+    # less than where an arc has turned by 45 degrees
+    assert 0.05 * 0.1 < approaches[1] < (1 - math.sqrt(0.5)) * 0.1
 
 
 def widths(design: Design, depth: float, carrying: float, last: float) -> winkler_error.Widths:
@@ -313,29 +312,31 @@ def test_bars_are_the_usual_ones_or_what_an_indicator_says() -> None:
         ridge={"count": 50},
         material={"poisson_ratio": 0.4999},
     )
-    found = widths(wide, 0.2, 20.0, 0.1)
+    bars = widths(wide, 0.2, 20.0, 0.1)
     wide_give = sum(winkler_error.compliances(wide))
 
     def tip(design: Design, depth: float) -> float:
         return winkler_error.tip_approach(design, 4, depth / sum(winkler_error.compliances(design))) / depth
 
     stiffer = winkler_error.stiffening(wide, tip(wide, 0.1) * wide_give, 50)
-    assert found.threshold == pytest.approx(winkler_error.SLACK * (stiffer - 1), rel=1e-12)
-    assert found.threshold > 0.8
-    held = winkler_error.stiffening(wide, tip(wide, 0.2) * wide_give, 20.0)
-    assert found.stiffer == pytest.approx(max(1 + found.threshold, winkler_error.SLACK * held), rel=1e-12)
+    assert bars.threshold == pytest.approx(winkler_error.STIFFENING_MARGIN * (stiffer - 1), rel=1e-12)
+    assert bars.threshold > 0.8
+    stiffening = winkler_error.stiffening(wide, tip(wide, 0.2) * wide_give, 20.0)
+    assert bars.stiffer == pytest.approx(
+        max(1 + bars.threshold, winkler_error.STIFFENING_MARGIN * stiffening), rel=1e-12
+    )
     # few carry: the others hold up the base, so the shares of stiffer springs are looked at too
     few = widths(plain, 0.15, 0.05, 0.133)
-    held = winkler_error.stiffening(plain, tip(plain, 0.15) * give, 0.05)
-    assert few.approach == pytest.approx(1 - 1 / held, rel=1e-12)
+    stiffening = winkler_error.stiffening(plain, tip(plain, 0.15) * give, 0.05)
+    assert few.approach == pytest.approx(1 - 1 / stiffening, rel=1e-12)
     assert few.approach > usual.approach
-    assert few.stiffer == pytest.approx(winkler_error.SLACK * held, rel=1e-12)
+    assert few.stiffer == pytest.approx(winkler_error.STIFFENING_MARGIN * stiffening, rel=1e-12)
     assert few.stiffer > 1.8
     # hardly touched: a tip adds more than the springs give way
     light = widths(plain, 1e-4, 1.0, 1e-4)
     added = tip(plain, 1e-4)
     assert added > 0.5
-    assert light.approach == pytest.approx(winkler_error.BESIDE_TIPS + added, rel=1e-12)
+    assert light.approach == pytest.approx(winkler_error.APPROACH_MARGIN + added, rel=1e-12)
     assert light.softer == pytest.approx(1 / (1 + light.approach), rel=1e-12)
     edge = widths(plain.with_(ridge={"crown": 0.1}), 0.15, 9.0, 1e-60)
     at_last = tip(plain.with_(ridge={"crown": 0.1}), 1e-60)
@@ -345,14 +346,14 @@ def test_bars_are_the_usual_ones_or_what_an_indicator_says() -> None:
     assert edge.stiffer == 1 + edge.threshold  # no springs that carry are stiffer here
     still = widths(plain, 0.0, 9.0, 0.0)  # no tip gives way, and nothing is divided by 0
     stiffer = winkler_error.stiffening(plain, 0.0, 9)
-    assert still.threshold == pytest.approx(winkler_error.SLACK * (stiffer - 1), rel=1e-12)
+    assert still.threshold == pytest.approx(winkler_error.STIFFENING_MARGIN * (stiffer - 1), rel=1e-12)
     assert still.approach == usual.approach
 
 
 def test_a_shares_bar_is_the_usual_or_how_far_other_springs_are() -> None:
-    found = winkler_error.Widths(0.8, 0.5, 0.5, 2.0, 0.5)
+    bar = winkler_error.Widths(0.8, 0.5, 0.5, 2.0, 0.5)
     shares = np.array([1.0, 2.0, 3.0])
     near, far = shares + np.array([0.1, 0.0, -0.1]), shares + np.array([-2.0, 1.0, 1.0])
-    assert winkler_error.share_error(found, shares, (near, near)) == 1.0  # half of the mean
+    assert winkler_error.share_error(bar, shares, (near, near)) == 1.0  # half of the mean
     for others in ((near, far), (far, near)):
-        assert winkler_error.share_error(found, shares, others) == pytest.approx(2.0 + 0.05 * 2.0, rel=1e-12)
+        assert winkler_error.share_error(bar, shares, others) == pytest.approx(2.0 + 0.05 * 2.0, rel=1e-12)
