@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bench import calculix
-from bench.calculix import Pressed
+from bench.calculix import PressedPad
 from skincad import load
 from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.problem import Pad, pad_of
@@ -40,10 +40,10 @@ class Row:
     """One mesh of one program."""
 
     setting: str
-    found: Pressed
+    found: PressedPad
 
 
-def own(pad: Pad, tier: str, fineness: float, order: int) -> Pressed:
+def own(pad: Pad, tier: str, fineness: float, order: int) -> PressedPad:
     """Return skincad's level of a tier; its time is the median of a few runs, the first left out."""
     seconds, more = [], []
     for _ in range(REPEATS):
@@ -54,10 +54,10 @@ def own(pad: Pad, tier: str, fineness: float, order: int) -> Pressed:
         # stages are wall times: their share of the whole is what counts
         more.append(seconds[-1] * found.seconds.get("threshold", 0.0) / (perf_counter() - clock))
     spent = statistics.median(seconds), statistics.median(more)
-    return Pressed(found.ridge_force, found.approach, found.unknowns, *spent)
+    return PressedPad(found.ridge_force, found.approach, found.unknowns, *spent)
 
 
-def missed(found: Pressed, reference: Pressed) -> float:
+def missed(found: PressedPad, reference: PressedPad) -> float:
     """Return the largest difference of shares, N."""
     return float(np.abs(found.shares - reference.shares).max())
 
@@ -105,7 +105,7 @@ def compare(pad: Pad, tier: str, start: float | None) -> None:
     ratios(tier, [row.found for row in ours], [*theirs, *halves])
 
 
-def ratios(tier: str, ours: list[Pressed], theirs: list[Row]) -> None:
+def ratios(tier: str, ours: list[PressedPad], theirs: list[Row]) -> None:
     """Print the times at equal error, the errors against the last of `ours`."""
     *levels, best = ours
     whole = np.array([level.seconds for level in levels])

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench import getfem
-from bench.getfem import Dragged
+from bench.getfem import FrictionalPad
 from skincad import load
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
+from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import piece_of
@@ -44,22 +44,22 @@ def history(friction: float = FRICTION) -> list[Drive]:
     return presses + [Drive(FORCE, travel=TRAVEL * friction * i / STRIDES) for i in range(1, STRIDES + 1)]
 
 
-def own(pad: Pad, fineness: float, order: int, drives: list[Drive], friction: float) -> Dragged:
+def own(pad: Pad, fineness: float, order: int, drives: list[Drive], friction: float) -> FrictionalPad:
     """Return skincad's states at these drives' ends, solved on the whole section."""
     piece = piece_of(pad, 0.0, halved=False)
     found = sliding(piece, triangles(piece.pad, default_sizes(pad, fineness)), order, False)
-    m, cone = found.gap.size, Cone(friction, friction)
-    skin = Compliant(found.compliance, found.gap, np.zeros(2 * m))
+    m, cone = found.gap.size, FrictionCoefficients(friction, friction)
+    skin = Compliance(found.compliance, found.gap, np.zeros(2 * m))
     states = [at_rest(m)]
     for before, after in pairwise([Drive(0.0, travel=0.0), *drives]):
         states.append(halved(lambda _: skin, states[-1], before, after, cone))
     return _by_ridge(pad, found, states[1:])
 
 
-def _by_ridge(pad: Pad, found: ContactPad, states: list[Grip]) -> Dragged:
+def _by_ridge(pad: Pad, found: ContactPad, states: list[ContactState]) -> FrictionalPad:
     """The points' forces summed over each ridge."""
     member = np.equal.outer(found.ridge, np.array(pad.ridges)).astype(float)
-    return Dragged(
+    return FrictionalPad(
         np.array([state.normal @ member for state in states]),
         np.array([state.tangential @ member for state in states]),
         np.array([state.approach for state in states]),
@@ -67,14 +67,14 @@ def _by_ridge(pad: Pad, found: ContactPad, states: list[Grip]) -> Dragged:
     )
 
 
-def used(found: Dragged, friction: float) -> NDArray[np.float64]:
+def used(found: FrictionalPad, friction: float) -> NDArray[np.float64]:
     """Return what each ridge bears of what friction holds there `(steps, ridges)`; 0 where it is clear."""
     held = friction * found.normal
     clear = held <= CLEAR * held.sum(axis=1, keepdims=True)
     return np.divide(found.tangential, held, out=np.zeros_like(held), where=~clear)
 
 
-def let_go(found: Dragged, drives: list[Drive], friction: float) -> NDArray[np.float64]:
+def let_go(found: FrictionalPad, drives: list[Drive], friction: float) -> NDArray[np.float64]:
     """Return per ridge the travel, mm, at which it first slips as a whole, between two steps by what it
     bears; nan where it does not."""
     travel = np.array([drive.travel for drive in drives])
@@ -88,7 +88,7 @@ def let_go(found: Dragged, drives: list[Drive], friction: float) -> NDArray[np.f
     return ends
 
 
-def apart(one: Dragged, other: Dragged) -> dict[str, float]:
+def apart(one: FrictionalPad, other: FrictionalPad) -> dict[str, float]:
     """Return the largest differences over all steps: a ridge's forces against the mean one at the end, their
     tangential sum and the approach against their largest."""
     mean = other.normal[-1].mean()
@@ -126,7 +126,7 @@ def main() -> None:
         print(f"{drive.travel:6.3f}{cells[0]}{cells[1]}")
 
 
-def _signs(found: Dragged, friction: float, step: int) -> str:
+def _signs(found: FrictionalPad, friction: float, step: int) -> str:
     """A letter for each ridge."""
     borne, clear = used(found, friction)[step], found.normal[step] <= CLEAR * found.normal[step].sum()
     return "".join("." if c else "x" if b >= WHOLE else "o" for b, c in zip(borne, clear, strict=True))

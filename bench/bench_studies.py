@@ -16,7 +16,7 @@ from time import perf_counter
 
 import skincad
 from skincad.studies.log import Log
-from skincad.studies.question import Question, evaluate
+from skincad.studies.question import Query, evaluate
 
 DESIGN, LENGTHS = "yamada-2002", (8.0, 14.0)
 
@@ -30,7 +30,7 @@ def swept(count: int, workers: int) -> float:
 
 def bookkeeping(count: int = 200) -> float:
     """Return the seconds that an evaluation's key, claim and line take."""
-    design, question = skincad.load_design(DESIGN), Question("check", "winkler")
+    design, question = skincad.load_design(DESIGN), Query("check", "winkler")
     found = evaluate(design, {}, question)
     with TemporaryDirectory() as folder:
         log, began = Log(Path(folder)), perf_counter()

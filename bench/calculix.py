@@ -54,7 +54,7 @@ class Quads:
 
 
 @dataclass(frozen=True)
-class Pressed:
+class PressedPad:
     """What is found: shares `(ridges,)` N, approach mm, and processor time, s; `more` s of it went into what
     only one program is asked."""
 
@@ -229,7 +229,7 @@ def _ogden(pad: Pad, bulk: float) -> Iterator[str]:
 
 def press(
     pad: Pad, fineness: float, force: float, start: float | None = None, *, whole: bool = True
-) -> Pressed:
+) -> PressedPad:
     """Return CalculiX's contact of the pad with the plate at `force` N; of all of it, or of its half with the
     cut held sideways.
 
@@ -253,7 +253,7 @@ def press(
         raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * pad.length:.4g} N of {borne:g} N")
     if not whole:
         shares = on_whole(pad, piece, 2 * shares)
-    return Pressed(shares * pad.length, approach, 2 * len(mesh.nodes), seconds)
+    return PressedPad(shares * pad.length, approach, 2 * len(mesh.nodes), seconds)
 
 
 def read(printed: str, ridges: int) -> tuple[NDArray[np.float64], float]:

@@ -35,7 +35,7 @@ START = 0.02  # mm, approach of the first contact
 
 
 @dataclass(frozen=True)
-class Dragged:
+class FrictionalPad:
     """A history's states, one a row: `normal` and `tangential` `(steps, ridges)` N on the skin, and the
     plate's `approach` `(steps,)` mm."""
 
@@ -54,7 +54,7 @@ def missing() -> str:
     return f"GetFEM is not compared: apt-get install {' '.join(PACKAGES)}"
 
 
-def drag(pad: Pad, fineness: float, drives: list[Drive], friction: float) -> Dragged:
+def drag(pad: Pad, fineness: float, drives: list[Drive], friction: float) -> FrictionalPad:
     """Return GetFEM's states at these drives' ends; each needs a normal force and a travel.
 
     Raises RuntimeError when a program fails.
@@ -100,7 +100,7 @@ def _asked(pad: Pad, drives: list[Drive], friction: float) -> dict[str, object]:
     }
 
 
-def read(text: str, length: float) -> Dragged:
+def read(text: str, length: float) -> FrictionalPad:
     """Return the process' answer for a pad of this length, mm."""
     found = json.loads(text)
 
@@ -108,4 +108,4 @@ def read(text: str, length: float) -> Dragged:
         return np.array([step[name] for step in found["steps"]])
 
     forces = length * table("normal"), length * table("tangential")
-    return Dragged(*forces, table("approach"), int(found["unknowns"]))
+    return FrictionalPad(*forces, table("approach"), int(found["unknowns"]))

@@ -16,7 +16,7 @@ from time import perf_counter
 import numpy as np
 
 import skincad
-from skincad.studies.question import Question, evaluate
+from skincad.studies.question import Query, evaluate
 from skincad.studies.solving import solve
 from skincad.studies.subject import value_of
 
@@ -96,7 +96,7 @@ def ways(
         rng = np.random.default_rng([seed, knobs, 41])
         keys = tuple(str(key) for key in rng.choice(list(ranges), knobs, replace=False))
         hidden = {key: float(np.round(rng.uniform(*ranges[key]), 4)) for key in keys}
-        told = evaluate(design, hidden, Question("check", tier))
+        told = evaluate(design, hidden, Query("check", tier))
         target = TARGETS[seed % len(TARGETS)]
         seed += 1
         value = told.results[target].value if told.results and not told.refused else None

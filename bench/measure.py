@@ -84,14 +84,14 @@ def slope(x: Sequence[float], y: Sequence[float]) -> float:
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-def system(design: Design, fineness: float, order: int = ORDER) -> elements.Assembled:
+def system(design: Design, fineness: float, order: int = ORDER) -> elements.ContactStiffness:
     """Return a design's condensed stiffness."""
     pad = pad_of(design)
     mesh = elements.curved(plane_piece(pad, fineness).mesh, order)
     return elements.even(elements.assemble(mesh, order, pad.materials))
 
 
-def free_block(found: elements.Assembled) -> sparse.csc_matrix:
+def free_block(found: elements.ContactStiffness) -> sparse.csc_matrix:
     """Return the stiffness over the free unknowns, contact unknowns last."""
     free = np.concatenate([found.interior, found.contact])
     return sparse.csc_matrix(found.matrix[free][:, free])

@@ -18,7 +18,7 @@ import numpy as np
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.studies.question import Question, evaluate
+from skincad.studies.question import Query, evaluate
 from skincad.studies.ranking import model_error
 from skincad.studies.subject import changed
 
@@ -76,7 +76,7 @@ def judged(seed: int) -> Pair | None:
     """Return a seed's pair, None where a model refuses one of its designs."""
     found = {}
     for tier in ("linear", BEST):
-        found[tier] = [evaluate(design, {}, Question("check", tier)) for design in drawn(seed)]
+        found[tier] = [evaluate(design, {}, Query("check", tier)) for design in drawn(seed)]
         if any(each.refused or each.results[KEY].value is None for each in found[tier]):
             return None
 

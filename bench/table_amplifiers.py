@@ -51,7 +51,7 @@ AMPLIFIERS: dict[str, tuple[str, tuple[str, ...], bool]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class SceneRun:
     """What one march leaves to read: stresses, truth, time."""
 
     name: str
@@ -62,13 +62,13 @@ class Marched:
     gross: int | None
 
 
-def marched(name: str) -> Marched:
+def marched(name: str) -> SceneRun:
     """March a scene once."""
     scene = load_scene(name, [f"readout.ridges={list(RIDGES)}"])
     found = simulation.at_level(scene, LEVELS[1])
     runs = [found.runs[r - 1] for r in RIDGES]
     march = found.march
-    return Marched(name, scene.design, march.time, march.column("films"), runs, found.gross_slip_step)
+    return SceneRun(name, scene.design, march.time, march.column("films"), runs, found.gross_slip_step)
 
 
 def differenced(outputs: np.ndarray, time: np.ndarray) -> np.ndarray:
@@ -76,7 +76,7 @@ def differenced(outputs: np.ndarray, time: np.ndarray) -> np.ndarray:
     return np.diff(outputs, axis=0, prepend=outputs[:1]) / float(time[1])
 
 
-def line(found: Marched, circuit: Circuit, rate: bool, bandwidth: float) -> str:
+def line(found: SceneRun, circuit: Circuit, rate: bool, bandwidth: float) -> str:
     """Read one amplifier at one bandwidth."""
     own = fitted(circuit, found.design)
     chain = Chain.of(circuit_network(own), found.time, bandwidth)

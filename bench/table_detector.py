@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from bench.exam import rivals, roc
 from bench.exam.bound import bound
 from bench.exam.cases import Case, case
-from bench.exam.scenes import Marched, kept, seeds
+from bench.exam.scenes import SceneRun, kept, seeds
 from bench.exam.scoring import HEAD, Alarm, Mark, line, mark, rate
 from bench.exam.skins import EXAM
 from skincad.circuit.low_pass import corner
@@ -64,7 +64,7 @@ def row(name: str, told: list[Case], find: Find) -> None:
     print(line(name, marks), " ".join(f"{phase} {n}" for phase, n in within), flush=True)
 
 
-def some(scene: Marched, count: int) -> tuple[int, ...]:
+def some(scene: SceneRun, count: int) -> tuple[int, ...]:
     """Return `count` ridges of a scene, or all that it has, drawn by its seed."""
     order = np.random.default_rng((9, scene.seed)).permutation(scene.slipping.shape[1])
     return tuple(sorted((order[:count] + 1).tolist()))
@@ -90,7 +90,7 @@ def held(circuit: str) -> tuple[int, float]:
     return times, most
 
 
-def table(circuit: str, scenes: list[Marched], folder: Path) -> dict[str, dict[float, list[Mark]]]:
+def table(circuit: str, scenes: list[SceneRun], folder: Path) -> dict[str, dict[float, list[Mark]]]:
     """Print an amplifier's part; return its marks by kind of alarms and threshold."""
     every = [case(scene, circuit, folder / "outputs") for scene in scenes]
     told = [one.told(one.scene.told) for one in every]

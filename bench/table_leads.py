@@ -27,7 +27,7 @@ from skincad.scenes.march import March, march
 from skincad.scenes.models import chosen_steps
 from skincad.scenes.omitted import omitted
 from skincad.scenes.on_mesh import piece_for
-from skincad.scenes.refined import BySource, Refined, thinned
+from skincad.scenes.refined import BySource, ComparisonRuns, thinned
 from skincad.scenes.scene import Scene
 from skincad.scenes.signals import Slips, slips_of
 from skincad.scenes.simulation import friction_cone
@@ -87,7 +87,7 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
     seconds = first - began, second - first, perf_counter() - second
     count, cone = scene.design.ridge.count, friction_cone(scene)
     change = next(each for each in omitted(scene, small) if each.effect == "finite_strain").change
-    refined = Refined(before=small, every=small, thin=thin)
+    refined = ComparisonRuns(before=small, every=small, thin=thin)
     slipped = [slips_of(each.readings, each.ridge, count) for each in (small, few, judge)]
     told = [leads(found, slips) for found, slips in zip((small, few, judge), slipped, strict=True)]
     errors = (

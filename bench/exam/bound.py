@@ -17,13 +17,13 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from bench.exam.cases import Case, case
-from bench.exam.scenes import Drawn, Marched, drawn, kept, marched
+from bench.exam.scenes import Drawn, SceneRun, drawn, kept, marched
 
 STICKS = 3.0
 FALSE = 0.1  # a minute
 
 
-def twin(seed: int, folder: Path) -> Marched | None:
+def twin(seed: int, folder: Path) -> SceneRun | None:
     """Return the march of a seed that sticks, kept on disk, None where it leaves the model's range first."""
     one, path = drawn(seed), folder / f"{seed}-sticks.npz"
     found = kept(seed, folder)

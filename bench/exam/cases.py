@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import fftconvolve
 
-from bench.exam.scenes import Marched
+from bench.exam.scenes import SceneRun
 from skincad.circuit.low_pass import corner
 from skincad.circuit.model import circuit_network, load_circuit
 from skincad.circuit.noise import total_density
@@ -26,7 +26,7 @@ class Case:
     """Outputs `(n, ridges, 2)` V of the told ridges; `slipping` `(n, ridges)` of them; `gross` the step at
     which all slip, which ends it; `noise` V rms of a strip; `density` V of a strip's noise by rfft's bins."""
 
-    scene: Marched
+    scene: SceneRun
     circuit: str
     rate: float
     outputs: np.ndarray
@@ -69,7 +69,7 @@ class Case:
         return replace(self, outputs=self.outputs[:, at], slipping=self.slipping[:, at])
 
 
-def case(scene: Marched, circuit: str, folder: Path) -> Case:
+def case(scene: SceneRun, circuit: str, folder: Path) -> Case:
     """Return a scene behind a circuit, all ridges told, up to its gross slip; outputs are kept on disk."""
     end = scene.time.size if scene.gross is None else scene.gross + 1
     time = scene.time[:end]

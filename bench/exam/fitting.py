@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.exam.cases import Case, case
 from bench.exam.network import Parts, fitted
-from bench.exam.scenes import Marched, batch, kept, seeds
+from bench.exam.scenes import SceneRun, batch, kept, seeds
 from bench.exam.scoring import HEAD, lasting, line, mark, near
 from bench.exam.shipped import shipped
 from bench.exam.skins import DESIGN
@@ -104,7 +104,7 @@ def _later(what: np.ndarray, samples: int) -> np.ndarray:
     return np.concatenate([np.zeros_like(what[:samples]), what[:-samples]])
 
 
-def variants(scene: Marched, folder: Path) -> Iterator[Heard]:
+def variants(scene: SceneRun, folder: Path) -> Iterator[Heard]:
     """Yield what is heard of a scene: as drawn first."""
     draw = np.random.default_rng((5, abs(scene.seed)))
     first = case(scene, CIRCUIT, folder)

@@ -46,7 +46,7 @@ class Drawn:
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class SceneRun:
     """A scene after it: films' `stress` `(n, strips, 3)` MPa, `slipping` `(n, ridges)`, forces N; `gross` is
     the step of gross slip, where it ends, None without one; `told` ridges from 1."""
 
@@ -131,7 +131,7 @@ def _scene(skin: Skin, friction: float, mass: float | None, way: History) -> Sce
 _PADS: dict[str, object] = {}
 
 
-def marched(one: Drawn) -> Marched:
+def marched(one: Drawn) -> SceneRun:
     """March a scene; a quasi-static skin is condensed once."""
     scene, name = one.scene, one.skin.name
     if one.mass is None and name in _PADS:
@@ -146,14 +146,14 @@ def marched(one: Drawn) -> Marched:
     draw = np.random.default_rng((77, one.seed))
     ridges = scene.design.ridge.count
     told = np.sort(draw.permutation(ridges)[: draw.integers(1, min(9, ridges) + 1)]) + 1
-    return Marched(
+    return SceneRun(
         one.seed, one.skin, one.friction, one.mass, found.time, one.way.bandwidth, found.column("films"),
         slips.slipping, found.column("normal"), found.column("tangential"), slips.gross, one.way.phases,
         tuple(told.tolist()),
     )  # fmt: skip
 
 
-def kept(seed: int, folder: Path) -> Marched:
+def kept(seed: int, folder: Path) -> SceneRun:
     """Return a seed's march from disk, marched if it is not there."""
     path = folder / f"{seed}.npz"
     one = drawn(seed)
@@ -165,14 +165,14 @@ def kept(seed: int, folder: Path) -> Marched:
         np.savez_compressed(path, gross=gross, told=found.told, **arrays)
     with np.load(path) as data:
         gross = int(data["gross"])
-        return Marched(
+        return SceneRun(
             seed, one.skin, one.friction, one.mass, data["time"], one.way.bandwidth, data["stress"],
             data["slipping"], data["normal"], data["tangential"], None if gross < 0 else gross,
             one.way.phases, tuple(data["told"].tolist()),
         )  # fmt: skip
 
 
-def scenes(kind: str, folder: Path) -> Iterator[Marched]:
+def scenes(kind: str, folder: Path) -> Iterator[SceneRun]:
     """Yield a set's scenes, those of one skin after each other."""
     order = sorted(seeds(kind), key=lambda s: (with_masses(s), drawn(s).skin.name))
     for seed in order:

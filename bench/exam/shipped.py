@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.exam.scenes import Marched
+from bench.exam.scenes import SceneRun
 from bench.exam.skins import Skin
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
@@ -40,12 +40,12 @@ NAMES = ("yamada-2002-slip", "steady-pull", "yamada-2002-stage", "hold", "rollin
 SHIPPED = {**{name: (name,) for name in NAMES}, **FEW}
 
 
-def shipped(folder: Path) -> list[Marched]:
+def shipped(folder: Path) -> list[SceneRun]:
     """Return the marches, kept on disk; their seeds are below 0."""
     return [_kept(-i, name, folder) for i, name in enumerate(SHIPPED, 1)]
 
 
-def _kept(seed: int, name: str, folder: Path) -> Marched:
+def _kept(seed: int, name: str, folder: Path) -> SceneRun:
     path, (source, *settings) = folder / f"{-seed}.npz", SHIPPED[name]
     asked = [f"readout.ridges={list(TOLD)}", "effects.film={}", *settings]
     scene = load_scene(source, asked)
@@ -60,7 +60,7 @@ def _kept(seed: int, name: str, folder: Path) -> Marched:
         )  # fmt: skip
     with np.load(path) as data:
         gross = int(data["gross"])
-        return Marched(
+        return SceneRun(
             seed, Skin(scene.design.name, scene.design, 4.0), 1.0, None, data["time"],
             scene.readout.bandwidth_Hz, data["stress"], data["slipping"], data["normal"],
             data["tangential"], None if gross < 0 else gross, ((name, 0),), TOLD,

@@ -19,17 +19,17 @@ T = TypeVar("T")
 @contextmanager
 def stage_bar(stages: int) -> Iterator[Progress | None]:
     """Show a bar while the block runs: by the seconds left where they are told, else by its stages."""
-    with _stages(stages) as (_, told):
-        yield told
+    with _stages(stages) as (_, progress):
+        yield progress
 
 
-def one_by_one(stages: int, found: Callable[[Progress | None], Iterable[T]]) -> Iterator[T]:
+def one_by_one(stages: int, items: Callable[[Progress | None], Iterable[T]]) -> Iterator[T]:
     """Yield what is found under a stage bar, which leaves the terminal meanwhile: there one may print."""
-    with _stages(stages) as (bar, told):
-        for each in found(told):
+    with _stages(stages) as (bar, progress):
+        for entry in items(progress):
             if bar:
                 bar.stop()
-            yield each
+            yield entry
             if bar:
                 bar.start()
 
@@ -46,8 +46,8 @@ def _stages(stages: int) -> Iterator[tuple[Any, Progress | None]]:
 
         def told(stage: str, left: float | None = None, /) -> None:
             ends = {} if left is None else {"ends": perf_counter() + left}
-            done = bar.tasks[task].completed + 1
-            bar.update(task, description=stage, completed=done, total=max(stages, done) + 1, **ends)
+            count = bar.tasks[task].completed + 1
+            bar.update(task, description=stage, completed=count, total=max(stages, count) + 1, **ends)
 
         yield bar, told
 

@@ -12,20 +12,20 @@ from math import inf
 from time import perf_counter
 from typing import Any, Generic, TypeVar
 
-Rung = TypeVar("Rung")
-Found = TypeVar("Found")
-Told = TypeVar("Told")
+SolverLevel = TypeVar("SolverLevel")
+ContactAnswer = TypeVar("ContactAnswer")
+Outcome = TypeVar("Outcome")
 
 
 @dataclass(frozen=True)
-class Ascent(Generic[Rung, Found, Told]):
+class Ascent(Generic[SolverLevel, ContactAnswer, Outcome]):
     """How far a climb has come in `spent` s: what is `found` on the last of its `rungs`, what is `told` of it
     and its relative `error`, inf where unknown; `ended` is why a finer rung does not count."""
 
-    found: Found
-    told: Told
+    found: ContactAnswer
+    told: Outcome
     error: float
-    rungs: tuple[Rung, ...]
+    rungs: tuple[SolverLevel, ...]
     spent: float
     ended: BaseException | None = None
 
@@ -33,21 +33,21 @@ class Ascent(Generic[Rung, Found, Told]):
 def by_price(before: Ascent[Any, Any, Any], following: Any) -> float:
     """Return the seconds that a rung will take, by what those before took: a rung's `price` is its time on
     top of them, in any unit that all share."""
-    return float(before.spent * following.price / sum(rung.price for rung in before.rungs))
+    return float(before.spent * following.price / sum(level.price for level in before.rungs))
 
 
 def climb(
-    solve: Callable[[Rung, Ascent[Rung, Found, Told] | None], Found],
-    rungs: Sequence[Rung],
-    estimate: Callable[[Rung, Found, Found | None], tuple[Told, float]],
+    solve: Callable[[SolverLevel, Ascent[SolverLevel, ContactAnswer, Outcome] | None], ContactAnswer],
+    rungs: Sequence[SolverLevel],
+    estimate: Callable[[SolverLevel, ContactAnswer, ContactAnswer | None], tuple[Outcome, float]],
     tol: float,
     budget: float | None = None,
     *,
     began: float,
     ends: tuple[type[BaseException], ...],
-    price: Callable[[Ascent[Rung, Found, Told], Rung], float] = lambda *_: 0.0,
+    price: Callable[[Ascent[SolverLevel, ContactAnswer, Outcome], SolverLevel], float] = lambda *_: 0.0,
     first: int = 0,
-) -> Ascent[Rung, Found, Told]:
+) -> Ascent[SolverLevel, ContactAnswer, Outcome]:
     """Return how far rungs were climbed from the `first` on: to a relative error of `tol`, or until the next
     one would overrun `budget` s from `began` by its `price`, s; one of an endless price is not climbed.
 
@@ -55,11 +55,11 @@ def climb(
     the one before. A rung that raises one of `ends` leaves the one before as the last; without any before, it
     gives way to the next cheaper, and the cheapest one's refusal stands.
     """
-    reached: Ascent[Rung, Found, Told] | None = None
+    reached: Ascent[SolverLevel, ContactAnswer, Outcome] | None = None
     at = first
     while True:
         try:
-            found = solve(rungs[at], reached)
+            answer = solve(rungs[at], reached)
         except ends as refusal:
             if reached is not None:
                 return replace(reached, spent=perf_counter() - began, ended=refusal)
@@ -68,8 +68,8 @@ def climb(
             at -= 1
             continue
         before, climbed = (reached.found, reached.rungs) if reached is not None else (None, ())
-        told, error = estimate(rungs[at], found, before)
-        reached = Ascent(found, told, error, (*climbed, rungs[at]), perf_counter() - began)
+        estimated, error = estimate(rungs[at], answer, before)
+        reached = Ascent(answer, estimated, error, (*climbed, rungs[at]), perf_counter() - began)
         at += 1
         if error <= tol or at == len(rungs):
             return reached

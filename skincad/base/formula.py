@@ -53,7 +53,7 @@ class Calculation:
 
     def recomputed(self) -> float:
         """Return the result by the formula from the numbers as they are printed."""
-        return self.at({each.symbol: each.printed for each in self.given})
+        return self.at({quantity.symbol: quantity.printed for quantity in self.given})
 
     def at(self, values: dict[str, float | Array]) -> float:
         """Return the result by the formula for these values of the given symbols."""
@@ -61,12 +61,14 @@ class Calculation:
 
     def sums(self) -> list[tuple[ast.Call, list[float]]]:
         """Return each sum of the formula with the terms that it adds up, from the numbers as printed."""
-        values = {each.symbol: each.printed for each in self.given}
-        found = []
+        values = {term.symbol: term.printed for term in self.given}
+        summed = []
         for call in ast.walk(ast.parse(self.formula, mode="eval")):
             if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "sum":
-                found.append((call, [float(each) for each in np.atleast_1d(evaluated(call.args[0], values))]))
-        return found
+                summed.append(
+                    (call, [float(term) for term in np.atleast_1d(evaluated(call.args[0], values))])
+                )
+        return summed
 
 
 def rounded(value: float) -> str:
@@ -76,21 +78,21 @@ def rounded(value: float) -> str:
 
 def evaluated(node: ast.expr, values: dict[str, float | Array]) -> float | Array:
     """Return the value of a formula's part; raises ValueError for what no formula has."""
-    found: float | Array
+    result: float | Array
     match node:
         case ast.Constant(value=int() | float() as number):
-            found = number
+            result = number
         case ast.Name(id=name):
-            found = values[name] if name in values else CONSTANTS[name]
+            result = values[name] if name in values else CONSTANTS[name]
         case ast.UnaryOp(op=ast.USub(), operand=inner):
-            found = -evaluated(inner, values)
+            result = -evaluated(inner, values)
         case ast.Call(func=ast.Name(id=name), args=[inner]):
-            found = FUNCTIONS[name](evaluated(inner, values))
+            result = FUNCTIONS[name](evaluated(inner, values))
         case ast.BinOp(left=left, op=op, right=right):
-            found = _of_two(op, evaluated(left, values), evaluated(right, values))
+            result = _of_two(op, evaluated(left, values), evaluated(right, values))
         case _:
             raise ValueError(f"no part of a formula: {ast.unparse(node)}")
-    return found
+    return result
 
 
 def _of_two(op: ast.operator, left: float | Array, right: float | Array) -> float | Array:

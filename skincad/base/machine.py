@@ -29,9 +29,9 @@ def machine() -> dict[str, Any]:
 
 def _processor() -> str:
     """The model's name as the system tells it."""
-    told = Path("/proc/cpuinfo")
-    if told.is_file():
-        for line in told.read_text("utf-8", errors="replace").splitlines():
+    info = Path("/proc/cpuinfo")
+    if info.is_file():
+        for line in info.read_text("utf-8", errors="replace").splitlines():
             key, _, value = line.partition(":")
             if key.strip() == "model name":
                 return " ".join(value.split())

@@ -36,7 +36,7 @@ def manifest_name(command: str) -> str:
     return f"{command}.json"
 
 
-def write_manifest(staging: Path, command: str, told: Mapping[str, Any]) -> None:
+def write_manifest(staging: Path, command: str, data: Mapping[str, Any]) -> None:
     """Write the manifest of all files in a folder, with what else is `told`.
 
     Raises RefusedError for a number that is not finite, which JSON has not.
@@ -44,7 +44,7 @@ def write_manifest(staging: Path, command: str, told: Mapping[str, Any]) -> None
     name = manifest_name(command)
     hashes = {path.name: _hash(path) for path in sorted(staging.iterdir()) if path.name != name}
     head = {"skincad": __version__, "command": command}
-    text = manifest_text({**head, **told, "files": list(hashes), "sha256": hashes})
+    text = manifest_text({**head, **data, "files": list(hashes), "sha256": hashes})
     (staging / name).write_text(text, encoding="utf-8")
 
 

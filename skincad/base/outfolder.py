@@ -64,7 +64,7 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
 
 
 @contextmanager
-def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None = None) -> Iterator[Path]:
+def replaced(folder: Path, command: str = "make", data: Mapping[str, Any] | None = None) -> Iterator[Path]:
     """Yield an empty folder to write into; when the block ends well its files replace the earlier result's.
 
     `told` is what the command's manifest says beside the files. Of two runs at once the later one's result
@@ -73,7 +73,7 @@ def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None
     RefusedError when `told` holds a number that is not finite.
     """
     real = checked_folder(folder, command)
-    made = [path for path in (real, *real.parents) if not path.exists()]
+    new_folders = [path for path in (real, *real.parents) if not path.exists()]
     run = real / _run_name(command)
     staging = run / "new"
     try:
@@ -83,7 +83,7 @@ def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None
                 staging.mkdir(parents=True)
                 alive.enter_context(_locked(run))  # for as long as this run lives
             yield staging
-            write_manifest(staging, command, told or {})
+            write_manifest(staging, command, data or {})
             with _locked(real):
                 _put_in_place(run, command)
     except OSError as failure:
@@ -92,7 +92,7 @@ def replaced(folder: Path, command: str = "make", told: Mapping[str, Any] | None
         if not (run / "old").exists():  # else what it holds could not go back: the next run tries again
             _discard(run)
         with suppress(OSError):  # not empty: there is a result, or another run
-            for path in made:
+            for path in new_folders:
                 path.rmdir()
 
 
@@ -118,8 +118,8 @@ def _run_name(command: str) -> str:
 
 def _runs(folder: Path) -> list[Path]:
     """Folders of runs that are under way or were killed."""
-    found = [path for path in folder.iterdir() if RUN.fullmatch(path.name)]
-    return [path for path in found if path.is_dir() and not path.is_symlink()]
+    folders = [path for path in folder.iterdir() if RUN.fullmatch(path.name)]
+    return [path for path in folders if path.is_dir() and not path.is_symlink()]
 
 
 def _unwritable(folder: Path, failure: OSError) -> InputError:
@@ -132,22 +132,22 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     Raises InputError where something stands in the way: a file of it that was changed since, a file of one
     of the `names` that is not of it, a manifest that skincad did not write, or a folder of other things.
     """
-    manifest, told = manifest_name(command), listed(folder, command)
-    if told is None and os.path.lexists(folder / manifest):
+    manifest, hashes = manifest_name(command), listed(folder, command)
+    if hashes is None and os.path.lexists(folder / manifest):
         raise _in_the_way(folder / manifest)
     others = [
         item.name for item in folder.iterdir() if not item.name.startswith(OURS) and item.name not in BESIDE
     ]
-    if others and all(listed(folder, each) is None for each in COMMANDS):
+    if others and all(listed(folder, command_name) is None for command_name in COMMANDS):
         raise InputError(
             "folder", f"{folder} holds files but no earlier result", remedy="name a new or empty folder"
         )
-    if told is None:
-        told, earlier = {}, []
+    if hashes is None:
+        hashes, earlier = {}, []
     else:
-        earlier = [manifest, *(name for name in told if os.path.lexists(folder / name))]
+        earlier = [manifest, *(name for name in hashes if os.path.lexists(folder / name))]
     for name in earlier[1:]:
-        if not unchanged(folder / name, told[name]):
+        if not unchanged(folder / name, hashes[name]):
             raise _in_the_way(folder / name)
     for name in names:
         if name not in earlier and os.path.lexists(folder / name):

@@ -48,7 +48,7 @@ def item(
     return field(default=default, metadata={"item": Item(key, unit, meaning, error, inline)})
 
 
-class Reported(Generic[T]):
+class ReportedProperty(Generic[T]):
     """A property that is reported; made by `reported`."""
 
     def __init__(self, method: Callable[[Any], T], declared: Item) -> None:
@@ -60,9 +60,9 @@ class Reported(Generic[T]):
 
 def reported(
     unit: str = "", meaning: str = "", *, key: str = "", error: str = "", inline: bool = False
-) -> Callable[[Callable[[Any], T]], Reported[T]]:
+) -> Callable[[Callable[[Any], T]], ReportedProperty[T]]:
     """Make a method a property that is reported, as `item` does a field."""
-    return lambda method: Reported(method, Item(key, unit, meaning, error, inline))
+    return lambda method: ReportedProperty(method, Item(key, unit, meaning, error, inline))
 
 
 def key_of(name: str, unit: str) -> str:
@@ -99,10 +99,12 @@ class Record:
 @cache
 def _declared(kind: type) -> tuple[tuple[str, Item], ...]:
     """The declared attributes of a class of records, in their order."""
-    listed = {each.name: each.metadata["item"] for each in fields(kind) if "item" in each.metadata}
+    listed = {
+        declared.name: declared.metadata["item"] for declared in fields(kind) if "item" in declared.metadata
+    }
     for parent in reversed(kind.__mro__):
         for name, value in vars(parent).items():
-            if isinstance(value, Reported):
+            if isinstance(value, ReportedProperty):
                 listed[name] = value.item
     return tuple(listed.items())
 

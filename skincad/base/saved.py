@@ -33,6 +33,6 @@ def saves(files: Sequence[Path]) -> Iterator[None]:
 def _stamps(files: Sequence[Path]) -> list[tuple[int, int]] | None:
     """When each file was written, ns, and its bytes; None while one is away."""
     try:
-        return [(found.st_mtime_ns, found.st_size) for found in (file.stat() for file in files)]
+        return [(status.st_mtime_ns, status.st_size) for status in (file.stat() for file in files)]
     except FileNotFoundError:
         return None

@@ -82,7 +82,7 @@ class Document(Table):
         return hashlib.sha256(self.to_toml().encode()).hexdigest()[:8]
 
 
-class Ranged(Table):
+class NumberWithRange(Table):
     """A number, alone or as `{value, low, high}`: what was measured and how far it may be off."""
 
     value: float = Field(description="most likely", gt=0.0)
@@ -168,23 +168,23 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
 
 
 def _wrong_value(model: type[BaseModel], path: tuple[str, ...], error: ErrorDetails) -> InputError:
-    key, given = ".".join(path), error.get("input")
-    if isinstance(given, dict):
-        entry = next(iter(given), "")
+    key, value = ".".join(path), error.get("input")
+    if isinstance(value, dict):
+        entry = next(iter(value), "")
         if error["type"] in ("list_type", "tuple_type") and str(entry).isdecimal():
             return no_entry(f"{key}.{entry}")
-        given = "a table"
+        value = "a table"
     if error["type"] == "string_pattern_mismatch":
-        return InputError(key, f"must be {model.model_fields[path[-1]].description}", given)
+        return InputError(key, f"must be {model.model_fields[path[-1]].description}", value)
     if error["type"] in ("model_type", "model_attributes_type", "dict_type"):
         wanted = "a number or {value, low, high}" if path[-1] == "young_modulus" else f"a table, [{key}]"
-        return InputError(key, f"must be {wanted}", given)
+        return InputError(key, f"must be {wanted}", value)
     rule = re.sub("^(Input|String|List|Tuple) should", "must", error["msg"]).partition(" after validation")[0]
     rule = rule.replace("a valid integer", "an integer").replace("valid ", "").replace("a tuple", "a list")
     unit = "" if "too_" in error["type"] else unit_of(model, path)  # a length has none
-    if error["type"] == "int_type" and isinstance(given, float) and given.is_integer() and abs(given) < 1e9:
-        return InputError(key, f"{rule}, got {given}", remedy=f"write {given:.0f}")  # 9.0 is not to read 9
-    return InputError(key, rule + (f" ({unit})" if unit else ""), given)
+    if error["type"] == "int_type" and isinstance(value, float) and value.is_integer() and abs(value) < 1e9:
+        return InputError(key, f"{rule}, got {value}", remedy=f"write {value:.0f}")  # 9.0 is not to read 9
+    return InputError(key, rule + (f" ({unit})" if unit else ""), value)
 
 
 def _unknown_key(model: type[BaseModel], path: tuple[str, ...]) -> InputError:

@@ -26,7 +26,7 @@ COLUMNS = ("frequency_Hz", "gain_dB")
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredCurve:
     """A measured curve `(n,)` Hz, rising, and `(n,)` dB, its corner and the constants calibrated to it."""
 
     frequency: Real
@@ -60,7 +60,7 @@ class CircuitGain(Result):
     frequency: Real
     gain: Real
     slopes: Slopes
-    measured: Measured | None
+    measured: MeasuredCurve | None
     own: OwnSignal | None
     warnings: tuple[str, ...]
     seconds: dict[str, float]
@@ -87,7 +87,7 @@ class CircuitGain(Result):
 
     def as_json(self) -> dict[str, Any]:
         """Return the contract's keys; with a rig also `own_signal`, with measured data `calibration`."""
-        found: dict[str, Any] = {
+        data: dict[str, Any] = {
             "name": self.name,
             "constants": self.constants.as_json(),
             "frequency_Hz": self.frequency.tolist(),
@@ -100,10 +100,10 @@ class CircuitGain(Result):
             "warnings": list(self.warnings),
         }
         if self.own:
-            found["own_signal"] = self.own.as_json()
+            data["own_signal"] = self.own.as_json()
         if self.measured:
-            found["calibration"] = self.measured.calibration.as_json()
-        return found
+            data["calibration"] = self.measured.calibration.as_json()
+        return data
 
 
 def gain(
@@ -115,16 +115,16 @@ def gain(
     makes of it; the film's d33 stays, since the level is free. Raises InputError for unusable input.
     """
     watch, sweep, amplifier = Stopwatch(progress), circuit.sweep, circuit.amplifier
-    given, own = None, None
+    measurement, own_signal = None, None
     if measured is not None:
         wanted = {"topology": "inverting", "feedback_capacitance": "0 F", "gain_bandwidth": "0 Hz"}
-        for key, told in wanted.items():
-            if (value := getattr(amplifier, key)) not in (told, 0.0):
-                rule = f"must be {told} where constants are calibrated to a measured curve"
+        for key, reached in wanted.items():
+            if (value := getattr(amplifier, key)) not in (reached, 0.0):
+                rule = f"must be {reached} where constants are calibrated to a measured curve"
                 raise InputError(f"amplifier.{key}", rule, value, "take the paper's network")
         with watch.stage("calibrating"):
-            given = _measured(circuit, measured)
-    c = given.calibration.constants if given else constants(circuit)
+            measurement = _measured(circuit, measured)
+    c = measurement.calibration.constants if measurement else constants(circuit)
     with watch.stage("sweeping"):
         frequency = np.geomspace(sweep.low, sweep.high, sweep.points)
         with np.errstate(all="ignore"):  # constants so far apart that they overflow are refused below
@@ -134,9 +134,11 @@ def gain(
         slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
         if has_rig(circuit):
             alone = _level(circuit, ratio)
-            own = OwnSignal(alone, fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
+            own_signal = OwnSignal(alone, fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
     warnings = tuple(_warnings(circuit, c, slopes))
-    return CircuitGain(circuit, c, frequency, level, slopes, given, own, warnings, watch.seconds())
+    return CircuitGain(
+        circuit, c, frequency, level, slopes, measurement, own_signal, warnings, watch.seconds()
+    )
 
 
 def _told(slopes: Slopes) -> dict[str, Any]:
@@ -158,7 +160,7 @@ def _level(circuit: Circuit, ratio: Complex) -> Real:
     return decibels(ratio)
 
 
-def _measured(circuit: Circuit, file: Path | str) -> Measured:
+def _measured(circuit: Circuit, file: Path | str) -> MeasuredCurve:
     columns = read_columns(file, COLUMNS)
     if set(columns) != set(COLUMNS):
         raise InputError(str(file), "must have the columns frequency_Hz and gain_dB")
@@ -171,15 +173,15 @@ def _measured(circuit: Circuit, file: Path | str) -> Measured:
     slopes = fit_slopes(frequency, gain, float(frequency[0]), high, str(file))
     d33 = constants(circuit).d33
     film = gain[inside] - decibels(film_load(circuit, frequency[inside]))
-    found = calibrate(frequency[inside], film, d33=d33, largest_ratio=ANY_RATIO)
-    return Measured(frequency, gain, slopes, found)
+    calibration = calibrate(frequency[inside], film, d33=d33, largest_ratio=ANY_RATIO)
+    return MeasuredCurve(frequency, gain, slopes, calibration)
 
 
 def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:
-    found = []
+    warnings = []
     ratio = c.motional_capacitance / c.capacitance
     if ratio > 1:
-        found.append(
+        warnings.append(
             f"the motional capacitance is {ratio:.3g} times the static one; a PVDF film's own is at most 0.1 "
             "times: this branch stands for more than the film"
         )
@@ -187,8 +189,8 @@ def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:
         seen = PASS * circuit.sampling.rate / 2
         cutoff = slopes.cutoff.value
         if cutoff is not None and cutoff > seen:
-            found.append(
+            warnings.append(
                 f"sampled at {circuit.sampling.rate:g} Hz, the output is true up to {seen:.4g} Hz; "
                 f"the cut-off at {cutoff:.4g} Hz and everything above it are not seen"
             )
-    return found
+    return warnings

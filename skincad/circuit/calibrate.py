@@ -130,14 +130,14 @@ def calibrate(
         raise RefusedError(f"the calibration converged from none of {starts} starts")
     best = min(good, key=lambda run: _between(_constants(run.x, d33), frequency, gain))
     near = NEAR * (high - low)
-    held = (best.x - low < near) | (high - best.x < near)
-    found = _constants(best.x, d33)
-    rest = decibels(response(network(found), frequency)) - gain
+    at_bound = (best.x - low < near) | (high - best.x < near)
+    constants = _constants(best.x, d33)
+    rest = decibels(response(network(constants), frequency)) - gain
     return Calibration(
-        found,
+        constants,
         _rms(best.fun),
         float(-rest.mean()),
-        tuple(name for name, at in zip(FITTED, held, strict=True) if at),
+        tuple(name for name, at in zip(FITTED, at_bound, strict=True) if at),
         combinations(best.jac),
         sum(_rms(run.fun) <= 1.01 * _rms(best.fun) for run in good),
         starts,
@@ -164,9 +164,9 @@ def combinations(jacobian: Real) -> tuple[Combination, ...]:
 def _between(c: Constants, frequency: Real, gain: Real) -> float:
     """Rms between the points too, with the motional branch's resonances: a sharp one could hide there."""
     low, high = float(frequency.min()), float(frequency.max())
-    own = 1 / (2 * np.pi * np.sqrt(c.motional_inductance * c.motional_capacitance))
-    both = own * np.sqrt(1 + c.motional_capacitance / c.capacitance)
-    resonances = [f for f in (own, both) if low < f < high]
+    resonance = 1 / (2 * np.pi * np.sqrt(c.motional_inductance * c.motional_capacitance))
+    both = resonance * np.sqrt(1 + c.motional_capacitance / c.capacitance)
+    resonances = [f for f in (resonance, both) if low < f < high]
     fine = np.sort([*np.geomspace(low, high, 10 * frequency.size), *resonances])
     order = np.argsort(frequency)
     wanted = np.interp(np.log(fine), np.log(frequency[order]), gain[order])

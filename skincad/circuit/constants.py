@@ -51,12 +51,12 @@ class Constants:
         for name, value in vars(self).items():
             if not math.isfinite(value):
                 raise InputError(name, "must be a finite number", value)
-            kept, rule = value > 0, "be above 0"
+            valid, rule = value > 0, "be above 0"
             if name in MAY_BE_0:
-                kept, rule = value >= 0, "not be below 0"
+                valid, rule = value >= 0, "not be below 0"
             elif name == "d33":
-                kept, rule = value != 0, "not be 0"
-            if not kept:
+                valid, rule = value != 0, "not be 0"
+            if not valid:
                 raise InputError(name, f"must {rule}", value)
 
     def as_json(self) -> dict[str, float]:

@@ -20,7 +20,7 @@ GROUND, LOAD, OUT = "0", "load", "vout"
 
 
 @dataclass(frozen=True)
-class _Between:
+class _TwoTerminal:
     """What lies between two nodes."""
 
     name: str
@@ -34,18 +34,18 @@ class _Between:
         return (self.a, self.b)
 
 
-class Resistor(_Between):
+class Resistor(_TwoTerminal):
     """In ohm; it has its thermal noise."""
 
 
 @dataclass(frozen=True)
-class Capacitor(_Between):
+class Capacitor(_TwoTerminal):
     """In F. `loss`, F times the loss tangent, counts in the noise only."""
 
     loss: float = 0.0
 
 
-class Inductor(_Between):
+class Inductor(_TwoTerminal):
     """In H."""
 
 
@@ -96,13 +96,13 @@ class Equations:
     """
 
     nodes: tuple[str, ...]
-    held: Mask
-    across: NDArray[Any]
+    fixed: Mask
+    drops: NDArray[Any]
 
-    def part(self, i: int, own: str | None) -> NDArray[Any]:
+    def part(self, i: int, branch: str | None) -> NDArray[Any]:
         """Return what element i's admittance multiplies, `(n, n)`, or the gain of a source at `own`."""
-        where = ~self.held * self.across[i] if own is None else [-(node == own) for node in self.nodes]
-        return np.outer(where, self.across[i])
+        where = ~self.fixed * self.drops[i] if branch is None else [-(node == branch) for node in self.nodes]
+        return np.outer(where, self.drops[i])
 
 
 def equations(wiring: Wiring) -> Equations:
@@ -110,6 +110,6 @@ def equations(wiring: Wiring) -> Equations:
     named = dict.fromkeys(node for _, ends in wiring for node in ends)
     nodes = tuple(node for node in named if node != GROUND)
     voltage = dict(zip([*nodes, GROUND], np.eye(len(nodes) + 1, len(nodes), dtype=int), strict=True))
-    held = {LOAD, *(ends[0] for kind, ends in wiring if kind is Source)}
-    across = np.array([voltage[ends[-2]] - voltage[ends[-1]] for _, ends in wiring])
-    return Equations(nodes, np.array([node in held for node in nodes]), across)
+    fixed = {LOAD, *(ends[0] for kind, ends in wiring if kind is Source)}
+    drops = np.array([voltage[ends[-2]] - voltage[ends[-1]] for _, ends in wiring])
+    return Equations(nodes, np.array([node in fixed for node in nodes]), drops)

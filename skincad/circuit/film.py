@@ -42,7 +42,7 @@ def capacitance(area: float, thickness: float, permittivity: float) -> float:
 def charge(
     through: ArrayLike,
     along: ArrayLike,
-    across: ArrayLike,
+    transverse: ArrayLike,
     *,
     area: float,
     coefficients: tuple[float, float, float],
@@ -55,5 +55,5 @@ def charge(
     """
     d31, d32, d33 = (d * PICO for d in coefficients)
     of_length, of_width = (d31, d32) if draw_axis == "length" else (d32, d31)
-    total = d33 * np.asarray(through) + of_length * np.asarray(along) + of_width * np.asarray(across)
+    total = d33 * np.asarray(through) + of_length * np.asarray(along) + of_width * np.asarray(transverse)
     return np.asarray(area * total, float)  # MPa times mm2 is N

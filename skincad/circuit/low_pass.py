@@ -16,7 +16,7 @@ EVEN = 1e-6  # of a step, by which evenly spaced ones may differ: rounding of a 
 
 
 @dataclass(frozen=True)
-class Limited:
+class FilteredSignal:
     """A signal behind the low-pass with its rate and jerk, each `(steps + 1,)`; units of the input, per s."""
 
     value: Array
@@ -46,7 +46,7 @@ def evenly_spaced(time: Array) -> bool:
     return bool(np.ptp(steps) <= EVEN * steps[0])
 
 
-def band_limited(time: Array, values: Array, bandwidth: float) -> Limited:
+def band_limited(time: Array, values: Array, bandwidth: float) -> FilteredSignal:
     """Return `values` `(n,)` at `time` `(n,)` s behind two equal poles of -3 dB at `bandwidth`.
 
     y'' + 2 w y' + w^2 y = w^2 x, from rest at the first value; exact for an input straight between its
@@ -56,12 +56,12 @@ def band_limited(time: Array, values: Array, bandwidth: float) -> Limited:
     w = corner(bandwidth)
     start, count = values[0], values.size
     if count == 1:
-        return Limited(values.copy(), np.zeros(1), np.zeros(1))
+        return FilteredSignal(values.copy(), np.zeros(1), np.zeros(1))
     x = values - start
     steps = w * np.diff(time)
     u, y = _even_poles(w * float(time[1] - time[0]), x) if evenly_spaced(time) else _uneven_poles(steps, x)
     rate = u - y
-    return Limited(y + start, rate * w, (x - u - rate) * w**2)
+    return FilteredSignal(y + start, rate * w, (x - u - rate) * w**2)
 
 
 def _even_poles(h: float, x: Array) -> tuple[Array, Array]:

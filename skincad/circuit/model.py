@@ -196,8 +196,10 @@ def constants(circuit: Circuit) -> Constants:
 def noise_sources(circuit: Circuit) -> NoiseSources:
     """Return what a circuit's film and amplifier add in noise; the lead has no loss."""
     film = circuit.film
-    own = capacitance(film.area, film.thickness, film.permittivity)
-    return NoiseSources(**dict(circuit.noise), loss_tangent=film.loss_tangent, film_capacitance=own)
+    film_capacitance = capacitance(film.area, film.thickness, film.permittivity)
+    return NoiseSources(
+        **dict(circuit.noise), loss_tangent=film.loss_tangent, film_capacitance=film_capacitance
+    )
 
 
 def circuit_network(circuit: Circuit) -> Network:

@@ -22,22 +22,22 @@ def noise_density(network: Network, frequency: Real) -> dict[str, Real]:
     frequency = np.asarray(frequency, float)
     sources = list(_sources(network, frequency))
     ways = transfers(network, [drive for _, drive, _ in sources], frequency)
-    found = zip(sources, ways, strict=True)
-    return {name: np.asarray(power * np.abs(way) ** 2, float) for (name, _, power), way in found}
+    terms = zip(sources, ways, strict=True)
+    return {name: np.asarray(power * np.abs(way) ** 2, float) for (name, _, power), way in terms}
 
 
 def _sources(network: Network, frequency: Real) -> Iterator[tuple[str, Drive, Real | float]]:
     """Each noise source: its name, where it drives the network, and its own density, V2/Hz or A2/Hz."""
-    held = {GROUND, LOAD, *(e.a for e in network.elements if isinstance(e, Source))}
+    fixed = {GROUND, LOAD, *(e.a for e in network.elements if isinstance(e, Source))}
     thermal = 4 * Boltzmann * network.temperature
     for i, e in enumerate(network.elements):
         if isinstance(e, Source):
             if e.voltage_density:
                 yield f"{e.name} voltage", ((e.a, 1 << i, 1),), e.voltage_density**2
-            for node in sorted({e.plus, e.minus} - held) if e.current_density else ():
+            for node in sorted({e.plus, e.minus} - fixed) if e.current_density else ():
                 yield f"{e.name} current into {node}", ((node, 0, 1),), e.current_density**2
             continue
-        both = [(node, sign) for node, sign in ((e.a, 1), (e.b, -1)) if node not in held]
+        both = [(node, sign) for node, sign in ((e.a, 1), (e.b, -1)) if node not in fixed]
         if isinstance(e, Resistor):
             yield e.name, tuple((node, 1 << i, sign) for node, sign in both), thermal * e.value
         elif isinstance(e, Capacitor) and e.loss:

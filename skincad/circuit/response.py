@@ -38,7 +38,7 @@ Drive = tuple[tuple[str, int, int], ...]  # to which nodes' equations what produ
 class _Sum:
     """Products of what is `taken`, `(elements, m)`, by how often each counts at a power of s, `(k, m)`."""
 
-    taken: np.ndarray
+    chosen: np.ndarray
     of_power: Real
 
 
@@ -76,11 +76,11 @@ def transfers(network: Network, drives: Sequence[Drive], frequency: Real) -> lis
 
 def _value(terms: _Sum, mantissa: Real, exponent: np.ndarray, s: Complex) -> tuple[Complex, int]:
     """A sum of products at s, and the power of two that it is to be multiplied by: no product overflows."""
-    if not terms.taken.size:
+    if not terms.chosen.size:
         return np.zeros_like(s), 0
     # in extended precision, where the machine has it: near a null two products leave their rounding
-    size = np.where(terms.taken, mantissa[:, None].astype(np.longdouble), 1.0).prod(axis=0)
-    twos = np.where(terms.taken, exponent[:, None], 0).sum(axis=0)
+    size = np.where(terms.chosen, mantissa[:, None].astype(np.longdouble), 1.0).prod(axis=0)
+    twos = np.where(terms.chosen, exponent[:, None], 0).sum(axis=0)
     by_power = (terms.of_power * np.ldexp(size, twos - twos.max())).sum(axis=1).astype(float)
     return np.asarray(np.polynomial.polynomial.polyval(s, by_power)), int(twos.max())
 
@@ -91,25 +91,25 @@ def _determinant(wiring: Wiring, drive: Drive | None) -> _Sum:
 
     All is multiplied by every resistance and inductance, so that no value is divided by.
     """
-    found = equations(wiring)
-    rows: list[list[Products]] = [[{} for _ in found.nodes] for _ in found.nodes]
-    for i in np.flatnonzero(found.held):
+    equations_of = equations(wiring)
+    rows: list[list[Products]] = [[{} for _ in equations_of.nodes] for _ in equations_of.nodes]
+    for i in np.flatnonzero(equations_of.fixed):
         rows[i][i][0] = 1
     for k, (kind, ends) in enumerate(wiring):
-        part = found.part(k, ends[0] if kind is Source else None)
+        part = equations_of.part(k, ends[0] if kind is Source else None)
         for i, j in np.argwhere(part):
             rows[i][j][1 << k] = int(part[i, j])
     if drive is not None:
         driven = {node: {product: times} for node, product, times in drive}
-        for node, row in zip(found.nodes, rows, strict=True):
-            row[found.nodes.index(OUT)] = driven.get(node, {})
+        for node, row in zip(equations_of.nodes, rows, strict=True):
+            row[equations_of.nodes.index(OUT)] = driven.get(node, {})
     products = _expanded(rows)
     kinds = [kind for kind, _ in wiring]
-    taken = np.array([[bool(product >> i & 1) for product in products] for i in range(len(kinds))], bool)
-    taken[[kind in (Resistor, Inductor) for kind in kinds]] ^= True
-    power = taken[[kind in (Capacitor, Inductor) for kind in kinds]].sum(axis=0)
+    chosen = np.array([[bool(product >> i & 1) for product in products] for i in range(len(kinds))], bool)
+    chosen[[kind in (Resistor, Inductor) for kind in kinds]] ^= True
+    power = chosen[[kind in (Capacitor, Inductor) for kind in kinds]].sum(axis=0)
     of_power = np.array([(power == k) * list(products.values()) for k in range(power.max(initial=0) + 1)])
-    return _Sum(taken, of_power.astype(float))
+    return _Sum(chosen, of_power.astype(float))
 
 
 def _expanded(rows: list[list[Products]]) -> Products:
@@ -120,12 +120,12 @@ def _expanded(rows: list[list[Products]]) -> Products:
     def minor(columns: int) -> Products:
         if not columns:
             return {0: 1}
-        row, found = rows[count - columns.bit_count()], dict[int, int]()
+        row, terms = rows[count - columns.bit_count()], dict[int, int]()
         for place, j in enumerate(j for j in range(count) if columns >> j & 1):
             for one, times in row[j].items():
                 for other, more in minor(columns ^ 1 << j).items():
                     if not one & other:  # an element's square: it cancels in the whole
-                        found[one | other] = found.get(one | other, 0) + (-1) ** place * times * more
-        return {product: times for product, times in found.items() if times}
+                        terms[one | other] = terms.get(one | other, 0) + (-1) ** place * times * more
+        return {product: times for product, times in terms.items() if times}
 
     return minor((1 << count) - 1)

@@ -55,14 +55,14 @@ def fit_slopes(frequency: Real, gain: Real, low: float, high: float, source: str
         raise InputError("frequency", "must rise")
     fits = [_two_lines(*_part(x, y, *ends)) for ends in RANGES]
     best = fits[0]
-    found = np.array([[10**f.corner, f.below, f.above] for f in fits])
-    fitted = 2 * best.errors * [np.log(10) * found[0, 0], 1.0, 1.0]
-    errors = np.hypot(fitted, np.abs(found - found[0]).max(axis=0))
+    corners = np.array([[10**f.corner, f.below, f.above] for f in fits])
+    fitted = 2 * best.errors * [np.log(10) * corners[0, 0], 1.0, 1.0]
+    errors = np.hypot(fitted, np.abs(corners - corners[0]).max(axis=0))
     bend = abs(best.above - best.below)
     if bend < max(BEND, float(np.hypot(errors[1], errors[2]))):
         return _one_line(x, y)
     return Slopes(
-        Estimate(float(found[0, 0]), float(errors[0]), "Hz"),
+        Estimate(float(corners[0, 0]), float(errors[0]), "Hz"),
         Estimate(best.below, float(errors[1]), "dB/dec"),
         Estimate(best.above, float(errors[2]), "dB/dec"),
         best.level,

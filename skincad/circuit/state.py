@@ -82,26 +82,26 @@ def state_space(network: Network) -> StateSpace:
 
 def _by_states(network: Network, stores: list[int]) -> tuple[Exact, Exact]:
     """The output `(k + 1,)` and what fills each store `(k, k + 1)`, A or V, by states and last the load."""
-    found = equations(network.wiring)
-    n, k = len(found.nodes), len(stores)
+    system = equations(network.wiring)
+    n, k = len(system.nodes), len(stores)
     # unknown: nodes' voltages and the flows of the stores; given: the states and the load
     whole = np.zeros((n + k, n + 2 * k + 1), int) * Fraction(1)
-    whole[range(n), range(n)] += found.held
-    whole[found.nodes.index(LOAD), -1] = Fraction(-1)
+    whole[range(n), range(n)] += system.fixed
+    whole[system.nodes.index(LOAD), -1] = Fraction(-1)
     for i, e in enumerate(network.elements):
-        value, own = Fraction(e.value), n + stores.index(i) if i in stores else 0
+        value, branch = Fraction(e.value), n + stores.index(i) if i in stores else 0
         if isinstance(e, Source):
-            whole[:n, :n] += found.part(i, e.a) * value
+            whole[:n, :n] += system.part(i, e.a) * value
         elif isinstance(e, Resistor):
-            whole[:n, :n] += found.part(i, None) / value
+            whole[:n, :n] += system.part(i, None) / value
         else:
-            current, given = (own, own + k) if isinstance(e, Capacitor) else (own + k, own)
-            whole[:n, current] += ~found.held * found.across[i]
-            whole[own, :n] += found.across[i]
-            whole[own, given] -= 1
+            current, source = (branch, branch + k) if isinstance(e, Capacitor) else (branch + k, branch)
+            whole[:n, current] += ~system.fixed * system.drops[i]
+            whole[branch, :n] += system.drops[i]
+            whole[branch, source] -= 1
     whole[:, n + k :] *= -1
     solved = _solved(whole)
-    return solved[found.nodes.index(OUT)], solved[n:]
+    return solved[system.nodes.index(OUT)], solved[n:]
 
 
 def _solved(rows: Exact) -> Exact:
@@ -173,15 +173,15 @@ def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, C
     charge = _checked(charge)
     if state is None:
         state = s.rest * charge[0]
-    found = np.empty((state.size, charge.size), complex)
+    path = np.empty((state.size, charge.size), complex)
     for k in range(state.size - 1, -1, -1):  # triangular: each state by those after it
         forcing = s.now[k] * charge[:-1] + s.then[k] * charge[1:]
         for j in range(k + 1, state.size):
-            forcing = forcing + s.step[k, j] * found[j, :-1]
-        found[k, 0] = state[k]
+            forcing = forcing + s.step[k, j] * path[j, :-1]
+        path[k, 0] = state[k]
         pole = s.step[k, k]
-        found[k, 1:] = lfilter([1.0], [1.0, -pole], forcing, zi=[pole * state[k]])[0]
-    return np.asarray((s.out @ found).real + s.through * charge), found[:, -1].copy()
+        path[k, 1:] = lfilter([1.0], [1.0, -pole], forcing, zi=[pole * state[k]])[0]
+    return np.asarray((s.out @ path).real + s.through * charge), path[:, -1].copy()
 
 
 def _checked(charge: Real) -> Real:

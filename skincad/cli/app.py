@@ -36,8 +36,8 @@ for command in COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(wanted: bool) -> None:
+    if wanted:
         print(f"skincad {skincad.__version__}")
         raise typer.Exit
 

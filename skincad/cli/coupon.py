@@ -67,9 +67,9 @@ def coupon(
             written = skincad.write(kit, target, progress=progress)
         deliver(kit, as_json, written)
         return
-    for name, given in (("silicone", silicone), ("silicones", silicones)):
-        if given is not None:
-            raise InputError(name, "is not used with --measured", str(given), "leave it out")
+    for name, value in (("silicone", silicone), ("silicones", silicones)):
+        if value is not None:
+            raise InputError(name, "is not used with --measured", str(value), "leave it out")
     from skincad.fabrication.coupon_reading import read_coupon
 
     reading = read_coupon(process, measured, printer=printer)

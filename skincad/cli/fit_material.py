@@ -55,8 +55,8 @@ def fit_material(
     """
     from skincad.base.freshfile import checked_fresh
 
-    for name, given in (("settings", settings), ("silicones", silicones), ("copy", copy)):
-        if given and design is None:
+    for name, value in (("settings", settings), ("silicones", silicones), ("copy", copy)):
+        if value and design is None:
             raise InputError(name, "needs --design", remedy="name the design with --design")
     loaded = skincad.load(design, settings, silicones=silicones) if design else None
     if copy is not None:

@@ -69,7 +69,9 @@ def run(arguments: list[str]) -> int:
 
 def _parameters(command: Any, arguments: list[str]) -> dict[str, str]:
     """What a person calls the parameters of the subcommand that was asked for, by their names in Python."""
-    asked = next((command.commands[each] for each in arguments if each in command.commands), command)
+    subcommand = next(
+        (command.commands[argument] for argument in arguments if argument in command.commands), command
+    )
     written = [word.partition("=")[0] for word in arguments]
 
     def called(parameter: Any) -> str:
@@ -78,7 +80,7 @@ def _parameters(command: Any, arguments: list[str]) -> dict[str, str]:
         flags = sorted(parameter.opts, key=len, reverse=True)
         return str(next((flag for flag in flags if flag in written), flags[0]))
 
-    return {parameter.name: called(parameter) for parameter in asked.params}
+    return {parameter.name: called(parameter) for parameter in subcommand.params}
 
 
 def _by_flag(failure: InputError, flags: dict[str, str]) -> InputError:

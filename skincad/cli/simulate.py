@@ -48,8 +48,8 @@ def simulate(
     """
     from skincad.inputs.catalog import setting_key
 
-    for key, option, given in (("readout.steps", "at", at), ("readout.frames", "gif", gif)):
-        if given and key in map(setting_key, settings):
+    for key, option, value in (("readout.steps", "at", at), ("readout.frames", "gif", gif)):
+        if value and key in map(setting_key, settings):
             raise InputError(option, f"gives {key}, and --set does too", remedy="leave one of them out")
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
     try:

@@ -39,5 +39,5 @@ def effect(name: str) -> type[Effect]:
     if name not in EFFECTS:
         raise InputError(f"effects.{name}", "unknown effect", remedy=did_you_mean(name, EFFECTS))
     module, _, kind = EFFECTS[name].where.partition(":")
-    found: type[Effect] = getattr(import_module(module), kind)
-    return found
+    kind_class: type[Effect] = getattr(import_module(module), kind)
+    return kind_class

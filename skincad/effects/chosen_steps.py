@@ -17,17 +17,17 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.effects.large_pad import FRICTIONLESS, LargePad
-from skincad.mechanics.contact.dragged import Dragged, Tangential
-from skincad.mechanics.contact.grip import Grip
-from skincad.mechanics.contact.held import STRIDE, HeldPad, HeldState
+from skincad.mechanics.contact.dragged import FrictionalPad, Tangential
+from skincad.mechanics.contact.grip import ContactState
+from skincad.mechanics.contact.held import STRIDE, FrozenTangentPad, FrozenTangentState
 
 
 def chosen(large: LargePad) -> ChosenPad:
     """Return the pad that takes chosen steps of a `large` one, a stride of its narrowest crest apart."""
     pad = large.pad
     crests = [np.ptp(pad.x[pad.ridge == number]) for number in np.unique(pad.ridge)]
-    stride = STRIDE * float(min(crests))
-    return ChosenPad(HeldPad(pad, _Stresses(large), stride, not large.stops))
+    interval = STRIDE * float(min(crests))
+    return ChosenPad(FrozenTangentPad(pad, _Stresses(large), interval, not large.stops))
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +48,12 @@ class _Stresses:
 
 @dataclass(frozen=True, eq=False)
 class ChosenPad:
-    """A pad at finite strain in chosen steps; its states are `HeldState`."""
+    """A pad at finite strain in chosen steps; its states are `FrozenTangentState`."""
 
-    held: HeldPad
+    held: FrozenTangentPad
 
     @property
-    def _pad(self) -> Dragged:
+    def _pad(self) -> FrictionalPad:
         return self.held.pad
 
     @property
@@ -71,27 +71,27 @@ class ChosenPad:
         """Number of free unknowns."""
         return self._pad.rest.unknowns
 
-    def start(self) -> HeldState:
+    def start(self) -> FrozenTangentState:
         """The unloaded state."""
         with one_blas_thread():
             return self.held.start()
 
-    def advanced(self, state: HeldState, step: Step, shares: Sequence[Share]) -> HeldState:
+    def advanced(self, state: FrozenTangentState, step: Step, shares: Sequence[Share]) -> FrozenTangentState:
         """Return the state at the step's end."""
         if any(share.more for share in shares):
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         return self.held.advanced(state, step.before, step.after, cone)
 
-    def grip(self, state: HeldState) -> Grip:
+    def grip(self, state: FrozenTangentState) -> ContactState:
         """Return the contact of a state."""
         return state.grip
 
-    def fault(self, state: HeldState) -> str | None:  # noqa: ARG002
+    def fault(self, state: FrozenTangentState) -> str | None:  # noqa: ARG002
         """None: chosen steps are looked at, and one that is not sound is not chosen."""
         return None
 
-    def reading(self, before: HeldState, state: HeldState) -> Reading:  # noqa: ARG002
+    def reading(self, before: FrozenTangentState, state: FrozenTangentState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
         return Reading.of(
             state.grip, state.films, state.elastic, state.dissipated, drift=self.held.drift(state)

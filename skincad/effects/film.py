@@ -19,7 +19,7 @@ from pydantic import Field
 
 from skincad.base.errors import InputError
 from skincad.effects.kinds import PadChange
-from skincad.effects.omitted import Omitted, SceneOutline
+from skincad.effects.omitted import LeftOutEffect, SceneOutline
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import mean_width
@@ -49,18 +49,18 @@ class FilmStrips(PadChange):
         """Return the pad with the design's strips, or with empty slots."""
         from skincad.mechanics.problem import pad_of
 
-        own = pad_of(design.with_(contact={"film": self.bond}))
+        bonded_pad = pad_of(design.with_(contact={"film": self.bond}))
         return replace(
             pad,
-            strips=own.strips,
-            voids=own.voids,
-            film_modulus=own.film_modulus,
-            film_ratio=own.film_ratio,
-            film_density=own.film_density,
+            strips=bonded_pad.strips,
+            voids=bonded_pad.voids,
+            film_modulus=bonded_pad.film_modulus,
+            film_ratio=bonded_pad.film_ratio,
+            film_density=bonded_pad.film_density,
         )
 
     @staticmethod
-    def left_out(outline: SceneOutline) -> Omitted | None:
+    def left_out(outline: SceneOutline) -> LeftOutEffect | None:
         """Return by what a ridge bears against the largest signal without the films.
 
         The stress across a thin stiff strip in incompressible silicone is nearly the silicone's in its place,
@@ -72,7 +72,7 @@ class FilmStrips(PadChange):
         if design.film is None or design.slot is None or outline.ridge_normal <= 0:
             return None
         area = mean_width(design) * design.skin.length
-        shear, pressure = (float(np.abs(each).max()) / area for each in (path.pulled, path.pressed))
+        shear, pressure = (float(np.abs(part).max()) / area for part in (path.pulled, path.pressed))
         borne = OF_SHEAR * shear + OF_PRESSURE * pressure
         blunt = math.sqrt(design.film.thickness / design.slot.depth)
         largest = float(np.abs(path.felt).max(initial=0.0)) or shear + pressure
@@ -80,7 +80,7 @@ class FilmStrips(PadChange):
             f"films of {design.film.thickness:g} mm, {design.slot.depth:g} mm deep, in ridges that bear "
             f"{shear:.2g} MPa of shear stress and {pressure:.2g} MPa of pressure"
         )
-        return Omitted(
+        return LeftOutEffect(
             "film",
             text,
             blunt * borne / largest,

@@ -19,7 +19,7 @@ from pydantic import Field
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Law, Term
-from skincad.effects.omitted import Omitted, SceneOutline
+from skincad.effects.omitted import LeftOutEffect, SceneOutline
 from skincad.mechanics.swaying import sway_amplification, sway_force
 from skincad.mechanics.validity import mean_width, plane_modulus
 
@@ -60,10 +60,10 @@ class FiniteStrain(Law):
         from skincad.mechanics.bodies.large_field import strip_stress
         from skincad.mechanics.contact.dragged import dragged
 
-        asked = frozenset[str]().union(*(term.asks for term in terms))
-        if asked:
+        needs = frozenset[str]().union(*(term.asks for term in terms))
+        if needs:
             raise RefusedError(
-                f"finite_strain is quasi-static: leave out effects that need {', '.join(asked)}"
+                f"finite_strain is quasi-static: leave out effects that need {', '.join(needs)}"
             )
         pad, unit = piece.pad, piece.unit
         curved = elements.curved(mesh, order)
@@ -83,7 +83,7 @@ class FiniteStrain(Law):
         return chosen(large)
 
     @staticmethod
-    def left_out(outline: SceneOutline) -> Omitted | None:
+    def left_out(outline: SceneOutline) -> LeftOutEffect | None:
         """Return by P-delta on the ridge that is pressed hardest (mechanics/swaying.py), of the largest
         differential stress of any ridge.
 
@@ -98,6 +98,6 @@ class FiniteStrain(Law):
         part = normal / sway_force(design, normal)
         strain = normal / (plane_modulus(design) * design.skin.length * mean_width(design))
         text = f"nominal strain {strain:.2g}, and {part:.0%} of the force at which a ridge so pressed sways"
-        return Omitted(
+        return LeftOutEffect(
             "finite_strain", text, sway_amplification(design, normal, MOST), calibrated=True, within=WITHIN
         )

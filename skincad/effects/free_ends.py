@@ -15,7 +15,7 @@ import numpy as np
 
 from skincad.base.errors import InputError
 from skincad.effects.kinds import PadChange
-from skincad.effects.omitted import Omitted, SceneOutline
+from skincad.effects.omitted import LeftOutEffect, SceneOutline
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 
@@ -43,7 +43,7 @@ class FreeEnds(PadChange):
         return replace(pad, ends=tuple(map(tuple, added_compliance(design).tolist())))
 
     @staticmethod
-    def left_out(outline: SceneOutline) -> Omitted | None:
+    def left_out(outline: SceneOutline) -> LeftOutEffect | None:
         """Return by what the ends move from ridge to ridge (mechanics/end_sharing.py).
 
         A ridge's signal follows its normal force as it has in the march; and where all of it slips, its pull
@@ -55,12 +55,12 @@ class FreeEnds(PadChange):
         path = outline.path
         if outline.ridge_normal <= 0:
             return None
-        shift, (down, across) = np.abs(force_changes(outline.design, path.pressed)), path.per_force()
+        shift, (down, pull) = np.abs(force_changes(outline.design, path.pressed)), path.per_force()
         friction = path.pulled / np.maximum(path.pressed, TINY)
-        change = shift * np.abs(down + across * path.slips**SLIPPING * friction)
+        change = shift * np.abs(down + pull * path.slips**SLIPPING * friction)
         slender = outline.design.skin.width / outline.design.skin.length
         part = float(shift.max()) / outline.ridge_normal
         text = f"width {slender:.2g} of the length, and {part:.1%} of a ridge's normal force goes elsewhere"
-        told = max(CALIBRATED * float(change.max() / np.abs(path.signal).max()), LEAST)
-        within = WITHIN if outline.pulls and told > SMALL else ROUGHLY
-        return Omitted("free_ends", text, told, calibrated=True, within=within)
+        estimate = max(CALIBRATED * float(change.max() / np.abs(path.signal).max()), LEAST)
+        within = WITHIN if outline.pulls and estimate > SMALL else ROUGHLY
+        return LeftOutEffect("free_ends", text, estimate, calibrated=True, within=within)

@@ -26,7 +26,7 @@ from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.kinds import RidgePath, Share, Step, Term
 from skincad.effects.slip_order import flipped
-from skincad.mechanics.contact.grip import Cone
+from skincad.mechanics.contact.grip import FrictionCoefficients
 
 LEAST, MOST = 1e-6, 20.0  # of a coefficient; less caps any shear stress
 MOST_PAIRS = 100
@@ -74,16 +74,16 @@ class Friction(Term):
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
-        asked = {
+        wanted = {
             "coefficient": self.law != "table",
             "shear_stress": self.law == "shear",
             "table": self.law == "table",
         }
-        for key, needed in asked.items():
+        for key, needed in wanted.items():
             value = getattr(self, key)
             if needed and value is None:
-                given = "" if self.law == "coulomb" else f", which law = {self.law} asks for"
-                raise InputError(key, f"is missing{given}", remedy=f"give {key} a value")
+                reason = "" if self.law == "coulomb" else f", which law = {self.law} asks for"
+                raise InputError(key, f"is missing{reason}", remedy=f"give {key} a value")
             if not needed and value is not None:
                 remedy = "leave it out" if key == "coefficient" else f"take law = {KEYS[key]}"
                 raise InputError(key, f"has no effect with law = {self.law}", value, remedy)
@@ -102,14 +102,16 @@ class Friction(Term):
         return self.table[0][1] if self.table else self.coefficient or 0.0
 
     @property
-    def cone(self) -> Cone:
+    def cone(self) -> FrictionCoefficients:
         """What friction bears."""
-        knees: tuple[tuple[float, float], ...] = ()
+        breakpoints: tuple[tuple[float, float], ...] = ()
         if self.table is not None:
-            knees = tuple((pressure, mu * pressure) for pressure, mu in self.table)
+            breakpoints = tuple((pressure, mu * pressure) for pressure, mu in self.table)
         elif self.shear_stress is not None:
-            knees = ((self.shear_stress / self._static, self.shear_stress),)
-        return Cone(self._static, self._static if self.kinetic is None else self.kinetic, knees)
+            breakpoints = ((self.shear_stress / self._static, self.shear_stress),)
+        return FrictionCoefficients(
+            self._static, self._static if self.kinetic is None else self.kinetic, breakpoints
+        )
 
     def share(self, step: Step) -> Share:  # noqa: ARG002
         """Return the cone; the same at every step."""

@@ -21,7 +21,7 @@ import numpy as np
 
 from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, Share, Step, Term
-from skincad.effects.omitted import Omitted, SceneOutline
+from skincad.effects.omitted import LeftOutEffect, SceneOutline
 
 CALIBRATED = (
     1.4  # of a plate that forces move; fitted to 46 random scenes: ridges slip and share anew besides
@@ -42,13 +42,13 @@ class Inertia(Term):
         """Return how the highest modes are damped; the same at every step."""
         return Share(damped=self.spectral_radius)
 
-    def remarks(self, asked: frozenset[str]) -> Iterator[str]:
+    def remarks(self, needs: frozenset[str]) -> Iterator[str]:
         """Warn of masses that nothing damps."""
-        if RATE not in asked:
+        if RATE not in needs:
             yield "nothing damps the masses: points that slide may flutter; add [effects.viscosity]"
 
     @staticmethod
-    def left_out(outline: SceneOutline) -> Omitted | None:
+    def left_out(outline: SceneOutline) -> LeftOutEffect | None:
         """Return by how much a plate as heavy as the skin would ring after the history's corners
         (mechanics/dynamics/plate_ringing.py). Lighter plates change about as much, heavier ones more.
 
@@ -56,17 +56,17 @@ class Inertia(Term):
         """
         from skincad.mechanics.dynamics.plate_ringing import MasslessRun, plate_ringing, skin_mass
 
-        path, (down, across) = outline.path, outline.loads
+        path, (down, pull) = outline.path, outline.loads
         mass = skin_mass(outline.design)
         springs = MasslessRun(
             path.time, path.pressed.sum(axis=1), path.pulled.sum(axis=1), path.approach, path.travel
         )
         corners = np.array(outline.time_s)
-        found = plate_ringing(springs, corners, (np.array(down), np.array(across)), outline.driven, mass)
-        if found is None:
+        ringing = plate_ringing(springs, corners, (np.array(down), np.array(pull)), outline.driven, mass)
+        if ringing is None:
             return None
-        change = found.signals(path.pressed, path.pulled, path.per_force(), outline.friction)
-        text = f"a plate of {mass:.2g} g, as heavy as the skin, would swing in {1e3 * found.period:.2g} ms"
-        told = (1.0 if outline.driven else CALIBRATED) * change / float(np.abs(path.signal).max())
+        change = ringing.signals(path.pressed, path.pulled, path.per_force(), outline.friction)
+        text = f"a plate of {mass:.2g} g, as heavy as the skin, would swing in {1e3 * ringing.period:.2g} ms"
+        estimate = (1.0 if outline.driven else CALIBRATED) * change / float(np.abs(path.signal).max())
         within = WITHIN if outline.pulls and not outline.driven else ROUGHLY
-        return Omitted("inertia", text, told, calibrated=True, within=within)
+        return LeftOutEffect("inertia", text, estimate, calibrated=True, within=within)

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkab
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.tables import Table
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.grip import Cone, Drive, Grip
+from skincad.mechanics.contact.grip import ContactState, Drive, FrictionCoefficients
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
-    from skincad.effects.omitted import Omitted, SceneOutline
+    from skincad.effects.omitted import LeftOutEffect, SceneOutline
     from skincad.mechanics.contact.held import Drift
     from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import DeformedSection
@@ -45,7 +45,7 @@ class Share:
     `relaxing`, pairs of what a modulus is larger at first, relative to the slow one, and the time, s, in
     which it relaxes; and `more` for a law that knows what to do with it."""
 
-    cone: Cone | None = None
+    cone: FrictionCoefficients | None = None
     damped: float | None = None
     rate: float = 0.0
     relaxing: tuple[tuple[float, float], ...] = ()
@@ -79,11 +79,13 @@ class Reading:
     drift: Drift | None = None
 
     @classmethod
-    def of(cls, grip: Grip, films: Array, elastic: float, dissipated: float, **more: Any) -> Self:
+    def of(cls, contact: ContactState, films: Array, elastic: float, dissipated: float, **more: Any) -> Self:
         """Return what is told of a contact and of what goes with it; `more` by its name."""
-        normal, tangential = float(grip.normal.sum()), float(grip.tangential.sum())
-        plate = normal, tangential, grip.approach, grip.travel
-        return cls(*plate, grip.touches, grip.slips, films, elastic, dissipated, grip.residual, **more)
+        normal, tangential = float(contact.normal.sum()), float(contact.tangential.sum())
+        plate = normal, tangential, contact.approach, contact.travel
+        return cls(
+            *plate, contact.touches, contact.slips, films, elastic, dissipated, contact.residual, **more
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,7 @@ class MarchedPad(Protocol):
     def reading(self, before: Any, state: Any) -> Reading:
         """Return what is told of a state that a step led to from `before`."""
 
-    def grip(self, state: Any) -> Grip:
+    def grip(self, state: Any) -> ContactState:
         """Return the contact of a state."""
 
     def fault(self, state: Any) -> str | None:
@@ -149,7 +151,7 @@ class Effect(Table):
         """Raise InputError, its key within the effect's own table, where the skin lacks what it needs."""
 
     @staticmethod
-    def left_out(outline: SceneOutline) -> Omitted | None:  # noqa: ARG004
+    def left_out(outline: SceneOutline) -> LeftOutEffect | None:  # noqa: ARG004
         """Return what leaving the effect out may change, or None where it cannot matter.
 
         Only effects whose row of EFFECTS says `indicates` are asked.
@@ -202,7 +204,7 @@ class Term(Effect):
 
     asks: ClassVar[frozenset[str]] = frozenset()
 
-    def remarks(self, asked: frozenset[str]) -> Iterator[str]:  # noqa: ARG002
+    def remarks(self, needs: frozenset[str]) -> Iterator[str]:  # noqa: ARG002
         """Yield what to warn of, given all that the scene's terms ask."""
         yield from ()
 
@@ -216,7 +218,7 @@ class Term(Effect):
 
 
 @dataclass(frozen=True)
-class Watched:
+class ReaderContext:
     """What a reader reads of: the skin, the told ridges, and the signals' bandwidth, Hz."""
 
     design: Design
@@ -227,7 +229,7 @@ class Watched:
 class Reader(Effect):
     """Looks at what the march has accepted."""
 
-    def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
+    def read(self, watched: ReaderContext, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
         """Return keys for the result's JSON from the accepted readings at `time` s.
 
         `warnings` are added to the result's. `<name>_<unit>` of ridge, of signal, with a number a step, also
@@ -235,7 +237,7 @@ class Reader(Effect):
         """
         raise NotImplementedError
 
-    def other_noises(self, watched: Watched, time: Array) -> Iterator[Array]:  # noqa: ARG002
+    def other_noises(self, watched: ReaderContext, time: Array) -> Iterator[Array]:  # noqa: ARG002
         """Yield `(steps + 1, ridges, 2)` V that, added to `output_V`, make its noise that of another seed;
         none where nothing read has noise."""
         yield from ()

@@ -12,21 +12,21 @@ from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
-from skincad.mechanics.contact.grip import Cone, Grip, GrossSlip
+from skincad.mechanics.contact.grip import ContactState, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 if TYPE_CHECKING:
     from skincad.mechanics.bodies.large_field import StripStress
-    from skincad.mechanics.contact.dragged import Dragged, DraggedState
+    from skincad.mechanics.contact.dragged import FrictionalPad, FrictionalState
 
-FRICTIONLESS = Cone(0.0, 0.0)
+FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class LargePad:
-    """A pad that is linearised anew as it deforms; its states are `DraggedState`."""
+    """A pad that is linearised anew as it deforms; its states are `FrictionalState`."""
 
-    pad: Dragged
+    pad: FrictionalPad
     strips: StripStress | None
     modulus: float  # MPa
     stops: bool  # at a crease
@@ -46,13 +46,13 @@ class LargePad:
         """Number of free unknowns."""
         return self.pad.rest.unknowns
 
-    def start(self) -> DraggedState:
+    def start(self) -> FrictionalState:
         """The unloaded state."""
         from skincad.mechanics.contact.dragged import unloaded
 
         return unloaded(self.pad)
 
-    def advanced(self, state: DraggedState, step: Step, shares: Sequence[Share]) -> DraggedState:
+    def advanced(self, state: FrictionalState, step: Step, shares: Sequence[Share]) -> FrictionalState:
         """Return the converged state at the step's end."""
         from skincad.mechanics.contact.stride import to
 
@@ -68,7 +68,7 @@ class LargePad:
             self._check(after)
             return after
 
-    def _check(self, state: DraggedState) -> None:
+    def _check(self, state: FrictionalState) -> None:
         """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
         from skincad.mechanics.contact.creasing import fault
 
@@ -76,15 +76,15 @@ class LargePad:
         if wrong is not None:
             raise ContactError(wrong)
 
-    def grip(self, state: DraggedState) -> Grip:
+    def grip(self, state: FrictionalState) -> ContactState:
         """Return the contact of a state."""
         return state.grip
 
-    def fault(self, state: DraggedState) -> str | None:  # noqa: ARG002
+    def fault(self, state: FrictionalState) -> str | None:  # noqa: ARG002
         """None: a step costs so much that each is looked at."""
         return None
 
-    def reading(self, before: DraggedState, state: DraggedState) -> Reading:  # noqa: ARG002
+    def reading(self, before: FrictionalState, state: FrictionalState) -> Reading:  # noqa: ARG002
         """Return what is told of a state."""
         films = np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus
         elastic = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit

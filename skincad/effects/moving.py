@@ -11,7 +11,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
-from skincad.mechanics.contact.grip import Cone, Grip
+from skincad.mechanics.contact.grip import ContactState, FrictionCoefficients
 from skincad.mechanics.dynamics.state import DynamicState, rest_state
 from skincad.mechanics.dynamics.steps import Dynamics
 from skincad.mechanics.dynamics.time_scheme import Matter
@@ -19,7 +19,7 @@ from skincad.mechanics.dynamics.time_scheme import Matter
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
 
-FRICTIONLESS = Cone(0.0, 0.0)
+FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
 def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingPad:
@@ -68,10 +68,10 @@ class MovingPad:
         if any(share.more for share in shares):
             raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
-        begun, length = replace(state, drive=step.before), step.end - step.start
-        return self.dynamics.step(begun, step.after, length, cone, matter_of(step, shares))
+        start, length = replace(state, drive=step.before), step.end - step.start
+        return self.dynamics.step(start, step.after, length, cone, matter_of(step, shares))
 
-    def grip(self, state: DynamicState) -> Grip:
+    def grip(self, state: DynamicState) -> ContactState:
         """Return the contact of a state."""
         return state.contact
 

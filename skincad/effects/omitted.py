@@ -21,7 +21,7 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Omitted:
+class LeftOutEffect:
     """An effect left out, what points to it, and the relative change of the differential stress that it may
     bring; `calibrated` says whether that was held against runs with the effect, and `within` the factor, to
     either side, that held 90 % of random scenes which no constant saw."""
@@ -74,9 +74,9 @@ class PlatePath:
     @property
     def signal(self) -> Array:
         """S1 - S2, or what stands for it `(n, ridges)`."""
-        for each in (self.felt, self.pulled):
-            if np.abs(each).max(initial=0.0) > 0:
-                return each
+        for part in (self.felt, self.pulled):
+            if np.abs(part).max(initial=0.0) > 0:
+                return part
         return self.pressed
 
     def per_force(self) -> Array:
@@ -84,12 +84,12 @@ class PlatePath:
         signal's unit per N: with the pull as it does in all ridges and steps together, with the normal force
         as what is left does in all of the ridge's steps. A ridge that bears less than FAINT of what the most
         loaded one bears feels its neighbours more than that: nothing goes with its own normal force then."""
-        signal, pulled, pressed = self.signal, self.pulled, self.pressed
-        across = float((signal * pulled).sum() / max((pulled**2).sum(), TINY))
-        rest = ((signal - across * pulled) * pressed).sum(axis=0)
-        down = rest / np.maximum((pressed**2).sum(axis=0), TINY)
-        borne = pressed.max(axis=0)
-        return np.array([np.where(borne > FAINT * borne.max(), down, 0.0), np.full_like(down, across)])
+        signal, pulled, normal = self.signal, self.pulled, self.pressed
+        per_pull = float((signal * pulled).sum() / max((pulled**2).sum(), TINY))
+        rest = ((signal - per_pull * pulled) * normal).sum(axis=0)
+        down = rest / np.maximum((normal**2).sum(axis=0), TINY)
+        borne = normal.max(axis=0)
+        return np.array([np.where(borne > FAINT * borne.max(), down, 0.0), np.full_like(down, per_pull)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ from skincad.circuit.model import Circuit, circuit_network, constants, load_circ
 from skincad.circuit.noise import noise_samples, total_density
 from skincad.circuit.resample import PASS
 from skincad.circuit.state import Stepper, run, stepper
-from skincad.effects.kinds import Reader, Reading, Watched
+from skincad.effects.kinds import Reader, ReaderContext, Reading
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip
 
@@ -46,18 +46,18 @@ SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-
 LONGEST = 4096  # letters of a path
 
 
-def _circuit(given: Any) -> Circuit:
+def _circuit(value: Any) -> Circuit:
     """The circuit of a name or a file, or of tables that a scene has in its place."""
-    if isinstance(given, Circuit):
-        return given
-    if isinstance(given, dict):
-        return Circuit(**given)
-    if not isinstance(given, str):
-        raise InputError("", "must be a circuit, or the name of a template or TOML file", given)
-    if len(given) > LONGEST:
-        raise InputError("", f"must have at most {LONGEST} characters", given)
+    if isinstance(value, Circuit):
+        return value
+    if isinstance(value, dict):
+        return Circuit(**value)
+    if not isinstance(value, str):
+        raise InputError("", "must be a circuit, or the name of a template or TOML file", value)
+    if len(value) > LONGEST:
+        raise InputError("", f"must have at most {LONGEST} characters", value)
     try:
-        return load_circuit(given)
+        return load_circuit(value)
     except InputError as failure:
         raise InputError("", f"{failure.key}: {failure.rule}", failure.value, failure.remedy) from None
 
@@ -91,7 +91,7 @@ class Piezo(Reader):
             raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")
         constants(fitted(self.loaded, design))
 
-    def read(self, watched: Watched, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
+    def read(self, watched: ReaderContext, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
         """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it; the
         largest output is either strip's, by which an amplifier is driven to its limits, or is not."""
         circuit = fitted(self.loaded, watched.design)
@@ -102,18 +102,18 @@ class Piezo(Reader):
         charges = strip_charges(circuit, watched.design, stress)
         chain = Chain.of(circuit_network(circuit), time, watched.bandwidth)
         noise = chain.noise_rms()
-        told, ratio = {}, {}
+        outputs, ratio = {}, {}
         for ridge in watched.ridges:
             one, other = (chain.output(charges[:, 2 * (ridge - 1) + side]) for side in (0, 1))
             ratio[str(ridge)] = _decibels(float(np.std(one - other)), math.sqrt(2) * noise)  # two amplifiers
             if self.noise_seed is not None:
                 one = one + chain.noise((self.noise_seed, ridge, 1))
                 other = other + chain.noise((self.noise_seed, ridge, 2))
-            told[str(ridge)] = {"S1": one.tolist(), "S2": other.tolist(), "pair": (one - other).tolist()}
+            outputs[str(ridge)] = {"S1": one.tolist(), "S2": other.tolist(), "pair": (one - other).tolist()}
         return {
-            "output_V": told,
+            "output_V": outputs,
             "largest_output_V": max(
-                (abs(v) for each in told.values() for s in SIDES for v in each[s]), default=0.0
+                (abs(v) for output in outputs.values() for s in SIDES for v in output[s]), default=0.0
             ),
             "circuit": circuit.name,
             "sampling_Hz": recorder,
@@ -123,7 +123,7 @@ class Piezo(Reader):
             "warnings": _warnings(circuit.name, recorder, watched),
         }
 
-    def other_noises(self, watched: Watched, time: Array) -> Iterator[Array]:
+    def other_noises(self, watched: ReaderContext, time: Array) -> Iterator[Array]:
         """Yield what makes the noise that of the seeds that follow, NOISES with the scene's own, fewer where
         the march is long."""
         if self.noise_seed is None or not watched.ridges or time.size < 2:
@@ -134,10 +134,10 @@ class Piezo(Reader):
             strips = [[chain.noise((seed, ridge, side)) for side in (1, 2)] for ridge in watched.ridges]
             return np.asarray(np.moveaxis(np.array(strips), 2, 0))
 
-        own = noise(self.noise_seed)
-        seeds = MOST_NOISE // (chain.size * own[0].size)
+        noise_seen = noise(self.noise_seed)
+        seeds = MOST_NOISE // (chain.size * noise_seen[0].size)
         for more in range(1, max(FEWEST_NOISES, min(NOISES, seeds))):
-            yield noise(self.noise_seed + more) - own
+            yield noise(self.noise_seed + more) - noise_seen
 
 
 def fitted(circuit: Circuit, design: Design) -> Circuit:
@@ -145,19 +145,19 @@ def fitted(circuit: Circuit, design: Design) -> Circuit:
 
     So does the circuit's own d33, which its gain by load is told with: charge comes from `strip_charges`.
     """
-    own = {"area": electrode(design), "thickness": _strip(design).thickness}
-    film = circuit.film.model_copy(update=own)
+    sizes = {"area": electrode(design), "thickness": _strip(design).thickness}
+    film = circuit.film.model_copy(update=sizes)
     return circuit.model_copy(update={"film": film})
 
 
 def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
     """Return charges `(steps + 1, strips)` C of a Reading's stresses `(steps + 1, strips, 3)` MPa."""
     strip = _strip(design)
-    through, across, along = np.moveaxis(stress, -1, 0)
+    through, over, along = np.moveaxis(stress, -1, 0)
     return charge(
         through,
         along,
-        across,
+        over,
         area=electrode(design),
         coefficients=(strip.d31, strip.d32, strip.d33),
         draw_axis=circuit.film.draw_axis,
@@ -244,7 +244,7 @@ def _strip(design: Design) -> Strip:
     return design.film
 
 
-def _warnings(name: str, recorder: float | None, watched: Watched) -> list[str]:
+def _warnings(name: str, recorder: float | None, watched: ReaderContext) -> list[str]:
     """What the recorder does not show of these signals."""
     seen = math.inf if recorder is None else PASS * recorder / 2
     if seen >= watched.bandwidth:

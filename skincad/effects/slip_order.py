@@ -27,10 +27,10 @@ def flipped(path: RidgePath, by_area: bool) -> tuple[int, int] | None:
         return None
     here = step - 1
     pull, loaded = np.abs(path.tangential[here]), _loaded(path)[here]
-    by_force, by_contact = (_share(pull, each[here], loaded) for each in (path.normal, path.area))
-    own, other = (by_contact, by_force) if by_area else (by_force, by_contact)
+    by_force, by_contact = (_share(pull, values[here], loaded) for values in (path.normal, path.area))
+    one, other = (by_contact, by_force) if by_area else (by_force, by_contact)
     slips = path.slips[step] & ~path.slips[here]
-    first, instead = int(np.where(slips, own, -1.0).argmax()), int(other.argmax())
+    first, instead = int(np.where(slips, one, -1.0).argmax()), int(other.argmax())
     return (first + 1, instead + 1) if other[instead] > CLEAR * other[first] else None
 
 
@@ -42,8 +42,8 @@ def _first_slip(path: RidgePath) -> int | None:
     """The step at which a loaded ridge begins to slip as the plate pulls, None without one."""
     press, pull = path.normal.sum(axis=1), np.abs(path.tangential.sum(axis=1))
     begins = path.slips[1:] & ~path.slips[:-1] & _loaded(path)[:-1] & (pull > PULLED * press)[1:, None]
-    found = np.flatnonzero(begins.any(axis=1))
-    return int(found[0]) + 1 if found.size else None
+    steps = np.flatnonzero(begins.any(axis=1))
+    return int(steps[0]) + 1 if steps.size else None
 
 
 def _loaded(path: RidgePath) -> Mask:

@@ -17,7 +17,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Reading, Share, Step, Term
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
+from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
     from skincad.mechanics.film.whole_state import DeformedSection, WholeState
 
-FRICTIONLESS = Cone(0.0, 0.0)
+FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
 class SmallStrain(Law):
@@ -56,7 +56,7 @@ class SmallStrain(Law):
 def condensed(pad: ContactPad) -> CondensedPad:
     """Return a condensed pad to be marched."""
     free = np.zeros(2 * pad.gap.size)
-    return CondensedPad(pad, Compliant(pad.compliance, pad.gap, free, area=pad.area))
+    return CondensedPad(pad, Compliance(pad.compliance, pad.gap, free, area=pad.area))
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class CondensedPad:
     """A pad of constant compliance; its states are grips."""
 
     pad: ContactPad
-    skin: Compliant
+    skin: Compliance
 
     @property
     def ridge(self) -> Index:
@@ -81,30 +81,30 @@ class CondensedPad:
         """Number of free unknowns."""
         return self.pad.unknowns
 
-    def start(self) -> Grip:
+    def start(self) -> ContactState:
         """The unloaded state."""
         return at_rest(self.pad.gap.size)
 
-    def advanced(self, state: Grip, step: Step, shares: Sequence[Share]) -> Grip:
+    def advanced(self, state: ContactState, step: Step, shares: Sequence[Share]) -> ContactState:
         """Return the converged state at the step's end."""
         if any(share.more for share in shares):
             raise RefusedError("small_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         return halved(self._seen, state, step.before, step.after, cone)
 
-    def _seen(self, drive: Drive) -> Compliant:
+    def _seen(self, drive: Drive) -> Compliance:
         """The pad in the axes of the plate, which may have turned."""
         return turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
 
-    def shown(self, state: Grip) -> DeformedSection:
+    def shown(self, state: ContactState) -> DeformedSection:
         """Return the whole section in a state."""
         return self._whole.deformed_section(*self._placed(state))
 
-    def grip(self, state: Grip) -> Grip:
+    def grip(self, state: ContactState) -> ContactState:
         """Return the contact of a state, which is all of it."""
         return state
 
-    def fault(self, state: Grip) -> str | None:
+    def fault(self, state: ContactState) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
         is known to."""
         return (
@@ -117,7 +117,7 @@ class CondensedPad:
             raise RefusedError("a pad that was not condensed from a mesh has no field to show")
         return self.pad.whole
 
-    def _give(self, state: Grip) -> tuple[Array, Array]:
+    def _give(self, state: ContactState) -> tuple[Array, Array]:
         """Where the ridges are and how much more free ends let them down, `(ridges,)` mm: the mesh's field is
         that of an endless pad."""
         whole = self._whole.piece.whole
@@ -128,13 +128,13 @@ class CondensedPad:
             return x, np.zeros_like(x)
         return x, np.asarray(np.array(whole.ends) @ np.bincount(at, state.normal))
 
-    def _placed(self, state: Grip) -> tuple[Array, float, float]:
+    def _placed(self, state: ContactState) -> tuple[Array, float, float]:
         """Forces on the skin, and the plate: its height over x = 0, mm, and its angle."""
         force = turning.in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
         height = self._whole.piece.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
         return force, height, state.angle
 
-    def reading(self, before: Grip, state: Grip) -> Reading:
+    def reading(self, before: ContactState, state: ContactState) -> Reading:
         """Return what is told of a state."""
         along = np.concatenate([state.tangential, -state.normal])
         force = turning.in_skin_axes(along, state.angle) if state.angle else along

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from skincad.base.tables import Ranged
+from skincad.base.tables import NumberWithRange
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import Silicone, silicone_of, silicones
 
@@ -17,7 +17,7 @@ def silicone(design: Design) -> Silicone:
     return silicone_of(material.name, material.given, design.silicones)
 
 
-def foreign_modulus(design: Design) -> tuple[Silicone, Ranged, str] | None:
+def foreign_modulus(design: Design) -> tuple[Silicone, NumberWithRange, str] | None:
     """Return the silicone that `[material]` names, the modulus beside it, and what would cure it, where that
     modulus is not the named silicone's: their ranges do not meet."""
     name, material = design.material.name, design.material
@@ -40,5 +40,5 @@ def foreign_modulus(design: Design) -> tuple[Silicone, Ranged, str] | None:
     )
 
 
-def _ranges_meet(one: Ranged, other: Ranged) -> bool:
+def _ranges_meet(one: NumberWithRange, other: NumberWithRange) -> bool:
     return one.low <= other.high and other.low <= one.high

@@ -24,7 +24,7 @@ from pydantic import (
 )
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.tables import Ranged, Table, quantity
+from skincad.base.tables import NumberWithRange, Table, quantity
 from skincad.inputs.shipped import check_names, table_text
 from skincad.laws import LAWS, law, law_of
 from skincad.laws.rubber import Rubber
@@ -36,7 +36,7 @@ MODULUS_AGREEMENT = 0.01
 _UNITS = {"Pa": 1e-6, "kPa": 1e-3, "GPa": 1e3}
 
 
-def _in_mpa(modulus: Ranged) -> Ranged:
+def _in_mpa(modulus: NumberWithRange) -> NumberWithRange:
     """Raise InputError for a modulus that no silicone has, with the unit in which one may have it."""
     for value in (modulus.value, modulus.low, modulus.high):
         if not SOFTEST <= value <= STIFFEST:
@@ -50,7 +50,7 @@ def _in_mpa(modulus: Ranged) -> Ranged:
     return modulus
 
 
-Modulus = Annotated[Ranged, AfterValidator(_in_mpa)]
+Modulus = Annotated[NumberWithRange, AfterValidator(_in_mpa)]
 
 
 def _law(table: Any) -> Any:
@@ -110,7 +110,7 @@ class Silicone(_SparseTable):
         default=None, description="the shipped silicone that a new one takes all other values from"
     )
     young_modulus: Modulus = Field(
-        default=Ranged(value=1.0, low=1.0, high=1.0),
+        default=NumberWithRange(value=1.0, low=1.0, high=1.0),
         description="small strain; a number, or {value, low, high}",
         json_schema_extra={"unit": "MPa"},
     )
@@ -175,7 +175,9 @@ def with_values(silicone: Silicone, values: Mapping[str, Any]) -> Silicone:
     if values.get("law") is None or "young_modulus" in values:
         return result
     modulus = values["law"].young_modulus(result.poisson_ratio)
-    return result.model_copy(update={"young_modulus": Ranged(value=modulus, low=modulus, high=modulus)})
+    return result.model_copy(
+        update={"young_modulus": NumberWithRange(value=modulus, low=modulus, high=modulus)}
+    )
 
 
 def check_law(key: str, silicone: Silicone) -> None:

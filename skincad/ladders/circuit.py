@@ -22,7 +22,7 @@ from skincad.circuit.model import circuit_network, load_circuit
 from skincad.circuit.response import response
 from skincad.circuit.state import Stepper, run, sizes, state_space, stepper
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, timed
 
 CIRCUIT = "yamada-2002-motional"  # a design has no circuit of its own; the one whose network has a cut-off
 FREQUENCY = 1200.0  # Hz; that cut-off
@@ -44,9 +44,9 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         charge = network.charge * sine(count)  # of a load of 1 N
         kinked = after_kink(network, HOLDS[0], count, FINER)
         for hold in HOLDS:
-            found, runs = timed(partial(held, network, hold, FREQUENCY * count, charge), repeats)
-            errors = {**errors_of(found, exact, count), "kink": kink_error(network, hold, count, kinked)}
-            trials.append(Trial(hold, f"{count} samples a period", charge.size, runs, errors))
+            voltage, runs = timed(partial(held, network, hold, FREQUENCY * count, charge), repeats)
+            errors = {**errors_of(voltage, exact, count), "kink": kink_error(network, hold, count, kinked)}
+            trials.append(Measurement(hold, f"{count} samples a period", charge.size, runs, errors))
     known = (
         "the node equations, solved without loss of digits; their closed form differs by 1e-13, "
         "ngspice's AC analysis of the same netlist by 2e-7 dB (tests/circuit)"
@@ -108,12 +108,12 @@ def trapezoidal(network: Network, rate: float) -> Stepper:
     return Stepper(rate, triangle, back @ push, back @ push, out, system.d, rest)
 
 
-def errors_of(found: Real, exact: complex, per_period: int) -> dict[str, float]:
+def errors_of(voltage: Real, exact: complex, per_period: int) -> dict[str, float]:
     """Return the relative errors over the last SEEN periods of a steady sine of size 1."""
     last = slice(-SEEN * per_period, None)
-    turn = np.exp(2j * np.pi * np.arange(found.size)[last] / per_period)
-    missed = found[last] - (exact * turn).imag
-    gain = complex(2j * np.mean(found[last] * turn.conj()))
+    turn = np.exp(2j * np.pi * np.arange(voltage.size)[last] / per_period)
+    missed = voltage[last] - (exact * turn).imag
+    gain = complex(2j * np.mean(voltage[last] * turn.conj()))
     size = float(np.sqrt(2) * np.sqrt(np.mean(missed**2)) / abs(exact))
     return {"output": size, "size": abs(abs(gain) / abs(exact) - 1)}
 

@@ -29,12 +29,12 @@ class Accuracy(Result):
     machine: dict[str, Any]
     repeats: int
     seconds: float
-    kept: str = ""  # in words, where what the tiers took is kept
+    cache_note: str = ""  # in words, where what the tiers took is kept
 
     @property
     def taken(self) -> dict[str, TierTiming]:
         """What each tier's own part took."""
-        return {tier: one for ladder in self.ladders for tier, one in ladder.taken.items()}
+        return {tier: one for ladder in self.ladders for tier, one in ladder.timings.items()}
 
     def keep(self) -> Accuracy:
         """Keep what the tiers took in the user's cache folder, for the laws of time that `check` chooses by;
@@ -46,11 +46,11 @@ class Accuracy(Result):
         except (OSError, RuntimeError) as failure:
             # without the path, which may tell a user's name
             why = getattr(failure, "strerror", None) or failure
-            return replace(self, kept=f"the cost law is not kept: {why}")
+            return replace(self, cache_note=f"the cost law is not kept: {why}")
         load, cores = self.machine["load"], self.machine["cores"]
         busy = f"; with a load of {load} on {cores} cores it is too slow, run it again at rest"
-        told = f"cost law kept in {without_home(path)}; delete it to forget it"
-        return replace(self, kept=told + (busy if load and load > 1.5 * cores else ""))
+        note = f"cost law kept in {without_home(path)}; delete it to forget it"
+        return replace(self, cache_note=note + (busy if load and load > 1.5 * cores else ""))
 
     def as_json(self) -> dict[str, Any]:
         """Return the result under the contract's keys."""
@@ -64,7 +64,7 @@ class Accuracy(Result):
             },
             "cost_law": {
                 "taken": {tier: one.model_dump() for tier, one in self.taken.items()},
-                "kept": self.kept,
+                "kept": self.cache_note,
             },
             "machine": self.machine,
             "repeats": self.repeats,
@@ -86,5 +86,5 @@ def accuracy(
     if progress:
         prices = {stage: s for climb in climbs for stage, s in climb.prices(design, repeats).items()}
         progress = Countdown(prices, progress)
-    found = tuple(climb.ladder(design, repeats, progress) for climb in climbs)
-    return Accuracy(design.name, found, machine(), repeats, perf_counter() - began)
+    results = tuple(climb.ladder(design, repeats, progress) for climb in climbs)
+    return Accuracy(design.name, results, machine(), repeats, perf_counter() - began)

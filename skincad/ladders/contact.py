@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.ladders.contact_errors import Found, Truth, apart, measures_of, stated, trial_of
+from skincad.ladders.contact_errors import ContactAnswer, Truth, apart, measures_of, stated, trial_of
 from skincad.ladders.ladder import Ladder, repeated, timed
 from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
@@ -50,47 +50,49 @@ OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
-    tried = _Tried(design, repeats, progress)
+    runs = _ContactRuns(design, repeats, progress)
     for name in ORDER:
-        tried.attempt(name)
-    best = next((name for name in BEST if name in tried.truth), "")
-    force, height = tried.request.force, design.skin.thickness
-    trials = tuple(trial_of(found, tried.truth, best, force, height) for found in tried.found)
+        runs.attempt(name)
+    best = next((name for name in BEST if name in runs.truth), "")
+    force, height = runs.request.force, design.skin.thickness
+    trials = tuple(trial_of(answer, runs.truth, best, force, height) for answer in runs.found)
     title = f"contact of {design.name} at {force:g} N"
-    measures, taken = measures_of(tried.truth, best), taken_of(design, tried.done)
-    return Ladder("contact", title, trials, measures, skipped=tried.skipped, taken=taken)
+    measures, timings = measures_of(runs.truth, best), taken_of(design, runs.done)
+    return Ladder("contact", title, trials, measures, skipped=runs.skipped, timings=timings)
 
 
-def taken_of(design: Design, done: Mapping[str, Answer]) -> dict[str, TierTiming]:
+def taken_of(design: Design, answers: Mapping[str, Answer]) -> dict[str, TierTiming]:
     """Return what the tiers' own parts took, as their laws count it: not what takes as long for every design,
     nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
-    found = {}
-    for name, answer in done.items():
+    timings = {}
+    for name, answer in answers.items():
         tier, size = TIERS[name], TIERS[name].size(design)
         counts = tier.law.exponent > 0 and size > SMALL * tier.law.size
         if counts and (tier.builds_on or answer.unknowns < FINER * size):
-            found[name] = TierTiming(size=size, seconds=answer.own_seconds)
-    return found
+            timings[name] = TierTiming(size=size, seconds=answer.own_seconds)
+    return timings
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
     """Return the stages and their expected seconds, by the tiers' laws."""
-    found: dict[str, float] = {}
+    seconds: dict[str, float] = {}
     for name in (name for name in ORDER if not unsupported_reason(name, design, measured=False)):
         alone = repeats if name in ALONE else 1
         for level in LEVELS.get(name, ()):
             size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
             last = level == LEVELS[name][-1]
-            found[_level(name, *level)] = repeated(
+            seconds[_level(name, *level)] = repeated(
                 OF_TIER * seconds_at_size(name, size), 1 if last else repeats
             )
         if name in LEVELS:
             continue
         price = _own(name, design)
         if name == "solid":
-            found |= {_layers(told): repeated(s * price, repeats) for told, s in SOLID_LEVELS.items()}
-        found[_stage(name)] = repeated(price, alone)
-    return found
+            seconds |= {
+                _layers(solid_level): repeated(s * price, repeats) for solid_level, s in SOLID_LEVELS.items()
+            }
+        seconds[_stage(name)] = repeated(price, alone)
+    return seconds
 
 
 def _own(name: str, design: Design) -> float:
@@ -101,13 +103,13 @@ def _own(name: str, design: Design) -> float:
         return 0.0
 
 
-class _Tried:
+class _ContactRuns:
     """What is found so far."""
 
     def __init__(self, design: Design, repeats: int, progress: Progress | None) -> None:
         self.design, self.repeats, self.progress = design, repeats, progress
         self.request = Request(design.contact.force, MESH)
-        self.found: list[Found] = []
+        self.found: list[ContactAnswer] = []
         self.truth: dict[str, Truth] = {}
         self.skipped: dict[str, str] = {}
         self.done: dict[str, Answer] = {}
@@ -127,7 +129,7 @@ class _Tried:
 
     def _levels(self, name: str) -> None:
         pad, force = pad_of(self.design), self.request.force
-        found = []
+        errors = []
         for fineness, order in LEVELS[name]:
             setting = f"fineness {fineness:g}, order {order}"
             self._tell(_level(name, fineness, order))
@@ -139,54 +141,58 @@ class _Tried:
             level, runs = timed(solved, 1 if last else self.repeats)
             refuse_crushed(self.design, force, name, level.approach)
             numbers = level.all_touch_force, level.approach
-            found.append(Found(name, setting, level.unknowns, runs, *numbers))
-        finest, before = found[-1], found[-2]
-        own = apart(finest, before, force, pad.top)
-        words = f"{finest.setting}; {before.setting} differs by {own[0]:.0e}, approach {own[1]:.0e}"
-        self.truth[name] = Truth(finest, own, words)
-        self.found += found[:-1]
+            errors.append(ContactAnswer(name, setting, level.unknowns, runs, *numbers))
+        finest, before = errors[-1], errors[-2]
+        own_errors = apart(finest, before, force, pad.top)
+        words = (
+            f"{finest.setting}; {before.setting} differs by {own_errors[0]:.0e}, approach {own_errors[1]:.0e}"
+        )
+        self.truth[name] = Truth(finest, own_errors, words)
+        self.found += errors[:-1]
 
     def _tier(self, name: str) -> None:
         if name == "solid":
             self._solid_levels()
         self._tell(_stage(name))
-        alone, done = name in ALONE, self.done
+        alone, answers = name in ALONE, self.done
 
         def work() -> Answer:
-            nonlocal done
-            done = {} if alone else self.done
-            return run(name, self.design, self.request, done, None)
+            nonlocal answers
+            answers = {} if alone else self.done
+            return run(name, self.design, self.request, answers, None)
 
         answer, runs = timed(work, self.repeats if alone else 1)
         refuse_crushed(self.design, self.request.force, name, answer.approach.value or 0.0)
-        self.done |= done
+        self.done |= answers
         if not alone:
             runs = (math.fsum(answer.seconds.values()),)
         setting = "closed form" if name == "winkler" else OWN
         force, approach = answer.all_touch_force, answer.approach
-        found = Found(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
-        self.found.append(found)
+        row = ContactAnswer(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
+        self.found.append(row)
         if name != "winkler":
-            own = (stated(force, NEGLIGIBLE * self.request.force), stated(approach, 0.0))
-            words = f"tier {name}; its stated error, {own[0]:.1e} of the all-touch force and "
-            words += f"{own[1]:.1e} of the approach, is "
-            self.truth[name] = Truth(found, own, words + "checked against finer meshes in tests/mechanics")
+            own_errors = (stated(force, NEGLIGIBLE * self.request.force), stated(approach, 0.0))
+            words = f"tier {name}; its stated error, {own_errors[0]:.1e} of the all-touch force and "
+            words += f"{own_errors[1]:.1e} of the approach, is "
+            self.truth[name] = Truth(
+                row, own_errors, words + "checked against finer meshes in tests/mechanics"
+            )
 
     def _solid_levels(self) -> None:
         """The solid's coarsest levels, which its tier adds up."""
-        pad, rung = pad_of(self.design), solid.RUNGS[0]
-        for layers, told in zip((rung.layers, rung.finer), SOLID_LEVELS, strict=True):
-            setting = f"order {rung.order - 1}, {told} layers"
-            self._tell(_layers(told))
+        pad, first_level = pad_of(self.design), solid.RUNGS[0]
+        for layers, label in zip((first_level.layers, first_level.finer), SOLID_LEVELS, strict=True):
+            setting = f"order {first_level.order - 1}, {label} layers"
+            self._tell(_layers(label))
 
             def solved(layers: Layers = layers) -> SolidSolution:
-                meshed = meshed_piece(pad, coarse_sizes(pad, rung.fineness))
-                forms = forms_of(meshed, rung.order - 1)
+                meshed = meshed_piece(pad, coarse_sizes(pad, first_level.fineness))
+                forms = forms_of(meshed, first_level.order - 1)
                 return solve_level(meshed, forms, layers, self.request.force, {})
 
             level, runs = timed(solved, self.repeats)
             numbers = level.all_touch_force, level.approach
-            self.found.append(Found("solid", setting, level.unknowns, runs, *numbers))
+            self.found.append(ContactAnswer("solid", setting, level.unknowns, runs, *numbers))
 
     def _tell(self, what: str) -> None:
         if self.progress:
@@ -201,5 +207,5 @@ def _level(name: str, fineness: float, order: int) -> str:
     return f"contact: {name}, fineness {fineness:g}, order {order}"
 
 
-def _layers(told: str) -> str:
-    return f"contact: solid, {told} layers"
+def _layers(level: str) -> str:
+    return f"contact: solid, {level} layers"

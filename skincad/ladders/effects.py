@@ -14,7 +14,7 @@ from skincad.base.stopwatch import Progress
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Reader
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
 from skincad.ladders.scenes import apart, marched, of_size, scene_on
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import LAW
@@ -27,18 +27,18 @@ BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assump
 # s of a march of yamada-2002 without any and with those that take longer; measured
 PLAIN = 1.7
 SECONDS = {"finite_strain": 60.0, "free_ends": 8.0, "inertia": 20.0, "viscosity": 20.0}
-Marched = tuple[Simulation, tuple[float, ...]]
+SceneRun = tuple[Simulation, tuple[float, ...]]
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return two trials an effect: the scene with it, and without it with the error that this makes."""
 
     @cache
-    def run(changes: tuple[str, ...], steps: int, friction: float) -> Marched:
+    def run(changes: tuple[str, ...], steps: int, friction: float) -> SceneRun:
         scene = scene_on(design, f"history.steps={steps}", *changes, friction=friction)
         return timed(lambda: marched(scene, LEVELS[0], MOST), repeats)
 
-    trials: list[Trial] = []
+    trials: list[Measurement] = []
     skipped = {LAW: "the law of every scene that names none: it can be replaced, not left out"}
     skipped |= {n: "a readout: it changes none of the signals" for n in EFFECTS if _reads(n)}
     for name in EFFECTS:
@@ -58,17 +58,19 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
             continue
         errors = apart(without, named)
         words = f"{steps} steps" + (f", friction {friction:g}" if name in SLIPPERY else "")
-        trials.append(Trial(name, f"named, {words}", named.march.unknowns, spent, {}))
-        trials.append(Trial(name, f"left out, {words}", without.march.unknowns, short, errors, spent))
-    told = (
+        trials.append(Measurement(name, f"named, {words}", named.march.unknowns, spent, {}))
+        trials.append(Measurement(name, f"left out, {words}", without.march.unknowns, short, errors, spent))
+    reference = (
         "the same scene, mesh and steps with the effect",
         "both are computed; for the mesh's error see ladder slip",
     )
     what = "S1 - S2 at the ridge read out" if design.slot else "the plate's travel"
     measures = (
-        ErrorMeasure("peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *told),
-        ErrorMeasure("signal", f"largest change of {what} by leaving the effect out", "1", *told),
-        ErrorMeasure("slip", "change of when the ridge slips, of the history's length", "1", *told),
+        ErrorMeasure(
+            "peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *reference
+        ),
+        ErrorMeasure("signal", f"largest change of {what} by leaving the effect out", "1", *reference),
+        ErrorMeasure("slip", "change of when the ridge slips, of the history's length", "1", *reference),
     )
     title = f"effects in the slip of {design.name}"
     return Ladder("effects", title, tuple(trials), measures, lines=False, skipped=skipped)

@@ -17,7 +17,7 @@ from skincad.inputs.design import Design
 from skincad.ladders.precision import PowerLaw, front, power_law
 from skincad.mechanics.tiers.measured import TierTiming
 
-Found = TypeVar("Found")
+ContactAnswer = TypeVar("ContactAnswer")
 LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break
 SHORT = 0.5  # s; what takes less is run once more before, for its first run fills caches
 MOST_DIGITS = 13  # beyond are rounding's
@@ -58,7 +58,7 @@ class ErrorMeasure:
 
 
 @dataclass(frozen=True)
-class Trial:
+class Measurement:
     """One model at one setting: unknowns, the wall time of each repeat in s, and its errors by measure.
 
     `instead` are the repeats of what does not make these errors, where that is what a diagram should show.
@@ -92,52 +92,58 @@ class Ladder:
 
     name: str
     title: str
-    trials: tuple[Trial, ...]
+    trials: tuple[Measurement, ...]
     measures: tuple[ErrorMeasure, ...]
     lines: bool = True
     skipped: dict[str, str] = field(default_factory=dict)
-    taken: dict[str, TierTiming] = field(default_factory=dict)
+    timings: dict[str, TierTiming] = field(default_factory=dict)
 
-    def best(self, measure: ErrorMeasure) -> list[Trial]:
+    def best(self, measure: ErrorMeasure) -> list[Measurement]:
         """Return the trials that no other beats in both time and this error: of all trials, or of its own
         model where each aims at its own truth; none where no line joins them."""
-        judged = [trial for trial in self.trials if measure.name in trial.errors] if self.lines else []
-        models = dict.fromkeys(trial.model for trial in judged)
+        judged = (
+            [measurement for measurement in self.trials if measure.name in measurement.errors]
+            if self.lines
+            else []
+        )
+        models = dict.fromkeys(measurement.model for measurement in judged)
         groups = [judged] if measure.compares else [[r for r in judged if r.model == m] for m in models]
-        found: list[Trial] = []
+        fastest: list[Measurement] = []
         for group in groups:
-            errors = [trial.errors[measure.name] for trial in group]
-            found += [group[i] for i in front([trial.seconds for trial in group], errors)]
-        return found
+            errors = [measurement.errors[measure.name] for measurement in group]
+            fastest += [group[i] for i in front([measurement.seconds for measurement in group], errors)]
+        return fastest
 
-    def matched(self, measure: ErrorMeasure) -> dict[float, list[Trial]]:
+    def matched(self, measure: ErrorMeasure) -> dict[float, list[Measurement]]:
         """Return the cheapest trial of each model that reaches an error, by error, cheapest first.
 
         Errors are powers of ten above the reference's own; those that fewer than two models reach, or that
         all reach by the same trials as ten times the error, tell nothing and are left out.
         """
-        told: dict[float, list[Trial]] = {}
+        rows: dict[float, list[Measurement]] = {}
         if not (self.lines and measure.compares):
-            return told
+            return rows
         for error in (10.0**-n for n in range(1, MOST_DIGITS)):
-            cheapest: dict[str, Trial] = {}
-            for trial in sorted(self.trials, key=lambda trial: trial.seconds):
-                if trial.errors.get(measure.name, math.inf) <= error and error > measure.floor:
-                    cheapest.setdefault(trial.model, trial)
-            found = list(cheapest.values())
-            if len(found) > 1 and found not in told.values():
-                told[error] = found
-        return told
+            cheapest: dict[str, Measurement] = {}
+            for measurement in sorted(self.trials, key=lambda measurement: measurement.seconds):
+                if measurement.errors.get(measure.name, math.inf) <= error and error > measure.floor:
+                    cheapest.setdefault(measurement.model, measurement)
+            group = list(cheapest.values())
+            if len(group) > 1 and group not in rows.values():
+                rows[error] = group
+        return rows
 
     def laws(self) -> dict[str, PowerLaw]:
         """Return time against unknowns by model, where it has three trials of different size."""
-        found = {}
-        for model in dict.fromkeys(trial.model for trial in self.trials) if self.lines else ():
-            mine = [trial for trial in self.trials if trial.model == model]
-            law = power_law([trial.unknowns for trial in mine], [trial.seconds for trial in mine])
-            if law and len({trial.unknowns for trial in mine}) >= FEWEST:
-                found[model] = law
-        return found
+        by_model = {}
+        for model in dict.fromkeys(measurement.model for measurement in self.trials) if self.lines else ():
+            mine = [measurement for measurement in self.trials if measurement.model == model]
+            law = power_law(
+                [measurement.unknowns for measurement in mine], [measurement.seconds for measurement in mine]
+            )
+            if law and len({measurement.unknowns for measurement in mine}) >= FEWEST:
+                by_model[model] = law
+        return by_model
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the ladder's rows of `--json`."""
@@ -145,21 +151,21 @@ class Ladder:
         return [
             {
                 "ladder": self.name,
-                "model": trial.model,
-                "setting": trial.setting,
-                "unknowns": trial.unknowns,
-                "seconds": trial.seconds,
-                "error": trial.errors.get(first),
-                "errors": trial.errors,
-                "spread_s": trial.spread,
-                "repeats": len(trial.runs),
+                "model": measurement.model,
+                "setting": measurement.setting,
+                "unknowns": measurement.unknowns,
+                "seconds": measurement.seconds,
+                "error": measurement.errors.get(first),
+                "errors": measurement.errors,
+                "spread_s": measurement.spread,
+                "repeats": len(measurement.runs),
             }
-            for trial in self.trials
+            for measurement in self.trials
         ]
 
     def reference(self) -> dict[str, Any]:
         """Return what the trials are held against, by measure, and what was skipped."""
-        told = {
+        measures = {
             m.name: {
                 "error": m.what,
                 "unit": m.unit,
@@ -172,12 +178,15 @@ class Ladder:
         }
         matched = {
             m.name: [
-                {"error": error, "seconds": {trial.model: trial.seconds for trial in trials}}
+                {
+                    "error": error,
+                    "seconds": {measurement.model: measurement.seconds for measurement in trials},
+                }
                 for error, trials in self.matched(m).items()
             ]
             for m in self.measures
         }
-        return {**told, "skipped": self.skipped, "at_matched_error": matched}
+        return {**measures, "skipped": self.skipped, "at_matched_error": matched}
 
 
 class LadderModule(Protocol):
@@ -202,17 +211,17 @@ def repeated(seconds: float, repeats: int) -> float:
     return seconds if seconds > LONG else seconds * (repeats + (seconds < SHORT))
 
 
-def timed(work: Callable[[], Found], repeats: int) -> tuple[Found, tuple[float, ...]]:
+def timed(work: Callable[[], ContactAnswer], repeats: int) -> tuple[ContactAnswer, tuple[float, ...]]:
     """Return what `work` gives and the wall time of each run, s; what takes longer than LONG runs once."""
     runs: list[float] = []
     warm = False
     while True:
         safe_point()
         began = perf_counter()
-        found = work()
+        result = work()
         runs.append(perf_counter() - began)
         if not warm and runs[0] < SHORT:
             runs.clear()
         elif len(runs) >= repeats or runs[0] > LONG:
-            return found, tuple(runs)
+            return result, tuple(runs)
         warm = True

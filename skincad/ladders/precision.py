@@ -10,11 +10,11 @@ import numpy as np
 
 def front(seconds: Sequence[float], errors: Sequence[float]) -> list[int]:
     """Return the indices, by time, of the points that no other beats in both time and error."""
-    kept: list[int] = []
+    indices: list[int] = []
     for i in sorted(range(len(seconds)), key=lambda i: (seconds[i], errors[i])):
-        if not kept or errors[i] < errors[kept[-1]]:
-            kept.append(i)
-    return kept
+        if not indices or errors[i] < errors[indices[-1]]:
+            indices.append(i)
+    return indices
 
 
 def slope(seconds: Sequence[float], errors: Sequence[float]) -> float | None:

@@ -52,38 +52,38 @@ def marched(scene: Scene, level: Level, most: float) -> Simulation:
                 f"takes more than {most:g} s: at step {step} of {scene.history.step_count} by then"
             )
 
-    found = at_level(scene, level, tick)
-    if found.march.failed:
-        raise RefusedError(f"stopped: {found.march.stopped}")
-    return found
+    simulation = at_level(scene, level, tick)
+    if simulation.march.failed:
+        raise RefusedError(f"stopped: {simulation.march.stopped}")
+    return simulation
 
 
-def signal(found: Simulation) -> Array:
+def signal(simulation: Simulation) -> Array:
     """Return what is compared `(steps + 1,)`: the told ridge's S1 - S2, MPa, or else the travel, mm."""
-    return next(iter(found.raw.values())) if found.raw else found.march.column("travel")
+    return next(iter(simulation.raw.values())) if simulation.raw else simulation.march.column("travel")
 
 
-def peak_rate(found: Simulation) -> float:
+def peak_rate(simulation: Simulation) -> float:
     """Return the largest rate of the band-limited signals, MPa/s; 0 without any."""
-    return max((float(np.abs(signal.rate).max()) for signal in found.signals.values()), default=0.0)
+    return max((float(np.abs(signal.rate).max()) for signal in simulation.signals.values()), default=0.0)
 
 
-def slip_time(found: Simulation) -> float | None:
+def slip_time(simulation: Simulation) -> float | None:
     """Return when the told ridge slips for good, s; None where it does not."""
-    step = found.slip_steps[min(TOLD, len(found.slip_steps)) - 1]
-    return None if step is None else float(found.march.time[step])
+    step = simulation.slip_steps[min(TOLD, len(simulation.slip_steps)) - 1]
+    return None if step is None else float(simulation.march.time[step])
 
 
-def apart(found: Simulation, truth: Simulation) -> dict[str, float]:
+def apart(simulation: Simulation, truth: Simulation) -> dict[str, float]:
     """Return the errors of the signal, relative to its largest, of its peak rate, and of the slip's time,
     relative to the history's length."""
-    end = min(found.march.time[-1], truth.march.time[-1])
-    at = found.march.time[found.march.time < end]  # the last state is at the brink of gross slip
+    end = min(simulation.march.time[-1], truth.march.time[-1])
+    at = simulation.march.time[simulation.march.time < end]  # the last state is at the brink of gross slip
     exact = np.interp(at, truth.march.time, signal(truth))
-    errors = {"signal": float(np.abs(signal(found)[: at.size] - exact).max() / np.abs(exact).max())}
+    errors = {"signal": float(np.abs(signal(simulation)[: at.size] - exact).max() / np.abs(exact).max())}
     if there := peak_rate(truth):
-        errors["peak rate"] = abs(peak_rate(found) / there - 1)
-    first, last = slip_time(found), slip_time(truth)
+        errors["peak rate"] = abs(peak_rate(simulation) / there - 1)
+    first, last = slip_time(simulation), slip_time(truth)
     if first is not None and last is not None:
         errors["slip"] = abs(first - last) / truth.scene.history.time_s[-1]
     return errors

@@ -9,7 +9,7 @@ from __future__ import annotations
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, repeated, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
 from skincad.ladders.scenes import apart, marched, of_size, scene_on
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.simulation import Simulation
@@ -23,29 +23,35 @@ FIRST, LAST = {"mesh": 0.52, "condense": 0.95, "march": 0.4}, 15.0
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return the scene on each mesh at the paper's step, and at each step on the coarsest mesh."""
-    trials: list[Trial] = []
+    trials: list[Measurement] = []
     known: list[str] = []
     skipped: dict[str, str] = {}
     for model, settings in _ways().items():
         try:
-            found = [_marched(design, *each, repeats, progress) for each in settings[:-1]]
-            found.append(_marched(design, *settings[-1], 1, progress))  # the reference: its time is not asked
+            results = [
+                _marched(design, *mesh_and_steps, repeats, progress) for mesh_and_steps in settings[:-1]
+            ]
+            results.append(
+                _marched(design, *settings[-1], 1, progress)
+            )  # the reference: its time is not asked
         except (InputError, RefusedError) as refusal:
             skipped[model] = str(refusal)
             continue
-        setting, truth, _ = found[-1]
-        trials += [Trial(model, s, f.march.unknowns, runs, apart(f, truth)) for s, f, runs in found[:-1]]
+        setting, truth, _ = results[-1]
+        trials += [
+            Measurement(model, s, f.march.unknowns, runs, apart(f, truth)) for s, f, runs in results[:-1]
+        ]
         differs = trials[-1].errors["signal"]
         known.append(f"{model}: {setting}; {trials[-1].setting} differs by {differs:.0e} of the signal")
     what = "S1 - S2 at the ridge read out" if design.slot else "the plate's travel"
-    told = ("each way's own finest setting", "; ".join(known))
+    words = ("each way's own finest setting", "; ".join(known))
     measures = (
         ErrorMeasure(
-            "signal", f"largest error of {what}, relative to its largest", "1", *told, compares=False
+            "signal", f"largest error of {what}, relative to its largest", "1", *words, compares=False
         ),
-        ErrorMeasure("peak rate", "error of the signal's peak rate, relative", "1", *told, compares=False),
+        ErrorMeasure("peak rate", "error of the signal's peak rate, relative", "1", *words, compares=False),
         ErrorMeasure(
-            "slip", "error of when the ridge slips, of the history's length", "1", *told, compares=False
+            "slip", "error of when the ridge slips, of the history's length", "1", *words, compares=False
         ),
     )
     return Ladder("slip", f"slip of {design.name}", tuple(trials), measures, skipped=skipped)
@@ -54,12 +60,12 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 def prices(design: Design, repeats: int) -> dict[str, float]:
     """Return the stages and their expected seconds."""
     larger = of_size(design)
-    found = {}
+    seconds = {}
     for settings in _ways().values():
         for setting, mesh, steps in settings:
             once = LAST * larger if mesh == MESHES[-1] else _seconds(mesh, steps) * larger
-            found[_stage(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
-    return found
+            seconds[_stage(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
+    return seconds
 
 
 def _seconds(mesh: tuple[float, int], steps: int) -> float:
@@ -92,5 +98,5 @@ def _marched(
     if progress:
         progress(_stage(setting))
     scene = scene_on(design, f"history.steps={steps}")
-    found, runs = timed(lambda: marched(scene, Level(*mesh), MOST), repeats)
-    return setting, found, runs
+    simulation, runs = timed(lambda: marched(scene, Level(*mesh), MOST), repeats)
+    return setting, simulation, runs

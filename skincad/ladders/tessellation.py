@@ -16,7 +16,7 @@ from skincad.base.stopwatch import Progress
 from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import FINER, mesh
 from skincad.inputs.design import Design
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, timed
 from skincad.solids.occ import solid, tessellate, triangles
 from skincad.solids.plan import Part
 from skincad.solids.skin import skin_part
@@ -35,8 +35,8 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     for chord in _chords(design):
         if progress:
             progress(_stage(chord))
-        made, runs = timed(partial(mesh, part, chord), repeats)
-        trials.append(_trial(part, MANIFOLD, chord, made, runs))
+        shape, runs = timed(partial(mesh, part, chord), repeats)
+        trials.append(_trial(part, MANIFOLD, chord, shape, runs))
         _, runs = timed(partial(tessellate, exact, chord), repeats)
         trials.append(_trial(part, KERNEL, chord, _of_kernel(exact, chord), runs))
     finer = f"a mesh by manifold3d with chords {FINER:g} times finer"
@@ -73,17 +73,19 @@ def _stage(chord: float) -> str:
     return f"tessellation: chord {chord:.2g} mm"
 
 
-def _trial(part: Part, model: str, chord: float, made: trimesh.Trimesh, runs: tuple[float, ...]) -> Trial:
+def _trial(
+    part: Part, model: str, chord: float, shape: trimesh.Trimesh, runs: tuple[float, ...]
+) -> Measurement:
     errors = {
-        "deviation": measure(part, made, chord).deviation,
-        "volume": abs(float(made.volume) / part.volume - 1),
+        "deviation": measure(part, shape, chord).deviation,
+        "volume": abs(float(shape.volume) / part.volume - 1),
     }
-    return Trial(model, f"chord {chord:.2g} mm", len(made.faces), runs, errors)
+    return Measurement(model, f"chord {chord:.2g} mm", len(shape.faces), runs, errors)
 
 
-def _of_kernel(made: Any, chord: float) -> trimesh.Trimesh:
+def _of_kernel(solid: Any, chord: float) -> trimesh.Trimesh:
     """The kernel's triangles as one mesh, its faces joined at equal corners."""
-    corners, faces = triangles(made, chord)
-    found = trimesh.Trimesh(np.array([c.toTuple() for c in corners]), np.array(faces), process=False)
-    found.merge_vertices()
-    return found
+    corners, faces = triangles(solid, chord)
+    shape = trimesh.Trimesh(np.array([c.toTuple() for c in corners]), np.array(faces), process=False)
+    shape.merge_vertices()
+    return shape

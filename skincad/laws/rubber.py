@@ -97,9 +97,11 @@ class Rubber(Table):
         if not self.shear > 0:
             raise InputError("", "must have a shear modulus above 0 MPa at small strain", self.shear)
         stretch = np.linspace(SHORTEST, LONGEST, 151)
-        falling = np.diff(self.bar(stretch)) <= 0  # not so where the law has ended
-        if falling.any():
-            at = float(stretch[1:][falling][np.argmin(np.abs(stretch[1:][falling] - 1))])
+        negative_eigenvalues = np.diff(self.bar(stretch)) <= 0  # not so where the law has ended
+        if negative_eigenvalues.any():
+            at = float(
+                stretch[1:][negative_eigenvalues][np.argmin(np.abs(stretch[1:][negative_eigenvalues] - 1))]
+            )
             rule = "must pull a bar the more the longer it is, at stretches of"
             rule = f"{rule} {SHORTEST:g} to {LONGEST:g}; it does not at {at:.3g}"
             raise InputError("", rule, remedy="take constants of a fit")

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from skincad.base.errors import InputError
-from skincad.base.tables import Ranged, table_of, unit_of
+from skincad.base.tables import NumberWithRange, table_of, unit_of
 from skincad.circuit.model import Circuit
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -97,7 +97,7 @@ def _of_model(subject: Editable, model: BaseModel, before: str) -> Iterator[Cont
             inner = table_of(type(model), name)
             hint = (inner.__doc__ if inner else "") or ""
             yield Control(key, key, f"with {name}", hint.partition("\n")[0], "table", value is not None)
-        if isinstance(value, BaseModel) and not isinstance(value, Ranged):
+        if isinstance(value, BaseModel) and not isinstance(value, NumberWithRange):
             yield from _of_model(subject, value, f"{key}.")
         elif isinstance(value, list | tuple):
             yield from _of_list(type(model), field, key, value)
@@ -130,13 +130,13 @@ def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -
             key, table, _label(name, ""), hint, "choice", value or "", choices=("",) * drops + names
         )
         return
-    if not {int, float, Ranged} & {*kinds(field)}:
+    if not {int, float, NumberWithRange} & {*kinds(field)}:
         return
     if value is None and f"{table}.".endswith(PLATE):
         return  # the size of another shape
-    low, high = limits(Ranged.model_fields["value"] if Ranged in kinds(field) else field)
-    unit, whole = unit_of(type(model), (name,)), not {float, Ranged} & {*kinds(field)}
-    value = value.value if isinstance(value, Ranged) else value
+    low, high = limits(NumberWithRange.model_fields["value"] if NumberWithRange in kinds(field) else field)
+    unit, whole = unit_of(type(model), (name,)), not {float, NumberWithRange} & {*kinds(field)}
+    value = value.value if isinstance(value, NumberWithRange) else value
     shown = value_of(subject, key) if value is None else value
     known = (value is None and shown is not None) or key.removeprefix(SKIN) in ALWAYS
     initial = _initial(subject, key, low, high) if drops and not known else None

@@ -12,7 +12,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
-from skincad.base.tables import Ranged
+from skincad.base.tables import NumberWithRange
 from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest
 from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone
 from skincad.laws.neo_hooke import NeoHooke
@@ -75,23 +75,23 @@ class MaterialFit(Result):
         return None if isinstance(best, NeoHooke) else best
 
     @property
-    def ranged(self) -> Ranged:
+    def ranged(self) -> NumberWithRange:
         """The modulus as a design's `[material]` takes it: a law's own value where there is one."""
         alone = self._by_slope
         if self.law is None:
             return alone
         value = float(f"{self.law.young_modulus(Silicone().poisson_ratio):.4g}")
-        return Ranged(value=value, low=min(value, alone.low), high=max(value, alone.high))
+        return NumberWithRange(value=value, low=min(value, alone.low), high=max(value, alone.high))
 
     @property
-    def _by_slope(self) -> Ranged:
+    def _by_slope(self) -> NumberWithRange:
         """Neo-Hooke's, low and high rounded outwards."""
         value, error = self.young_modulus.value or 0.0, self.young_modulus.error or 0.0
         digits = min(10, max(1 - int(np.floor(np.log10(max(error, 1e-4 * value)))), 0))
         tenth = 10.0**-digits
         low = np.floor((value - error) / tenth * (1 + 1e-12)) * tenth
         high = np.ceil((value + error) / tenth * (1 - 1e-12)) * tenth
-        return Ranged(
+        return NumberWithRange(
             value=round(value, digits), low=round(float(low), digits), high=round(float(high), digits)
         )
 

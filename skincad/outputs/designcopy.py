@@ -12,7 +12,7 @@ import tomlkit
 from skincad.base.errors import InputError, RefusedError, shown
 from skincad.base.freshfile import fresh
 from skincad.base.reading import tables_of, text_of
-from skincad.base.tables import Document, Ranged
+from skincad.base.tables import Document, NumberWithRange
 from skincad.inputs.catalog import LARGEST_FILE, design_tables, kind_of, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.laws.rubber import Rubber
@@ -50,7 +50,7 @@ def write_with_modulus(
     path: Path,
     source: str,
     overrides: list[str],
-    modulus: Ranged,
+    modulus: NumberWithRange,
     law: Rubber | None,
     provenance: str,
     silicones: Path | None = None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from skincad.base.result import Writer
-from skincad.base.tables import Ranged
+from skincad.base.tables import NumberWithRange
 from skincad.inputs.silicone import Silicone
 from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
@@ -84,7 +84,7 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def ranged_toml(ranged: Ranged) -> str:
+def ranged_toml(ranged: NumberWithRange) -> str:
     """Return a number with its range as a TOML value."""
     return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"
 

@@ -8,7 +8,7 @@ from typing import Any
 import tomlkit
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.tables import Ranged, Table, unit_of
+from skincad.base.tables import NumberWithRange, Table, unit_of
 from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
@@ -77,7 +77,7 @@ def _comment(item: Any) -> str:
     return str(item.trivia.comment).lstrip("# ")
 
 
-def _modulus(modulus: Ranged) -> str:
+def _modulus(modulus: NumberWithRange) -> str:
     return f"{modulus.value:g} ({modulus.low:g} to {modulus.high:g})"
 
 
@@ -118,7 +118,7 @@ def _plain(value: float | list[float]) -> str:
 
 def _cell(entry: Silicone, key: str) -> str:
     value = getattr(entry, key)
-    if isinstance(value, Ranged):
+    if isinstance(value, NumberWithRange):
         return _modulus(value)
     if isinstance(value, list):
         return ":".join(f"{part:g}" for part in value)

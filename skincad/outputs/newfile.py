@@ -19,7 +19,7 @@ from pydantic.fields import FieldInfo
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.freshfile import checked_fresh, fresh
-from skincad.base.tables import Ranged, Table, table_of
+from skincad.base.tables import NumberWithRange, Table, table_of
 from skincad.inputs import shipped
 from skincad.inputs.catalog import KINDS, Kind, kinds_of, load, template_names, template_text
 from skincad.inputs.design import Design
@@ -126,11 +126,11 @@ def schema_of(kind: Kind | shipped.Table) -> str:
             "properties": tables,
             "additionalProperties": False,
         }
-    if ranged := schema.get("$defs", {}).get("Ranged"):  # all of them are moduli
+    if ranged := schema.get("$defs", {}).get("NumberWithRange"):  # all of them are moduli
         limits = {"minimum": SOFTEST, "maximum": STIFFEST}
         numbers = {key: {**number, **limits} for key, number in ranged["properties"].items()}
         either = [{"type": "number", **limits}, {**ranged, "properties": numbers}]
-        schema["$defs"]["Ranged"] = {"anyOf": either}
+        schema["$defs"]["NumberWithRange"] = {"anyOf": either}
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
 
 
@@ -161,7 +161,7 @@ def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema:
 def _table(model: type[BaseModel], key: str) -> type[Table] | None:
     """The model of a table behind a key; None for a value, a modulus too."""
     inner = table_of(model, key)
-    return None if inner is Ranged else inner
+    return None if inner is NumberWithRange else inner
 
 
 def _section(path: str, model: type[Table], values: Any, required: bool = False) -> list[str]:

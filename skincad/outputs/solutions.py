@@ -11,9 +11,9 @@ from skincad.base.result import Writer
 from skincad.outputs.delivery import picture, text
 from skincad.outputs.designcopy import write_copy
 from skincad.studies.asking import short
-from skincad.studies.knobs import Knob
+from skincad.studies.knobs import DesignVariable
 from skincad.studies.measures import worded
-from skincad.studies.solution import Solution, Solved
+from skincad.studies.solution import Solution, SolutionPoint
 from skincad.studies.subject import owner
 
 if TYPE_CHECKING:
@@ -59,12 +59,12 @@ def _solution_lines(solution: Solution) -> list[str]:
     return rows
 
 
-def _values(solution: Solution, solved: Solved) -> str:
+def _values(solution: Solution, solved: SolutionPoint) -> str:
     units = {knob.key: _unit(knob) for knob in solution.knobs}
     return ", ".join(f"{key} {short(value)}{units[key]}" for key, value in solved.values.items())
 
 
-def _unit(knob: Knob) -> str:
+def _unit(knob: DesignVariable) -> str:
     return f" {knob.unit}" if knob.unit else ""
 
 
@@ -84,7 +84,7 @@ def _targets(solution: Solution) -> str:
     return ", ".join(worded(key, wanted) for key, wanted in solution.target.items())
 
 
-def _range(knob: Knob) -> str:
+def _range(knob: DesignVariable) -> str:
     if knob.choices:
         many = len(knob.choices) > MAX_SHOWN
         return f"{knob.key} among {len(knob.choices) if many else ' and '.join(map(str, knob.choices))}"

@@ -10,7 +10,7 @@ from statistics import median
 from textwrap import fill
 from typing import Any
 
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.ladders.precision import slope
 from skincad.pictures.canvas import Axes, NullFormatter, Picture, sheet
 
@@ -55,7 +55,7 @@ def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
     return figure
 
 
-def _drawable(ladder: Ladder, measure: ErrorMeasure) -> list[Trial]:
+def _drawable(ladder: Ladder, measure: ErrorMeasure) -> list[Measurement]:
     return [point for point in ladder.trials if point.errors.get(measure.name, 0.0) > 0]
 
 
@@ -87,7 +87,7 @@ def _panel(axes: Axes, ladder: Ladder, measure: ErrorMeasure, style: dict[str, t
     _words(axes, measure, "time, s" if ladder.lines else "time of the scene with the effect, s")
 
 
-def _slope(trials: list[Trial], measure: ErrorMeasure) -> str:
+def _slope(trials: list[Measurement], measure: ErrorMeasure) -> str:
     """The exponent of error against time in words, of the trials above the reference's own error."""
     points = [point for point in trials if point.errors[measure.name] > measure.floor]
     exponent = slope([r.seconds for r in points], [r.errors[measure.name] for r in points])

@@ -20,7 +20,7 @@ from skincad.pictures.canvas import (
     legend,
     sheet,
 )
-from skincad.studies.knobs import Knob
+from skincad.studies.knobs import DesignVariable
 from skincad.studies.question import Evaluation
 from skincad.studies.ranking import Ranking
 from skincad.studies.solution import Solution
@@ -174,7 +174,7 @@ def _ranked(sweep: SweepResult, ranking: Ranking) -> tuple[list[int], Array]:
     return rows, np.array([float(sweep.rows[i].results[ranking.key]) for i in rows])
 
 
-def _places(sweep: SweepResult, knob: Knob, rows: Sequence[int]) -> Array:
+def _places(sweep: SweepResult, knob: DesignVariable, rows: Sequence[int]) -> Array:
     """A key's values of some rows, choices by their number."""
     values = [sweep.rows[i].values[knob.key] for i in rows]
     if knob.choices:
@@ -188,7 +188,7 @@ def _levels(at: Array) -> Array:
     return values[counts > 1]
 
 
-def _name_ticks(axes: Axes, knob: Knob, side: str = "x") -> None:
+def _name_ticks(axes: Axes, knob: DesignVariable, side: str = "x") -> None:
     axis = axes.xaxis if side == "x" else axes.yaxis
     if any(isinstance(choice, str) for choice in knob.choices):
         axis.set_ticks(range(len(knob.choices)), [str(choice) for choice in knob.choices], fontsize=7)
@@ -203,5 +203,5 @@ def _axis_label(key: str, rows: Sequence[Evaluation]) -> str:
     return key if unit == "1" else f"{key.removesuffix(f'_{unit}')}, {unit}"
 
 
-def _label(knob: Knob) -> str:
+def _label(knob: DesignVariable) -> str:
     return f"{knob.key}, {knob.unit}" if knob.unit else knob.key

@@ -14,7 +14,7 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.march import INTERRUPTED, March
 from skincad.scenes.on_mesh import Marching, march_on, march_thin
-from skincad.scenes.refined import Refined
+from skincad.scenes.refined import ComparisonRuns
 from skincad.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -25,47 +25,47 @@ DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out
 
 
 @dataclass(frozen=True, eq=False)
-class Climbed:
+class RefinedRun:
     """The last march that counts, its error MPa by told ridge (None with one mesh), what was not met, and the
     marches that its slips are held against."""
 
     march: March
     error: dict[int, float] | None
     short: list[str]
-    refined: Refined = field(default_factory=Refined)
+    refined: ComparisonRuns = field(default_factory=ComparisonRuns)
 
 
 def climb(
     on: Marching, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
-) -> Climbed:
+) -> RefinedRun:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
     wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
     last: dict[str, float] = {}
-    refined = [Refined()]
+    refined = [ComparisonRuns()]
 
     def marched(level: Level, before: Ascent[Level, March, _Error] | None) -> March:
         two = before is None and budget is None  # two meshes are the least
         last.clear()
         following = LEVELS[1] if two and len(LEVELS) > 1 else None
-        found = march_on(level, on, last, following, before is None and films)
+        march = march_on(level, on, last, following, before is None and films)
         if before is not None:
             refined[0] = replace(refined[0], before=before.found)
-        elif films and not (found.failed or found.interrupted):
+        elif films and not (march.failed or march.interrupted):
             after = expected(following, level, last) if following else 0.0
-            thin = march_thin(on, found, last, after)
+            thin = march_thin(on, march, last, after)
             if thin is not None and thin.interrupted:
-                thin, found = (
+                thin, march = (
                     None,
-                    replace(found, stopped=INTERRUPTED),
+                    replace(march, stopped=INTERRUPTED),
                 )  # Ctrl-C ends the climb, not its march
-            refined[0] = Refined(every=found, thin=thin)
+            refined[0] = ComparisonRuns(every=march, thin=thin)
         for stage, more in last.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
-        if before is not None and found.interrupted:
+        if before is not None and march.interrupted:
             raise KeyboardInterrupt  # a whole march says more than a part
-        if before is not None and found.failed and before.error <= wanted:
-            raise _StoppedError(f"a finer mesh stopped at {found.stopped}")  # what is there is good enough
-        return found
+        if before is not None and march.failed and before.error <= wanted:
+            raise _StoppedError(f"a finer mesh stopped at {march.stopped}")  # what is there is good enough
+        return march
 
     def price(before: Ascent[Level, March, _Error], following: Level) -> float:
         if before.found.failed or before.found.interrupted:
@@ -92,24 +92,24 @@ def climb(
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
     counts = refined[0] if len(reached.rungs) > 1 else replace(refined[0], before=None)
-    return Climbed(march, error, [*short, *overrun("", reached.spent, budget)], counts)
+    return RefinedRun(march, error, [*short, *overrun("", reached.spent, budget)], counts)
 
 
 class _StoppedError(RefusedError):
     """A march that did not reach the end of its history."""
 
 
-def differential(piece: PadPiece, scene: Scene, found: March) -> dict[int, Array]:
+def differential(piece: PadPiece, scene: Scene, march: March) -> dict[int, Array]:
     """Return S1 - S2 across the films `(steps + 1,)` MPa by told ridge."""
     place = {(s.ridge, s.side): i for i, s in enumerate(piece.whole.section.slots)}
-    films = found.column("films")
+    films = march.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
 
 
-def _errors(on: Marching, before: March, found: March) -> tuple[dict[int, float], float]:
+def _errors(on: Marching, before: March, march: March) -> tuple[dict[int, float], float]:
     """Largest change of each told ridge's difference from the mesh before, MPa; the largest relative one."""
-    one, other = (differential(on.piece, on.scene, each) for each in (before, found))
-    steps = min(before.time.size, found.time.size)
+    one, other = (differential(on.piece, on.scene, run) for run in (before, march))
+    steps = min(before.time.size, march.time.size)
     error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
     largest = max((float(np.abs(v).max()) for v in other.values()), default=0.0)
     return error, max(error.values(), default=0.0) / largest if largest else 0.0

@@ -12,8 +12,8 @@ def energy(march: March) -> dict[str, float]:
     normal, tangential = march.column("normal"), march.column("tangential")
     down, along = np.diff(march.column("approach")), np.diff(march.column("travel"))
     by_forces = (normal[1:] + normal[:-1]) / 2 * down + (tangential[1:] + tangential[:-1]) / 2 * along
-    told = [reading.work for reading in march.readings[1:]]
-    pushed = sum(force if work is None else work for force, work in zip(by_forces, told, strict=True))
+    works = [reading.work for reading in march.readings[1:]]
+    pushed = sum(force if work is None else work for force, work in zip(by_forces, works, strict=True))
     stored = float(march.readings[-1].elastic)
     lost = float(march.column("dissipated").sum())
     kinetic = float(march.readings[-1].kinetic)

@@ -17,7 +17,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.interrupt import safe_point
 from skincad.effects.kinds import MarchedPad, Reading, Step, Term
-from skincad.mechanics.contact.grip import Drive, Grip, GrossSlip
+from skincad.mechanics.contact.grip import ContactState, Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
 
@@ -95,13 +95,15 @@ def march(
                 stopped, wrong = GROSS_SLIP, path.refused(end.last)
             except ContactError as failure:
                 wrong = str(failure)
-            if path.due(bool(wrong or stopped) or i + 1 == len(drives)) and (found := path.collision()):
+            if path.due(bool(wrong or stopped) or i + 1 == len(drives)) and (
+                contact_note := path.collision()
+            ):
                 again = not path.careful
                 path.back()
                 if again:
                     stopped = None
                     continue
-                wrong = found
+                wrong = contact_note
             if wrong:
                 stopped, failed = f"step {i}, t = {times[i]:.6g} s: {wrong}", True
             elif tick and not stopped:
@@ -112,9 +114,11 @@ def march(
         stopped = INTERRUPTED
         if path.collision():
             path.back()
-    done, states = np.asarray(times[: len(path.readings)]), path.states
+    times_done, states = np.asarray(times[: len(path.readings)]), path.states
     spent, loads, ridge = perf_counter() - began, np.array(path.loads), pad.ridge
-    return March(done, tuple(path.readings), ridge, pad.unknowns, stopped, failed, spent, loads, states, pad)
+    return March(
+        times_done, tuple(path.readings), ridge, pad.unknowns, stopped, failed, spent, loads, states, pad
+    )
 
 
 class _Path:
@@ -126,8 +130,8 @@ class _Path:
 
     def __init__(self, pad: MarchedPad, limits: Limits, keep: Collection[int]) -> None:
         self.pad, self.limits, self.keep = pad, limits, keep
-        self.area, each = pad.area, 1 + int(pad.ridge.max())
-        self.thrice = np.concatenate([pad.ridge, each + pad.ridge, 2 * each + pad.ridge])
+        self.area, count = pad.area, 1 + int(pad.ridge.max())
+        self.thrice = np.concatenate([pad.ridge, count + pad.ridge, 2 * count + pad.ridge])
         self.state = pad.start()
         self.readings = [pad.reading(self.state, self.state)]
         self.loads = [self._of_ridges(pad.grip(self.state))]
@@ -143,11 +147,11 @@ class _Path:
 
     def refused(self, state: Any) -> str:
         """Accept a state, or return why it is beyond the limits."""
-        grip = self.pad.grip(state)
-        of_ridges = self._of_ridges(grip)
-        down, across, _ = of_ridges
-        loads = tuple(map(float, (down.max(), across.max(), -across.min())))
-        wrong = self.limits.crushed_reason(grip.approach) or self.limits.overload_reason(
+        contact = self.pad.grip(state)
+        of_ridges = self._of_ridges(contact)
+        down, tangential, _ = of_ridges
+        loads = tuple(map(float, (down.max(), tangential.max(), -tangential.min())))
+        wrong = self.limits.crushed_reason(contact.approach) or self.limits.overload_reason(
             loads[0], max(loads[1:])
         )
         if wrong:
@@ -162,10 +166,10 @@ class _Path:
                 self.hardest[i], self.unseen[i] = load, state
         return ""
 
-    def _of_ridges(self, grip: Grip) -> Array:
+    def _of_ridges(self, contact: ContactState) -> Array:
         """Normal and tangential force, and what touches, `(3, ridges)`."""
-        told = np.concatenate([grip.normal, grip.tangential, self.area * grip.touches])
-        return np.asarray(np.bincount(self.thrice, told), dtype=float).reshape(3, -1)[:, 1:]
+        sums = np.concatenate([contact.normal, contact.tangential, self.area * contact.touches])
+        return np.asarray(np.bincount(self.thrice, sums), dtype=float).reshape(3, -1)[:, 1:]
 
     def due(self, ends: bool) -> bool:
         """Whether to look for collisions now."""

@@ -19,7 +19,7 @@ import numpy as np
 from skincad.base.climbing import unmet
 from skincad.base.errors import InputError, RefusedError
 from skincad.effects.kinds import Law
-from skincad.scenes.climb import Climbed, differential
+from skincad.scenes.climb import RefinedRun, differential
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.march import INTERRUPTED, March
 from skincad.scenes.omitted import omitted
@@ -42,25 +42,25 @@ def model_of(scene: Scene) -> str:
     return CORRECTED if getattr(named, "steps", None) == "chosen" else FINITE_STRAIN
 
 
-def chosen_steps(found: March) -> list[int] | None:
+def chosen_steps(march: March) -> list[int] | None:
     """Return the steps of a march that were chosen for finite strain; None where it does not choose any."""
-    drifts = [reading.drift for reading in found.readings]
+    drifts = [reading.drift for reading in march.readings]
     return None if drifts[-1] is None else [i for i, drift in enumerate(drifts) if drift and drift.chosen]
 
 
-def drifted(on: Marching, found: March) -> dict[int, float]:
+def drifted(on: Marching, march: March) -> dict[int, float]:
     """Return the largest drift of each told ridge's difference, MPa; nothing without chosen steps."""
-    if found.readings[-1].drift is None:
+    if march.readings[-1].drift is None:
         return {}
     place = {(s.ridge, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
-    films = np.array([reading.drift.films for reading in found.readings if reading.drift])
+    films = np.array([reading.drift.films for reading in march.readings if reading.drift])
     both = {r: [films[:, place[r, side], 0] for side in ("S1", "S2")] for r in on.scene.readout.ridges}
     return {r: float((one + other).max()) for r, (one, other) in both.items()}
 
 
-def cut_short(found: March) -> list[str]:
+def cut_short(march: March) -> list[str]:
     """Return what to warn of where no more steps could be chosen."""
-    drift, chosen = found.readings[-1].drift, chosen_steps(found)
+    drift, chosen = march.readings[-1].drift, chosen_steps(march)
     if drift is None or not chosen or not drift.cut:
         return []
     words = f"after step {chosen[-1]} no step could be taken at finite strain: {drift.cut}"
@@ -68,32 +68,39 @@ def cut_short(found: March) -> list[str]:
 
 
 def further(
-    on: Marching, found: Climbed, tol: float, budget: float | None, began: float, seconds: dict[str, float]
-) -> tuple[Marching, Climbed]:
+    on: Marching,
+    climbed: RefinedRun,
+    tol: float,
+    budget: float | None,
+    began: float,
+    seconds: dict[str, float],
+) -> tuple[Marching, RefinedRun]:
     """Return what is marched, and the march that counts, by the model that `tol` asks for: `found` in small
     strain, or one beyond it. `seconds` are by stage; `budget` s run from `began`."""
-    scene, short = on.scene, found.short
-    if not _asks(scene, found.march, tol):
-        return on, found
+    scene, short = on.scene, climbed.short
+    if not _asks(scene, climbed.march, tol):
+        return on, climbed
     try:
         price = DEAR * seconds["condense"]
-        on, found = _by(CHOSEN, on, found, price, budget, began, seconds)
-        drift, last = _relative(on, found), found.march.readings[-1].drift
+        on, climbed = _by(CHOSEN, on, climbed, price, budget, began, seconds)
+        drift, last = _relative(on, climbed), climbed.march.readings[-1].drift
         if drift <= tol:
-            return on, found
-        found = replace(found, short=[*short, *unmet(DRIFTS.format(drift), drift, tol)])
+            return on, climbed
+        climbed = replace(climbed, short=[*short, *unmet(DRIFTS.format(drift), drift, tol)])
         if last is None or last.cut:  # finite strain in each step would stop there
-            return on, found
-        steps = chosen_steps(found.march) or [0]
+            return on, climbed
+        steps = chosen_steps(climbed.march) or [0]
         price = DEARER * seconds[CORRECTED] * scene.history.step_count / len(steps)
-        on, found = _by(EACH, on, found, price, budget, began, seconds)
-        return on, replace(found, short=short)
+        on, climbed = _by(EACH, on, climbed, price, budget, began, seconds)
+        return on, replace(climbed, short=short)
     except KeyboardInterrupt:
         if not on.partial:
             raise
-        return on, replace(found, march=replace(found.march, stopped=INTERRUPTED))
+        return on, replace(climbed, march=replace(climbed.march, stopped=INTERRUPTED))
     except (InputError, RefusedError) as refusal:
-        return on, replace(found, short=[*found.short, f"no model beyond this one was marched: {refusal}"])
+        return on, replace(
+            climbed, short=[*climbed.short, f"no model beyond this one was marched: {refusal}"]
+        )
 
 
 def _asks(scene: Scene, small: March, tol: float) -> bool:
@@ -101,38 +108,38 @@ def _asks(scene: Scene, small: March, tol: float) -> bool:
     named = any(isinstance(part, Law) for part in scene.parts.values())
     if named or not scene.readout.ridges or small.failed or small.interrupted:
         return False
-    left_out = {each.effect: each.change for each in omitted(scene, small)}
+    left_out = {entry.effect: entry.change for entry in omitted(scene, small)}
     return left_out.get(FINITE_STRAIN, 0.0) > tol
 
 
 def _by(
     law: Mapping[str, Any],
     on: Marching,
-    found: Climbed,
+    climbed: RefinedRun,
     price: float,
     budget: float | None,
     began: float,
     seconds: dict[str, float],
-) -> tuple[Marching, Climbed]:
+) -> tuple[Marching, RefinedRun]:
     """March by another law on the coarsest mesh; RefusedError where that would overrun the budget or stops
     before what was found already. What mesh and time step change stays as it was found, in small strain."""
     if budget is not None and perf_counter() - began + price > budget:
         raise RefusedError(f"it would take about {price:.2g} s, more than the budget of {budget:g} s leaves")
     scene = on.scene.with_(effects=law)
     piece, last = piece_for(scene, seconds), dict[str, float]()
-    beyond = replace(on, scene=scene, piece=piece, meshes={}, model=model_of(scene))
-    march = march_on(LEVELS[0], beyond, last)
-    seconds[beyond.model] = sum(last.values())
+    better = replace(on, scene=scene, piece=piece, meshes={}, model=model_of(scene))
+    march = march_on(LEVELS[0], better, last)
+    seconds[better.model] = sum(last.values())
     if march.interrupted:
         raise KeyboardInterrupt
-    if march.failed and len(march.readings) < len(found.march.readings):
+    if march.failed and len(march.readings) < len(climbed.march.readings):
         raise RefusedError(f"it stopped at {march.stopped}")
-    refined = found.refined if found.refined.after else replace(found.refined, after=found.march)
-    return beyond, replace(found, march=march, refined=refined)
+    refined = climbed.refined if climbed.refined.after else replace(climbed.refined, after=climbed.march)
+    return better, replace(climbed, march=march, refined=refined)
 
 
-def _relative(on: Marching, found: Climbed) -> float:
+def _relative(on: Marching, climbed: RefinedRun) -> float:
     """The largest drift of a told ridge's differential stress, of the largest stress."""
-    stress = differential(on.piece, on.scene, found.march)
-    largest = max((float(np.abs(each).max()) for each in stress.values()), default=0.0)
-    return max(drifted(on, found.march).values(), default=0.0) / largest if largest else 0.0
+    stress = differential(on.piece, on.scene, climbed.march)
+    largest = max((float(np.abs(error).max()) for error in stress.values()), default=0.0)
+    return max(drifted(on, climbed.march).values(), default=0.0) / largest if largest else 0.0

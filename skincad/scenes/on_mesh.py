@@ -99,34 +99,34 @@ def march_on(
     with needing(f"the computation on the mesh of {stage}"), one_blas_thread():
         times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
         keep = kept_steps(scene)
-        found = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
-    seconds |= {**stages, "march": found.seconds}
-    return found
+        march_result = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
+    seconds |= {**stages, "march": march_result.seconds}
+    return march_result
 
 
-def march_thin(on: Marching, found: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
+def march_thin(on: Marching, whole: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
     """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails.
     `seconds` have a stage of its own, for the price of the next mesh hangs on the march's alone. The tick is
     told the history's steps, and the time left with the s `after` it."""
     scene, history, tick = on.scene, on.scene.history, on.tick
-    kept = _fewer(scene)
-    if found.pad is None or kept.size > history.step_count:
+    thinned = _fewer(scene)
+    if whole.pad is None or thinned.size > history.step_count:
         return None
-    stage, began, last = "march with fewer steps", perf_counter(), kept.size - 1
+    stage, began, last = "march with fewer steps", perf_counter(), thinned.size - 1
     if tick:
         tick(stage, 0)
 
     def told(step: int) -> None:
         if tick:
             left = (perf_counter() - began) * (last / step - 1)
-            tick(stage, int(kept[step]), left + after)
+            tick(stage, int(thinned[step]), left + after)
 
     drives = history.drives()
     with one_blas_thread():
         ends = scene.law.limits(scene.design)
-        times, mass = history.times[kept], scene.plate.mass or 0.0
-        fewer = [drives[i] for i in kept]
-        thin = march(found.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
+        times, mass = history.times[thinned], scene.plate.mass or 0.0
+        fewer = [drives[i] for i in thinned]
+        thin = march(whole.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
     seconds[stage] = thin.seconds
     return None if thin.failed else thin
 

@@ -43,7 +43,7 @@ class BySource(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Refined:
+class ComparisonRuns:
     """Marches to hold a march against: `before` on the mesh before; `every` on the coarsest mesh, and `thin`
     there with fewer steps; `after` is the one on the finer mesh, where the march in question is by another
     model. None where there is none."""

@@ -32,26 +32,26 @@ def _placed(value: Any, folder: Path) -> Any:
     return value
 
 
-def _skin(given: Any) -> Any:
+def _skin(value: Any) -> Any:
     """A design, or the text that names one."""
-    if isinstance(given, dict):
-        return Design(**given)
-    if not isinstance(given, str | Design):
-        raise InputError("", "must be a design, or the name of a template or TOML file", given)
-    if isinstance(given, str) and len(given) > LONGEST:
-        raise InputError("", f"must have at most {LONGEST} characters", given)
-    return _placed(given, Path())
+    if isinstance(value, dict):
+        return Design(**value)
+    if not isinstance(value, str | Design):
+        raise InputError("", "must be a design, or the name of a template or TOML file", value)
+    if isinstance(value, str) and len(value) > LONGEST:
+        raise InputError("", f"must have at most {LONGEST} characters", value)
+    return _placed(value, Path())
 
 
-def _effects(given: Any, folder: Path = Path()) -> Any:
+def _effects(tables: Any, folder: Path = Path()) -> Any:
     """Effects' tables, the TOML files that they name taken from `folder`, and nothing that is not given."""
-    if not isinstance(given, dict):
-        return given
+    if not isinstance(tables, dict):
+        return tables
     return {
         name: {key: _placed(value, folder) for key, value in table.items() if value is not None}
         if isinstance(table, dict)
         else table
-        for name, table in given.items()
+        for name, table in tables.items()
     }
 
 
@@ -109,9 +109,9 @@ class Scene(Document):
         laws = {name: part for name, part in self.parts.items() if isinstance(part, Law)}
         if len(laws) > 1:
             raise InputError("effects", "must name one law at most", " and ".join(laws), "leave one out")
-        found = next(iter(laws.values()), None) or _parsed(LAW, {})
-        assert isinstance(found, Law)
-        return found
+        chosen_law = next(iter(laws.values()), None) or _parsed(LAW, {})
+        assert isinstance(chosen_law, Law)
+        return chosen_law
 
     @cached_property
     def design(self) -> Design:
@@ -191,9 +191,9 @@ def _check(scene: Scene) -> None:
     for ridge in scene.readout.ridges:
         if not 1 <= ridge <= design.ridge.count:
             raise InputError("readout.ridges", f"must be from 1 to {design.ridge.count}", ridge)
-    beyond = [step for step in scene.readout.steps if step > scene.history.step_count]
-    if beyond:
-        raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", beyond[0])
+    too_late = [step for step in scene.readout.steps if step > scene.history.step_count]
+    if too_late:
+        raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", too_late[0])
     if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
 
@@ -231,13 +231,13 @@ def _check_law(scene: Scene) -> None:
     law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
     others = [] if scene.law.condenses else [law]
     others += [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks]
-    asked = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
-    asked += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
+    needs = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
+    needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
     bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
-    asked += [f"effects.{name}" for name, body in bodies.items() if body.condenses]
-    if others and asked:
+    needs += [f"effects.{name}" for name, body in bodies.items() if body.condenses]
+    if others and needs:
         rule = f"does not work together with {' and '.join(others)}"
-        raise InputError(asked[0], rule, remedy="leave one of them out")
+        raise InputError(needs[0], rule, remedy="leave one of them out")
     for name, body in bodies.items():
         if body.feels:
             continue

@@ -22,11 +22,11 @@ SHORTEST = 1e-9  # s; assumption: sound passes a micrometre of silicone, far les
 ROUNDING = 4.0  # units in the last place of the history's end: as far as two sums to one time are apart
 
 
-def _listed(given: Any) -> Any:
+def _listed(value: Any) -> Any:
     """A tuple, range or array as the list that a file has."""
-    if isinstance(given, np.ndarray):
-        return given.tolist()
-    return list(given) if isinstance(given, tuple | range) else given
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return list(value) if isinstance(value, tuple | range) else value
 
 
 Numbers = Annotated[list[float], BeforeValidator(_listed)]
@@ -74,14 +74,14 @@ class History(Table):
             raise InputError("normal_force_N", rule, min(self.normal_force_N), "take 0 or more")
         if self.normal_force_N[0] != 0.0:
             raise InputError("normal_force_N", "must begin unloaded, at 0", self.normal_force_N[0])
-        given = [self.tangential_force_N, self.displacement_mm]
-        if given.count(None) != 1:
+        drives = [self.tangential_force_N, self.displacement_mm]
+        if drives.count(None) != 1:
             rule = "needs either tangential_force_N or displacement_mm"
             raise InputError("", rule, remedy="give the one that the plate is driven by")
-        across = self.tangential_force_N or self.displacement_mm or [0.0]
-        if across[0] != 0.0:
+        pull = self.tangential_force_N or self.displacement_mm or [0.0]
+        if pull[0] != 0.0:
             key = "tangential_force_N" if self.tangential_force_N else "displacement_mm"
-            raise InputError(key, "must begin at 0", across[0])
+            raise InputError(key, "must begin at 0", pull[0])
         turn = self.rotation_deg or [0.0]
         if turn[0] != 0.0:
             raise InputError("rotation_deg", "must begin at 0", turn[0])

@@ -41,8 +41,8 @@ def intervals(slipping: Mask) -> list[list[int]]:
 
 def gross_slip_step(touches: Mask, slips: Mask) -> int | None:
     """Return the first index at which every touching point slips, None if there is none."""
-    found = np.flatnonzero(touches.any(axis=1) & (slips | ~touches).all(axis=1))
-    return int(found[0]) if found.size else None
+    steps = np.flatnonzero(touches.any(axis=1) & (slips | ~touches).all(axis=1))
+    return int(steps[0]) if steps.size else None
 
 
 def lasting_slip_step(runs: list[list[int]], gross: int | None, last: int) -> int | None:
@@ -69,4 +69,4 @@ def slips_of(readings: Sequence[Reading], ridge: Index, ridges: int) -> Slips:
     slipping = slip_by_ridge(touches, slips, ridge, ridges)
     runs = [intervals(column) for column in slipping.T]
     gross, last = gross_slip_step(touches, slips), len(readings) - 1
-    return Slips(slipping, runs, [lasting_slip_step(each, gross, last) for each in runs], gross)
+    return Slips(slipping, runs, [lasting_slip_step(run, gross, last) for run in runs], gross)

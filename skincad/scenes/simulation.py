@@ -16,12 +16,12 @@ from skincad.base.estimate import Estimate
 from skincad.base.interrupt import INTERRUPTED
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
-from skincad.circuit.low_pass import Limited, band_limited, delay
+from skincad.circuit.low_pass import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import Reader, RidgePath, Step
-from skincad.effects.omitted import Omitted
-from skincad.mechanics.contact.grip import Cone, Drive
+from skincad.effects.omitted import LeftOutEffect
+from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
 from skincad.mechanics.validity import material_warnings
-from skincad.scenes.climb import Climbed, climb, differential
+from skincad.scenes.climb import RefinedRun, climb, differential
 from skincad.scenes.energy import energy
 from skincad.scenes.levels import Level
 from skincad.scenes.march import March
@@ -47,7 +47,7 @@ class Simulation(Result):
     scene: Scene
     march: March
     raw: dict[int, Array]
-    signals: dict[int, Limited]
+    signals: dict[int, FilteredSignal]
     error: dict[int, float] | None
     stress_errors: dict[int, BySource]
     slipping: Mask
@@ -55,7 +55,7 @@ class Simulation(Result):
     slip_steps: list[int | None]
     gross_slip_step: int | None
     slip_errors: SlipErrors
-    left_out: list[Omitted]
+    left_out: list[LeftOutEffect]
     read: dict[str, Any]
     seconds: dict[str, float]
     warnings: tuple[str, ...]
@@ -74,9 +74,9 @@ class Simulation(Result):
     def lead(self) -> dict[int, Estimate]:
         """By how many ms a told ridge's lasting slip comes before gross slip; no value without one of them,
         no error where nobody asked what the mesh or the step changes."""
-        told = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
+        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
         gross, errors = self.gross_slip_step, self.slip_errors.leads
-        return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in told}
+        return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in slips}
 
     @property
     def slip_step_errors(self) -> list[BySource | None]:
@@ -116,29 +116,29 @@ class Simulation(Result):
         """Return the result under the contract's keys."""
         slips, gross = self.slip_step_errors, self.gross_slip_step_error
 
-        def told(of: Callable[[Limited], Array]) -> dict[str, list[float]]:
+        def told(of: Callable[[FilteredSignal], Array]) -> dict[str, list[float]]:
             return {str(r): of(signal).tolist() for r, signal in self.signals.items()}
 
-        found = self.march
+        march = self.march
         before = {
             "name": self.scene.name,
             "effects": list(self.scene.effects),
             "left_out": [entry.as_json() for entry in self.left_out],
             "tier": model_of(self.scene),
-            "chosen_steps": chosen_steps(found),
-            "steps": len(found.readings) - 1,
-            "stopped": found.stopped,
-            "time_s": found.time.tolist(),
-            "normal_force_N": found.column("normal").tolist(),
-            "tangential_force_N": found.column("tangential").tolist(),
+            "chosen_steps": chosen_steps(march),
+            "steps": len(march.readings) - 1,
+            "stopped": march.stopped,
+            "time_s": march.time.tolist(),
+            "normal_force_N": march.column("normal").tolist(),
+            "tangential_force_N": march.column("tangential").tolist(),
             "ridge_slip_intervals": self.runs,
             "ridge_slip_step": self.slip_steps,
-            "slip_step_error": [None if each is None else each.with_total() for each in slips],
+            "slip_step_error": [None if estimate is None else estimate.with_total() for estimate in slips],
             "gross_slip_step": self.gross_slip_step,
             "gross_slip_step_error": None if gross is None else gross.with_total(),
-            "lead_ms": {str(r): each.as_json() for r, each in self.lead.items()},
+            "lead_ms": {str(r): estimate.as_json() for r, estimate in self.lead.items()},
             "lead_error_ms": {str(r): self.slip_errors.leads[r - 1].as_json() for r in self.lead},
-            "slip_lead_ms": {str(r): each.value for r, each in self.lead.items()},
+            "slip_lead_ms": {str(r): estimate.value for r, estimate in self.lead.items()},
             "differential_stress_MPa": told(lambda s: s.value),
             "stress_rate_MPa_per_s": told(lambda s: s.rate),
             "stress_jerk_MPa_per_s2": told(lambda s: s.jerk),
@@ -146,18 +146,18 @@ class Simulation(Result):
                 None if self.error is None else {str(r): e for r, e in self.error.items()}
             ),
             "differential_stress_error_by_source_MPa": {
-                str(r): each.as_json() for r, each in self.stress_errors.items()
+                str(r): estimate.as_json() for r, estimate in self.stress_errors.items()
             },
             "largest_differential_stress_MPa": {
-                str(r): each.as_json() for r, each in self.largest_stress.items()
+                str(r): estimate.as_json() for r, estimate in self.largest_stress.items()
             },
             "bandwidth_Hz": self.scene.readout.bandwidth_Hz,
             "signal_delay_s": self.delay,
         }
         after = {
-            "residual_max": float(found.column("residual").max()),
+            "residual_max": float(march.column("residual").max()),
             "energy": self.energy,
-            "unknowns": found.unknowns,
+            "unknowns": march.unknowns,
             "seconds": self.seconds,
             "warnings": list(self.warnings),
         }
@@ -187,16 +187,16 @@ def simulate(
     With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
     another resource does not suffice for the coarsest mesh.
     """
-    found = marched(scene, tol=tol, budget=budget, tick=tick, partial=partial, beyond=True)
-    return read_out(scene, found)
+    run = marched(scene, tol=tol, budget=budget, tick=tick, partial=partial, further_models=True)
+    return read_out(scene, run)
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class SceneRun:
     """What was marched, the march that counts, and the seconds that both took, by stage."""
 
     on: Marching
-    climbed: Climbed
+    climbed: RefinedRun
     seconds: dict[str, float]
 
 
@@ -207,25 +207,25 @@ def marched(
     budget: float | None = None,
     tick: Tick | None = None,
     partial: bool = False,
-    beyond: bool = False,
-) -> Marched:
+    further_models: bool = False,
+) -> SceneRun:
     """Return a scene's march, as `simulate` asks for it; nothing has read it yet. Whether its `tol` may ask
     for a model `beyond` the scene's own."""
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = Marching(scene, piece_for(scene, seconds), tick, partial)
-    found = climb(on, tol, budget, began, seconds)
-    if beyond and tol is not None:
-        on, found = further(on, found, tol, budget, began, seconds)
-    return Marched(on, found, {"total": perf_counter() - began, **seconds})
+    climbed = climb(on, tol, budget, began, seconds)
+    if further_models and tol is not None:
+        on, climbed = further(on, climbed, tol, budget, began, seconds)
+    return SceneRun(on, climbed, {"total": perf_counter() - began, **seconds})
 
 
-def read_out(scene: Scene, found: Marched) -> Simulation:
+def read_out(scene: Scene, run: SceneRun) -> Simulation:
     """Return what a scene's readers tell of a march: its own, or that of a scene which differs in its readers
     and its band alone (`marching` is the same)."""
-    if model_of(scene) != model_of(found.on.scene):
-        scene = scene.with_(effects={FINITE_STRAIN: found.on.scene.effects[FINITE_STRAIN]})
-    return _told(replace(found.on, scene=scene), found.climbed, dict(found.seconds))
+    if model_of(scene) != model_of(run.on.scene):
+        scene = scene.with_(effects={FINITE_STRAIN: run.on.scene.effects[FINITE_STRAIN]})
+    return _told(replace(run.on, scene=scene), run.climbed, dict(run.seconds))
 
 
 def marching(scene: Scene) -> Scene:
@@ -238,29 +238,29 @@ def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
     on = Marching(scene, piece_for(scene, seconds), tick)
-    found = Climbed(march_on(level, on, seconds), None, [])
-    return _told(on, found, {"total": perf_counter() - began, **seconds})
+    climbed = RefinedRun(march_on(level, on, seconds), None, [])
+    return _told(on, climbed, {"total": perf_counter() - began, **seconds})
 
 
-def friction_cone(scene: Scene) -> Cone:
+def friction_cone(scene: Scene) -> FrictionCoefficients:
     """Return what friction bears; without any no ridge bears a pull, so that any cone does."""
     still = Drive(0.0)
     shares = (term.share(Step(0.0, 1.0, still, still, scene.plate.mass or 0.0)) for term in scene.terms)
-    return next((share.cone for share in shares if share.cone), Cone(1.0, 1.0))
+    return next((share.cone for share in shares if share.cone), FrictionCoefficients(1.0, 1.0))
 
 
-def _change(left_out: list[Omitted]) -> float:
+def _change(left_out: list[LeftOutEffect]) -> float:
     """The relative change of a ridge's load by all that is left out: taken to be the signals'."""
     return math.fsum(entry.change for entry in left_out)
 
 
-def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulation:
+def _told(on: Marching, climbed: RefinedRun, seconds: dict[str, float]) -> Simulation:
     """What is told of the last march that counts."""
     began = perf_counter()
-    scene, found, notes = on.scene, climbed.march, [*climbed.short, *cut_short(climbed.march)]
-    raw, width = differential(on.piece, scene, found), scene.readout.bandwidth_Hz
-    slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
-    left_out, driven = omitted(scene, found), scene.history.tangential_force_N is None
+    scene, march, notes = on.scene, climbed.march, [*climbed.short, *cut_short(climbed.march)]
+    raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
+    slips = slips_of(march.readings, march.ridge, scene.design.ridge.count)
+    left_out, driven = omitted(scene, march), scene.history.tangential_force_N is None
     change = _change(left_out)
     stressed = stress_errors(
         raw,
@@ -268,31 +268,31 @@ def _told(on: Marching, climbed: Climbed, seconds: dict[str, float]) -> Simulati
         climbed.refined,
         lambda one: differential(on.piece, scene, one),
         change,
-        drifted(on, found),
+        drifted(on, march),
     )
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
-    notes = [*notes, *unresolved(found.time, width)] if raw else notes
+    notes = [*notes, *unresolved(march.time, width)] if raw else notes
     notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
-    normal, tangential, area = np.moveaxis(found.loads, 1, 0)
+    normal, tangential, area = np.moveaxis(march.loads, 1, 0)
     path = RidgePath(normal, tangential, area, slips.slipping)
     notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
-    told, remarks = read(scene, found, slips, seconds)
+    readings, remarks = read(scene, march, slips, seconds)
     return Simulation(
         scene,
-        found,
+        march,
         raw,
-        {r: band_limited(found.time, values, width) for r, values in raw.items()},
+        {r: band_limited(march.time, values, width) for r, values in raw.items()},
         climbed.error,
         stressed,
         slips.slipping,
         slips.runs,
         slips.steps,
         slips.gross,
-        slip_errors(found, slips, climbed.refined, change, driven, friction_cone(scene)),
+        slip_errors(march, slips, climbed.refined, change, driven, friction_cone(scene)),
         left_out,
-        told,
+        readings,
         {**seconds, "total": seconds["total"] + perf_counter() - began},
         (*notes, *remarks, *(entry.warning for entry in left_out if entry.change > MATTERS)),
     )

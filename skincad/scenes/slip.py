@@ -210,11 +210,14 @@ def score(
     Lead time runs from the first true one of a run that is asked for.
     """
     w = d.window
-    last = [next(((a, b) for a, b in each if gross is not None and a <= gross <= b), None) for each in runs]
+    last = [
+        next(((a, b) for a, b in ridge_runs if gross is not None and a <= gross <= b), None)
+        for ridge_runs in runs
+    ]
     reasons = []
     for event in events:
         named = range(len(runs)) if event.ridge is None else [event.ridge]
-        near = [any(_beside(event.index, run, w) for run in each) for each in runs]
+        near = [any(_beside(event.index, run, w) for run in ridge_runs) for ridge_runs in runs]
         if all(_beside(event.index, last[ridge], w) for ridge in named):
             reasons.append("")
         elif event.ridge is None:
@@ -227,11 +230,11 @@ def score(
         true = [event.index for event, reason in pairs if event.ridge == ridge and not reason]
         return float(time[gross] - time[true[0]]) if true and gross is not None else None
 
-    asked = [[run for run in each if run[1] - run[0] + 1 >= w] for each in runs]
+    long_runs = [[run for run in ridge_runs if run[1] - run[0] + 1 >= w] for ridge_runs in runs]
     heard = [
         any(event.ridge == ridge and _beside(event.index, run, w) for event in events)
-        for ridge, each in enumerate(asked)
-        for run in each
+        for ridge, ridge_runs in enumerate(long_runs)
+        for run in ridge_runs
     ]
     long = [run is not None and run[1] - run[0] + 1 >= w for run in last]
     leads = tuple(first(ridge) if long[ridge] else None for ridge in range(len(runs)))
@@ -280,10 +283,10 @@ def report(
         events, _ = fed(d, at_rest(len(names)), felt[at])
         return events, score(d, events, times, sampled, whole)
 
-    def leads(found: Score) -> dict[str, float | None]:
-        return {**dict(zip(names, found.lead, strict=True)), "all": found.gross_lead}
+    def leads(result: Score) -> dict[str, float | None]:
+        return {**dict(zip(names, result.lead, strict=True)), "all": result.gross_lead}
 
-    events, found = scored(values)
+    events, scores = scored(values)
     others = [leads(scored(values + more)[1]) for more in noises]
     return {
         "events": [
@@ -295,16 +298,16 @@ def report(
                 "true": not reason,
                 "reason": reason or None,
             }
-            for event, reason in zip(events, found.reasons, strict=True)
+            for event, reason in zip(events, scores.reasons, strict=True)
         ],
-        "lead_time_s": leads(found),
-        **({"lead_time_by_noise": _spreads([leads(found), *others])} if others else {}),
-        "longest_lead_time_s": max((lead for lead in found.lead if lead is not None), default=None),
+        "lead_time_s": leads(scores),
+        **({"lead_time_by_noise": _spreads([leads(scores), *others])} if others else {}),
+        "longest_lead_time_s": max((lead for lead in scores.lead if lead is not None), default=None),
         "warning_score": {
-            "true": found.reasons.count(""),
-            "false": len(found.reasons) - found.reasons.count(""),
+            "true": scores.reasons.count(""),
+            "false": len(scores.reasons) - scores.reasons.count(""),
         },
-        "event_score": {key: getattr(found, key) for key in ("hits", "missed", "false", "misnamed")},
+        "event_score": {key: getattr(scores, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {
             "alarms": alarms,
             "share_of_gross_slips_warned_of": point.warned,
@@ -319,7 +322,7 @@ def _spreads(leads: Sequence[dict[str, float | None]]) -> list[dict[str, Any]]:
     """Return by ridge the smallest and largest of `leads`, one a noise seed, and how many seeds warn."""
     spreads = []
     for ridge in leads[0]:
-        known = [lead for each in leads if (lead := each[ridge]) is not None]
+        known = [lead for leads_of_seed in leads if (lead := leads_of_seed[ridge]) is not None]
         ends = {"smallest_s": min(known, default=None), "largest_s": max(known, default=None)}
         spreads.append({"ridge": ridge, **ends, "warned": len(known), "seeds": len(leads)})
     return spreads

@@ -17,9 +17,9 @@ from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.circuit.low_pass import longest_step
 from skincad.mechanics.contact.friction_law import law_of
-from skincad.mechanics.contact.grip import Cone
+from skincad.mechanics.contact.grip import FrictionCoefficients
 from skincad.scenes.march import March
-from skincad.scenes.refined import THIN, BySource, Refined
+from skincad.scenes.refined import THIN, BySource, ComparisonRuns
 from skincad.scenes.signals import Slips, slips_of
 
 
@@ -34,48 +34,53 @@ class SlipErrors:
 
 
 def slip_errors(
-    found: March, slips: Slips, refined: Refined, change: float, driven: bool, cone: Cone
+    last: March,
+    slips: Slips,
+    refined: ComparisonRuns,
+    change: float,
+    driven: bool,
+    cone: FrictionCoefficients,
 ) -> SlipErrors:
     """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
     whether the plate's travel is given: gross slip hangs on the skin then."""
-    count, time, loads = len(slips.steps), found.time, found.loads
-    own, before, every, thin = (
+    count, time, loads = len(slips.steps), last.time, last.loads
+    after, before, every, thin = (
         None if march is None else _moments(march, count)
-        for march in (refined.after or found, refined.before, refined.every, refined.thin)
+        for march in (refined.after or last, refined.before, refined.every, refined.thin)
     )
     whole = loads.sum(axis=2)
-    missed = _drift(found)
+    missed = _drift(last)
 
     def spreads(changes: Array) -> Array:
         """By how much each slip's time, and last that of gross slip, may move, ms, for changes of the loads
         `(steps + 1, ridges)`."""
-        each = [
+        column = [
             spread(time, loads[:, :, ridge], step, float(changes[step or 0, ridge]), cone)
             for ridge, step in enumerate(slips.steps)
         ]
         all_of_it = float(changes[slips.gross or 0].max(initial=0.0))
-        return np.array([*each, spread(time, whole, slips.gross, all_of_it, cone) if driven else 0.0])
+        return np.array([*column, spread(time, whole, slips.gross, all_of_it, cone) if driven else 0.0])
 
     def errors(of: Callable[[Array], Array], *spreads: Array) -> list[BySource]:
-        mesh, fewer = (_apart(*two, of, spreads[0].size) for two in ((own, before), (every, thin)))
+        mesh, fewer = (_apart(*two, of, spreads[0].size) for two in ((after, before), (every, thin)))
         # of first order in the step, and at least a step
-        steps = [None if each is None else max(step_ms(found), each / (THIN - 1)) for each in fewer]
-        others = (each.tolist() for each in spreads)
-        return [BySource(*each) for each in zip(mesh, steps, *others, strict=True)]
+        steps = [None if parts is None else max(step_ms(last), parts / (THIN - 1)) for parts in fewer]
+        others = (parts.tolist() for parts in spreads)
+        return [BySource(*parts) for parts in zip(mesh, steps, *others, strict=True)]
 
     moved = spreads(np.full_like(missed, change)), spreads(missed)
     slipped = errors(lambda moments: 1e3 * moments, *moved)
-    of_leads = (each[:-1] + each[-1] for each in moved)
+    of_leads = (moved_by[:-1] + moved_by[-1] for moved_by in moved)
     leads = errors(lambda moments: 1e3 * (moments[-1] - moments[:-1]), *of_leads)
     return SlipErrors(slipped[:-1], slipped[-1], leads)
 
 
-def _drift(found: March) -> Array:
+def _drift(march: March) -> Array:
     """By how much drift changes each ridge's share of friction that is used, by step `(steps + 1, ridges)`,
     relative: of what the ridge bears along x, and along z. None without chosen steps, or contact."""
-    none = np.zeros_like(found.loads[0, :2])
-    drift = [none if reading.drift is None else reading.drift.forces for reading in found.readings]
-    borne = np.abs(found.loads[:, 1::-1])  # along x, then z
+    none = np.zeros_like(march.loads[0, :2])
+    drift = [none if reading.drift is None else reading.drift.forces for reading in march.readings]
+    borne = np.abs(march.loads[:, 1::-1])  # along x, then z
     share = np.divide(drift, borne, out=np.zeros_like(borne), where=borne > 0)
     return np.asarray(share.sum(axis=1))
 
@@ -89,8 +94,8 @@ def in_steps(march: March, step: int | None, error: BySource) -> BySource | None
     """Return a slip's error, ms, in steps of its march; None without that slip."""
     if step is None:
         return None
-    mesh, time_step = (None if each is None else _whole(each / step_ms(march)) for each in error[:2])
-    others = (_whole(each / step_ms(march)) for each in error[2:] if each is not None)
+    mesh, time_step = (None if part is None else _whole(part / step_ms(march)) for part in error[:2])
+    others = (_whole(part / step_ms(march)) for part in error[2:] if part is not None)
     return BySource(mesh, time_step, *others)
 
 
@@ -125,10 +130,10 @@ def _apart(
     """By how much what is `of` two marches' moments differs, `count` numbers; None without one of them."""
     if one is None or other is None:
         return [None] * count
-    return [float(each) for each in np.abs(of(one) - of(other))]
+    return [float(difference) for difference in np.abs(of(one) - of(other))]
 
 
-def spread(time: Array, loads: Array, step: int | None, change: float, cone: Cone) -> float:
+def spread(time: Array, loads: Array, step: int | None, change: float, cone: FrictionCoefficients) -> float:
     """Return for how long before a slip, ms, a ridge stood at least at what slips once its load is larger by
     `change`: by `loads` `(steps + 1, 3)`, normal and tangential N and what touches, mm2, and the friction of
     the `cone`."""

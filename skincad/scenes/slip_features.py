@@ -36,27 +36,27 @@ def means(window: int, outputs: Array, state: Array) -> tuple[Means, Array]:
     rest, rest_sum = of_others(pair), of_others(total)
     products = [pair * pair, total * total, rest * rest, rest_sum * rest_sum, pair * rest, pair * total]
     raw = np.concatenate([pair, total, rest, rest_sum, *products], axis=1)
-    found, after = [raw], state.copy()
+    rows, after = [raw], state.copy()
     for k, span in enumerate(SPANS):
         if raw.shape[0]:
             share = 1.0 / (1.0 + span * window)
             mean, after[k] = lfilter([share], [1.0, share - 1.0], raw, axis=0, zi=state[k])
-            found.append(mean)
+            rows.append(mean)
         else:
-            found.append(raw)
-    parts = [np.split(each, len(KINDS), axis=1) for each in found]
+            rows.append(raw)
+    parts = [np.split(row, len(KINDS), axis=1) for row in rows]
     return {kind: [part[i] for part in parts] for i, kind in enumerate(KINDS)}, after
 
 
 def of_others(values: Array) -> Array:
     """Return for each ridge the mean of the other ridges' values `(n, ridges)`; 0 for a ridge alone."""
     count = values.shape[1]
-    found = np.zeros_like(values)
+    sums = np.zeros_like(values)
     for k in range(count):
         for j in range(count):
             if j != k:
-                found[:, k] += values[:, j]
-    return np.asarray(found / max(1, count - 1))
+                sums[:, k] += values[:, j]
+    return np.asarray(sums / max(1, count - 1))
 
 
 def bounded(x: Array) -> Array:
@@ -79,52 +79,52 @@ def features(window: int, noise: float, outputs: Array, state: Array) -> tuple[A
     least = (FLOOR * noise) ** 2
     side = np.where(m["pair"][5] < 0, -1.0, 1.0)
     usual = {k: np.sqrt(m["pair^2"][k] + OF_SUM**2 * m["sum^2"][k] + least) for k in (3, 4, 5)}
-    found = _own(m, side, usual) + _tied(m, side, usual, least) + _neighbours(m, side, usual[4])
-    found += _sizes(m, usual, noise, least)
-    return np.stack(found, axis=2), np.sqrt(m["pair^2"][2]) / noise, after
+    columns = _own(m, side, usual) + _tied(m, side, usual, least) + _neighbours(m, side, usual[4])
+    columns += _sizes(m, usual, noise, least)
+    return np.stack(columns, axis=2), np.sqrt(m["pair^2"][2]) / noise, after
 
 
 def _own(m: Means, side: Array, usual: dict[int, Array]) -> list[Array]:
     """What a ridge and the mean of the others feel, against the usual."""
-    found = []
+    columns = []
     for kind in ("pair", "sum", "others", "others' sum"):
         sign = side if kind in {"pair", "others"} else 1.0
-        found += [bounded(m[kind][k] * sign / usual[4]) for k in range(6)]
-    found += [bounded(m["pair"][k] * side / usual[3]) for k in (0, 1, 2)]
-    return found + [bounded(m["pair"][k] * side / usual[5]) for k in (0, 2, 5)]
+        columns += [bounded(m[kind][k] * sign / usual[4]) for k in range(6)]
+    columns += [bounded(m["pair"][k] * side / usual[3]) for k in (0, 1, 2)]
+    return columns + [bounded(m["pair"][k] * side / usual[5]) for k in (0, 2, 5)]
 
 
 def _tied(m: Means, side: Array, usual: dict[int, Array], least: float) -> list[Array]:
     """How a ridge departs from following the others, its own sum, or its own load as a ridge that slips."""
-    found = []
+    columns = []
     for k in (3, 4, 5):
         follows = m["pair others"][k] / (m["others^2"][k] + least)
         tied = m["pair sum"][k] / (m["sum^2"][k] + least)
         for fast in (0, 2):
-            found.append(bounded((m["pair"][fast] - follows * m["others"][fast]) * side / usual[k]))
-            found.append(bounded((m["pair"][fast] - tied * m["sum"][fast]) * side / usual[k]))
-        found += [bounded(follows), bounded(tied * side)]
+            columns.append(bounded((m["pair"][fast] - follows * m["others"][fast]) * side / usual[k]))
+            columns.append(bounded((m["pair"][fast] - tied * m["sum"][fast]) * side / usual[k]))
+        columns += [bounded(follows), bounded(tied * side)]
     load = m["pair"][6] / (np.abs(m["sum"][6]) + np.abs(m["pair"][6]) + np.sqrt(least) * 0.01)
-    found.append(load * side)
+    columns.append(load * side)
     cone = m["pair"][6] / (np.abs(m["sum"][6]) + np.sqrt(least) * 0.01)
-    return found + [bounded((m["pair"][k] - cone * m["sum"][k]) * side / usual[4]) for k in (0, 2, 3)]
+    return columns + [bounded((m["pair"][k] - cone * m["sum"][k]) * side / usual[4]) for k in (0, 2, 3)]
 
 
 def _neighbours(m: Means, side: Array, usual: Array) -> list[Array]:
     """What the told ridges ahead and behind feel."""
-    found = []
+    columns = []
     for ahead in (True, False):
-        found += [bounded(beside(m["pair"][k], side, ahead) * side / usual) for k in (1, 2, 3)]
-        found += [bounded(beside(m["sum"][k], side, ahead) / usual) for k in (1, 2)]
-        found.append(beside(np.ones_like(side), side, ahead))
-    return found
+        columns += [bounded(beside(m["pair"][k], side, ahead) * side / usual) for k in (1, 2, 3)]
+        columns += [bounded(beside(m["sum"][k], side, ahead) / usual) for k in (1, 2)]
+        columns.append(beside(np.ones_like(side), side, ahead))
+    return columns
 
 
 def _sizes(m: Means, usual: dict[int, Array], noise: float, least: float) -> list[Array]:
     """How much is going on, in logarithms, against the noise, against before, and in what."""
-    own = [np.log(m["pair^2"][k] + least) for k in range(1, 7)]
-    found = [np.log(usual[k] / noise) / 4 for k in (3, 5)]
-    found += [(own[k] - own[4]) / 4 for k in (0, 1, 2, 3, 5)]
-    found += [(np.log(m["sum^2"][k] + least) - own[k - 1]) / 4 for k in (1, 2, 4, 6)]
-    found += [(np.log(m["others^2"][k] + least) - own[k - 1]) / 4 for k in (1, 2, 4, 6)]
-    return [*found, (np.log(m["others' sum^2"][4] + least) - own[3]) / 4]
+    levels = [np.log(m["pair^2"][k] + least) for k in range(1, 7)]
+    columns = [np.log(usual[k] / noise) / 4 for k in (3, 5)]
+    columns += [(levels[k] - levels[4]) / 4 for k in (0, 1, 2, 3, 5)]
+    columns += [(np.log(m["sum^2"][k] + least) - levels[k - 1]) / 4 for k in (1, 2, 4, 6)]
+    columns += [(np.log(m["others^2"][k] + least) - levels[k - 1]) / 4 for k in (1, 2, 4, 6)]
+    return [*columns, (np.log(m["others' sum^2"][4] + least) - levels[3]) / 4]

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.scenes.march import March
-from skincad.scenes.refined import BySource, Refined
+from skincad.scenes.refined import BySource, ComparisonRuns
 from skincad.scenes.signals import gross_slip_step
 
 Stress = Mapping[int, Array]  # MPa by told ridge, `(steps + 1,)`
@@ -25,7 +25,7 @@ Stress = Mapping[int, Array]  # MPa by told ridge, `(steps + 1,)`
 def stress_errors(
     raw: Stress,
     mesh: Mapping[int, float] | None,
-    refined: Refined,
+    refined: ComparisonRuns,
     stress: Callable[[March], Stress],
     change: float,
     drift: Mapping[int, float],
@@ -44,17 +44,17 @@ def stress_errors(
     }
 
 
-def _by_fewer(refined: Refined, stress: Callable[[March], Stress]) -> dict[int, float]:
+def _by_fewer(refined: ComparisonRuns, stress: Callable[[March], Stress]) -> dict[int, float]:
     """The step's share by ridge; nothing where no march has fewer steps, or no step before gross slip."""
     every, thin = refined.every, refined.thin
     if every is None or thin is None:
         return {}
     end = min(_gross(every), _gross(thin))
-    times, at, among = np.intersect1d(every.time, thin.time, return_indices=True)
-    at, among = at[times < end], among[times < end]
+    times, at, indices = np.intersect1d(every.time, thin.time, return_indices=True)
+    at, indices = at[times < end], indices[times < end]
     one, other = stress(every), stress(thin)
     # both start unloaded: that they agree there says nothing
-    return {r: float(np.abs(one[r][at] - other[r][among]).max()) for r in one if at.size > 1}
+    return {r: float(np.abs(one[r][at] - other[r][indices]).max()) for r in one if at.size > 1}
 
 
 def _gross(march: March) -> float:

@@ -323,10 +323,10 @@ def _other_silicone(design: Design, search: _Search) -> Change | None:
             return change
     softest = min(listed, key=lambda other: listed[other])
     if softer:
-        tried = " and ".join(other for other, _ in softer[:AGAIN])
+        names = " and ".join(other for other, _ in softer[:AGAIN])
         search.notes.append(
             f"it takes about {wanted:.2g} MPa; the {search.verdict.tier} model can't confirm that the design "
-            f"passes with {tried}"
+            f"passes with {names}"
         )
         return None
     search.notes.append(

@@ -11,21 +11,21 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.stopwatch import Progress
 from skincad.studies.measures import resolved
-from skincad.studies.question import Evaluation, Question, evaluate, key_of
+from skincad.studies.question import Evaluation, Query, evaluate, key_of
 from skincad.studies.subject import Subject, Value
 
 GUIDE = "winkler"  # the closed form: a thousandth of the time, and the right slope
 
 
 @dataclass
-class Asking:
+class Evaluator:
     """A question of a subject, its evaluations so far by key, and the numbers `wished` of them.
 
     `target` is what is wished by the result's own keys, empty until the first answer tells them.
     """
 
     subject: Subject
-    question: Question
+    question: Query
     wished: Mapping[str, float]
     progress: Progress | None = None
     target: dict[str, float] = field(default_factory=dict)
@@ -40,40 +40,40 @@ class Asking:
                 self.progress(
                     ", ".join(f"{name.rpartition('.')[2]} {short(v)}" for name, v in values.items())
                 )
-            self.evaluations[key] = found = evaluate(self.subject, values, self.question)
-            self.name(found)
+            self.evaluations[key] = evaluation = evaluate(self.subject, values, self.question)
+            self.name(evaluation)
         return self.evaluations[key]
 
-    def name(self, found: Evaluation) -> None:
+    def name(self, evaluation: Evaluation) -> None:
         """Take the wishes' keys from a first answer."""
-        if found.results and not self.target:
-            self.target = {resolved(key, found.results): value for key, value in self.wished.items()}
+        if evaluation.results and not self.target:
+            self.target = {resolved(key, evaluation.results): value for key, value in self.wished.items()}
 
-    def told(self, found: Evaluation) -> list[float] | None:
+    def told(self, evaluation: Evaluation) -> list[float] | None:
         """Return the wished results' values; None where one has none or the design is refused."""
-        if found.refused or not found.results:
+        if evaluation.refused or not evaluation.results:
             return None
-        values = [found.results[key].value for key in self.target]
+        values = [evaluation.results[key].value for key in self.target]
         return [value for value in values if value is not None] if None not in values else None
 
     def guide(self, values: Mapping[str, Value]) -> list[float] | None:
         """Return what the closed form says, without counting it as an evaluation; None where it does not."""
-        found = evaluate(self.subject, values, replace(self.question, tier=GUIDE))
-        self.name(found)
-        return self.told(found)
+        evaluation = evaluate(self.subject, values, replace(self.question, tier=GUIDE))
+        self.name(evaluation)
+        return self.told(evaluation)
 
     @property
     def guided(self) -> bool:
         """Whether there is a closed form that is cheaper than what is asked."""
         return self.question.kind == "check" and self.question.tier != GUIDE and not self.unlike
 
-    def off(self, found: Evaluation) -> float:
+    def off(self, evaluation: Evaluation) -> float:
         """Return how far an answer is from the wishes, in parts of them; infinite where it has no values."""
-        told = self.told(found)
-        if told is None:
+        values = self.told(evaluation)
+        if values is None:
             return math.inf
         wanted = self.target.values()
-        return max(abs(x - y) / (abs(y) or 1.0) for x, y in zip(told, wanted, strict=True))
+        return max(abs(x - y) / (abs(y) or 1.0) for x, y in zip(values, wanted, strict=True))
 
 
 def short(value: Value) -> str:

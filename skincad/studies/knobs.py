@@ -11,7 +11,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.tables import Ranged, unit_of
+from skincad.base.tables import NumberWithRange, unit_of
 from skincad.inputs.process import processes
 from skincad.inputs.silicone import silicones
 from skincad.studies.subject import Subject, Value, field_of, kinds, owner, value_of
@@ -20,13 +20,13 @@ ALL = "all"
 DIGITS = 5  # of a value that is tried: finer than any tolerance, and a design reads well
 MOST_VALUES = 10_000  # of one key
 WIDE = 3.0  # times its low end, from which on a range is looked at by ratios, not by differences
-Told = str | Sequence[Any]  # LOW:HIGH, LOW:HIGH:N, all, or A,B,C; or (low, high), (low, high, n), names
+Outcome = str | Sequence[Any]  # LOW:HIGH, LOW:HIGH:N, all, or A,B,C; or (low, high), (low, high, n), names
 FORMS = {"vary": "KEY=LOW:HIGH, or KEY=A,B,C", "rank": "KEY=min or KEY=max"}  # of an option's text
 FORM = "write LOW:HIGH, LOW:HIGH:N, all, or A,B,C"
 
 
 @dataclass(frozen=True)
-class Knob:
+class DesignVariable:
     """A key, in `unit`: from `low` to `high`, whole numbers only if `whole`; or one of `choices`.
 
     `count` is how many values of a range a sweep takes, None where it is not told. `start` is its value in
@@ -90,23 +90,23 @@ class Knob:
         return f"{self.key}={self.low:g}:{self.high:g}"
 
 
-def knob(subject: Subject, key: str, told: Told) -> Knob:
+def knob(subject: Subject, key: str, choices_told: Outcome) -> DesignVariable:
     """Return the knob of a key of a design, scene or circuit.
 
     `told` is a text as on the command line, or (low, high), (low, high, count), or a list of choices. Raises
     InputError for an unknown key, for one that holds no number or name, and for an empty range.
     """
     field = field_of(subject, key)
-    types = {float if each is Ranged else each for each in kinds(field) if isinstance(each, type)}
+    types = {float if kind is NumberWithRange else kind for kind in kinds(field) if isinstance(kind, type)}
     start, unit = value_of(subject, key), _unit(subject, key)
-    parts = _parts(key, told)
+    parts = _parts(key, choices_told)
     if parts == [ALL]:
         names = _catalogue(subject, key, field)
-        return Knob(key, unit, start, choices=names)
+        return DesignVariable(key, unit, start, choices=names)
     numbers = [_number(part) for part in parts]
-    ranged = ":" in told if isinstance(told, str) else _is_range(told)
+    ranged = ":" in choices_told if isinstance(choices_told, str) else _is_range(choices_told)
     if not ranged and {int, float} & types and str not in types and None in numbers:
-        raise InputError(key, "must be numbers", str(told), FORM)
+        raise InputError(key, "must be numbers", str(choices_told), FORM)
     if not ranged:
         if not parts:
             raise InputError(key, "needs values", remedy=FORM)
@@ -117,40 +117,42 @@ def knob(subject: Subject, key: str, told: Told) -> Knob:
         values = tuple(
             p if n is None or known else _whole(n, types) for p, n in zip(parts, numbers, strict=True)
         )
-        return Knob(key, unit, start, choices=tuple(dict.fromkeys(values)))
+        return DesignVariable(key, unit, start, choices=tuple(dict.fromkeys(values)))
     if len(parts) not in (2, 3) or any(n is None or not math.isfinite(n) for n in numbers):
-        raise InputError(key, "must be a range of numbers", str(told), FORM)
+        raise InputError(key, "must be a range of numbers", str(choices_told), FORM)
     if not {int, float} & types:
-        raise InputError(key, "holds no number", str(told), f"write {ALL}, or A,B,C")
+        raise InputError(key, "holds no number", str(choices_told), f"write {ALL}, or A,B,C")
     low, high = float(numbers[0] or 0.0), float(numbers[1] or 0.0)
     whole = float not in types
     if not low < high:
-        raise InputError(key, "is an empty range: its low end must lie below its high end", str(told))
+        raise InputError(key, "is an empty range: its low end must lie below its high end", str(choices_told))
     if whole and not (low.is_integer() and high.is_integer()):
-        raise InputError(key, "must be a range of whole numbers", str(told))
-    return Knob(key, unit, start, low, high, whole, _count(key, numbers[2]) if len(parts) == 3 else None)
+        raise InputError(key, "must be a range of whole numbers", str(choices_told))
+    return DesignVariable(
+        key, unit, start, low, high, whole, _count(key, numbers[2]) if len(parts) == 3 else None
+    )
 
 
-def knobs(subject: Subject, vary: Mapping[str, Told]) -> tuple[Knob, ...]:
+def knobs(subject: Subject, vary: Mapping[str, Outcome]) -> tuple[DesignVariable, ...]:
     """Return the knobs of several keys; raises InputError for none."""
     if not vary:
         raise InputError("vary", "names no key", remedy="as in ridge.height=0.4:1.3")
-    return tuple(knob(subject, key, told) for key, told in vary.items())
+    return tuple(knob(subject, key, values) for key, values in vary.items())
 
 
-def _parts(key: str, told: Told) -> list[Any]:
-    if not isinstance(told, str):
-        return list(told)
-    text = told.strip()
+def _parts(key: str, values: Outcome) -> list[Any]:
+    if not isinstance(values, str):
+        return list(values)
+    text = values.strip()
     parts = [part.strip() for part in text.split(":" if ":" in text else ",")]
     if not all(parts):
-        raise InputError(key, "has an empty place", told, FORM)
+        raise InputError(key, "has an empty place", values, FORM)
     return list(parts)
 
 
-def _is_range(told: Sequence[Any]) -> bool:
+def _is_range(values: Sequence[Any]) -> bool:
     """Whether a Python sequence is (low, high) or (low, high, count): a tuple of numbers."""
-    return isinstance(told, tuple) and len(told) in (2, 3) and not any(isinstance(t, str) for t in told)
+    return isinstance(values, tuple) and len(values) in (2, 3) and not any(isinstance(t, str) for t in values)
 
 
 def _number(part: Any) -> float | None:
@@ -171,40 +173,40 @@ def _count(key: str, number: float | None) -> int:
 
 
 def _unit(subject: Subject, key: str) -> str:
-    whose, own = owner(subject, key)
-    return unit_of(type(whose), tuple(own.split(".")))
+    whose, name = owner(subject, key)
+    return unit_of(type(whose), tuple(name.split(".")))
 
 
 def _catalogue(subject: Subject, key: str, field: Any, *, must: bool = True) -> tuple[Value, ...]:
     """All that a key may be, where it is one of names; raises InputError where it is none and `must` be."""
-    design, own = owner(subject, key)
-    if own == "material.name":
+    design, name = owner(subject, key)
+    if name == "material.name":
         return tuple(sorted(silicones(getattr(design, "silicones", None))))
-    if own in ("mold.process", "mold.end_plate_process", "mold.lid_process"):
+    if name in ("mold.process", "mold.end_plate_process", "mold.lid_process"):
         return tuple(sorted(processes(getattr(design, "printer", None))))
-    named = [each for each in kinds(field) if isinstance(each, str)]  # of a Literal
+    named = [kind for kind in kinds(field) if isinstance(kind, str)]  # of a Literal
     if must and not named:
         raise InputError(key, "has no list of names to take all of", ALL, "write LOW:HIGH, or A,B,C")
     return tuple(named)
 
 
-def texts(given: Sequence[str], option: str) -> dict[str, str]:
+def texts(settings: Sequence[str], option: str) -> dict[str, str]:
     """Return `KEY=TEXT` options by their keys; raises InputError for another form and a key given twice."""
-    found: dict[str, str] = {}
-    for text in given:
+    values: dict[str, str] = {}
+    for text in settings:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not key or not equals or not value:
             raise InputError(option, f"must be {FORMS.get(option, 'KEY=VALUE')}", text)
-        if key in found:
+        if key in values:
             raise InputError(option, f"names {key} twice", text)
-        found[key] = value
-    return found
+        values[key] = value
+    return values
 
 
 def nearest_silicone(subject: Subject, key: str, value: Value) -> str | None:
     """Return the silicone of the catalogue whose modulus is nearest, by ratio, to one of this value."""
-    design, own = owner(subject, key)
-    if own != "material.young_modulus" or isinstance(value, str):
+    design, inner_name = owner(subject, key)
+    if inner_name != "material.young_modulus" or isinstance(value, str):
         return None
     known = silicones(getattr(design, "silicones", None))
     return min(known, key=lambda name: abs(math.log(known[name].young_modulus.value / value)))

@@ -37,73 +37,73 @@ def least_change(function: Function, start: Array, wanted: Array, tol: Array, mo
     path = Walk()
 
     def ask(at: Array) -> Array | None:
-        for place, told in path.seen:
+        for place, values in path.seen:
             if np.array_equal(place, at):
-                return told
+                return values
         if len(path.seen) >= most:
             return None
         path.seen.append((at, function(at)))
         return path.seen[-1][1]
 
-    at, told = _first(ask, start)
-    if told is None:
+    at, reached = _first(ask, start)
+    if reached is None:
         return path
     scale = tol
-    slopes = _slopes(ask, at, told)
-    trust, asked = TRUST, -1
-    while len(path.seen) < most and trust > SMALLEST and len(path.seen) != asked:
-        asked = len(path.seen)
-        good = bool(np.all(np.abs(told - wanted) <= tol))
-        trial = _nearest(start, at, told - wanted, slopes, trust, scale)
-        if good and np.linalg.norm(trial - at) < STILL:
+    slopes = _slopes(ask, at, reached)
+    trust, evaluated = TRUST, -1
+    while len(path.seen) < most and trust > SMALLEST and len(path.seen) != evaluated:
+        evaluated = len(path.seen)
+        good = bool(np.all(np.abs(reached - wanted) <= tol))
+        candidate = _nearest(start, at, reached - wanted, slopes, trust, scale)
+        if good and np.linalg.norm(candidate - at) < STILL:
             break
-        new = ask(trial)
+        new = ask(candidate)
         if new is None:
             trust /= 4
             continue
-        step = trial - at
-        slopes = slopes + np.outer(new - told - slopes @ step, step) / (float(step @ step) or 1.0)
-        if _merit(new, wanted, scale) < max(_merit(told, wanted, scale), 1.0) and not (
-            good and np.linalg.norm(trial - start) > np.linalg.norm(at - start)
+        step = candidate - at
+        slopes = slopes + np.outer(new - reached - slopes @ step, step) / (float(step @ step) or 1.0)
+        if _merit(new, wanted, scale) < max(_merit(reached, wanted, scale), 1.0) and not (
+            good and np.linalg.norm(candidate - start) > np.linalg.norm(at - start)
         ):
-            at, told = trial, new
+            at, reached = candidate, new
             trust = min(2 * trust, 1.0)
         else:
             trust = min(trust, float(np.abs(step).max())) / 3
-    known = [(place, each) for place, each in path.seen if each is not None]
+    known = [(place, known_values) for place, known_values in path.seen if known_values is not None]
     path.closest = min(known, key=lambda one: _merit(one[1], wanted, scale))[0]
-    within = [place for place, each in known if np.all(np.abs(each - wanted) <= tol)]
+    within = [place for place, known_values in known if np.all(np.abs(known_values - wanted) <= tol)]
     path.best = min(within, key=lambda place: float(np.linalg.norm(place - start)), default=None)
     return path
 
 
-def _merit(told: Array, wanted: Array, scale: Array) -> float:
+def _merit(values: Array, wanted: Array, scale: Array) -> float:
     """How far off, in tolerances."""
-    return float(np.abs((told - wanted) / scale).max())
+    return float(np.abs((values - wanted) / scale).max())
 
 
 def _first(ask: Function, start: Array) -> tuple[Array, Array | None]:
     """The start, or the nearest of some places that has values."""
-    if (told := ask(start)) is not None:
-        return start, told
+    if (values := ask(start)) is not None:
+        return start, values
     from scipy.stats import qmc  # half a second, which most commands need not wait for
 
     places = qmc.Sobol(len(start), scramble=False).random(STARTS)
     for place in sorted(places, key=lambda each: float(np.linalg.norm(each - start))):
-        if (told := ask(place)) is not None:
-            return place, told
+        if (values := ask(place)) is not None:
+            return place, values
     return start, None
 
 
-def _slopes(ask: Function, at: Array, told: Array) -> Array:
+def _slopes(ask: Function, at: Array, values: Array) -> Array:
     """Slopes `(m, n)` by a step in each number, away from the nearer end; 0 where there is no value."""
-    slopes = np.zeros((len(told), len(at)))
+    slopes = np.zeros((len(values), len(at)))
     for i in range(len(at)):
         for sign in (1.0, -1.0) if at[i] < 0.5 else (-1.0, 1.0):
             step = at.copy()
             step[i] += sign * PROBE
             if 0 <= step[i] <= 1 and (there := ask(step)) is not None:
-                slopes[:, i] = (there - told) / (sign * PROBE)
+                slopes[:, i] = (there - values) / (sign * PROBE)
                 break
     return slopes
 
@@ -121,7 +121,7 @@ def _nearest(start: Array, at: Array, off: Array, slopes: Array, trust: float, s
     reach = lsq_linear(scaled, -off / scale, (low - at - 1e-12, high - at + 1e-12))
     if np.abs(scaled @ reach.x + off / scale).max() > 1.0:
         return clipped(at + reach.x)
-    found = minimize(
+    minimum = minimize(
         lambda place: float((place - start) @ (place - start)),
         clipped(at + reach.x),
         jac=lambda place: 2 * (place - start),
@@ -133,4 +133,4 @@ def _nearest(start: Array, at: Array, off: Array, slopes: Array, trust: float, s
         },
         method="SLSQP",
     )
-    return clipped(found.x)
+    return clipped(minimum.x)

@@ -49,9 +49,9 @@ class Log:
         """The file."""
         return self.folder / NAME
 
-    def append(self, found: Evaluation) -> None:
+    def append(self, evaluation: Evaluation) -> None:
         """Write a finished evaluation; raises InputError where the file can't be written."""
-        line = (line_of(found) + "\n").encode()
+        line = (line_of(evaluation) + "\n").encode()
         with self._opened() as handle, _locked(handle):
             end = os.lseek(handle, 0, os.SEEK_END)
             whole = self._whole(handle, end)
@@ -65,7 +65,7 @@ class Log:
             except OSError:
                 os.ftruncate(handle, whole)
                 raise
-        self.evaluations[found.key] = found
+        self.evaluations[evaluation.key] = evaluation
 
     def skip(self) -> None:
         """Leave out what the file has now: those evaluations are asked anew, and their lines stay."""
@@ -83,12 +83,12 @@ class Log:
         self._read += len(whole)
         for number, line in enumerate(whole.splitlines(), 1):
             try:
-                found = evaluation_of(json.loads(line))
+                evaluation = evaluation_of(json.loads(line))
             except (ValueError, KeyError, TypeError, AttributeError):
                 rule = f"{str(self.path)[:80]} is no log of a study: line {number} can't be read"
                 raise InputError("folder", rule, remedy="name another folder") from None
-            if found.version == __version__:
-                self.evaluations[found.key] = found
+            if evaluation.version == __version__:
+                self.evaluations[evaluation.key] = evaluation
             else:
                 self.other += 1
 
@@ -138,24 +138,26 @@ class Log:
         while at > 0:
             start = max(0, at - 4096)
             block = _at(handle, start, at - start)
-            found = block.rfind(b"\n")
-            if found >= 0:
-                return start + found + 1
+            newline = block.rfind(b"\n")
+            if newline >= 0:
+                return start + newline + 1
             at = start
         return 0
 
 
-def line_of(found: Evaluation) -> str:
+def line_of(evaluation: Evaluation) -> str:
     """Return an evaluation as a line of JSON."""
-    results = {key: [each.value, each.error, each.unit] for key, each in found.results.items()}
+    results = {
+        key: [estimate.value, estimate.error, estimate.unit] for key, estimate in evaluation.results.items()
+    }
     return strict_json(
-        {**{k: getattr(found, k) for k in _PLAIN}, "values": dict(found.values), "results": results}
+        {**{k: getattr(evaluation, k) for k in _PLAIN}, "values": dict(evaluation.values), "results": results}
     )
 
 
 def evaluation_of(data: dict[str, Any]) -> Evaluation:
     """Return the evaluation of a line's JSON; raises KeyError, TypeError or ValueError for another's."""
-    results = {key: Estimate(*each) for key, each in data["results"].items()}
+    results = {key: Estimate(*entry) for key, entry in data["results"].items()}
     return Evaluation(values=dict(data["values"]), results=results, **{k: data[k] for k in _PLAIN})
 
 
@@ -168,10 +170,10 @@ def _slot(key: str) -> int:
 
 def _at(handle: int, start: int, size: int) -> bytes:
     os.lseek(handle, start, os.SEEK_SET)
-    found = b""
-    while len(found) < size and (part := os.read(handle, size - len(found))):
-        found += part
-    return found
+    data = b""
+    while len(data) < size and (part := os.read(handle, size - len(data))):
+        data += part
+    return data
 
 
 @contextmanager

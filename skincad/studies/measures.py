@@ -54,10 +54,12 @@ def _leaves(data: Any, at: str) -> Iterator[tuple[str, Estimate]]:
 def _entries(data: list[Any], at: str) -> Iterator[tuple[str, Estimate]]:
     numbers = [float(x) for x in data if isinstance(x, int | float) and not isinstance(x, bool)]
     if len(data) <= LONGEST_LIST or not numbers:
-        for number, each in enumerate(data[:LONGEST_LIST], 1):
-            name = next((each[k] for k in NAMES if k in each), number) if isinstance(each, dict) else number
-            yield from _leaves(each, f"{at}.{name}")
-    if not numbers and not any(isinstance(each, Mapping) and "value" in each for each in data):
+        for number, entry in enumerate(data[:LONGEST_LIST], 1):
+            name = (
+                next((entry[k] for k in NAMES if k in entry), number) if isinstance(entry, dict) else number
+            )
+            yield from _leaves(entry, f"{at}.{name}")
+    if not numbers and not any(isinstance(entry, Mapping) and "value" in entry for entry in data):
         yield f"{at}.count", Estimate(float(len(data)), 0.0, "")
     if numbers and len(numbers) == len(data):
         for name, value in (("min", min(numbers)), ("max", max(numbers)), ("last", numbers[-1])):
@@ -66,8 +68,8 @@ def _entries(data: list[Any], at: str) -> Iterator[tuple[str, Estimate]]:
 
 def unit_of_key(key: str) -> str:
     """Return the unit that a JSON key ends in, "" where it has none: N/mm of `sensitivity_N_per_mm.1`."""
-    found = _UNIT.search(key)
-    return found[1].replace("_per_", "/") if found else ""
+    match = _UNIT.search(key)
+    return match[1].replace("_per_", "/") if match else ""
 
 
 def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
@@ -75,9 +77,9 @@ def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
     names = list(known)
     if key in names:
         return key
-    found = [name for name in names if _UNIT.sub("", name) == key]
-    if len(found) == 1:
-        return found[0]
+    matches = [name for name in names if _UNIT.sub("", name) == key]
+    if len(matches) == 1:
+        return matches[0]
     bare = {_UNIT.sub("", name) for name in names if "seconds" not in name}
     remedy = did_you_mean(key, bare)
     if remedy.startswith("known"):  # all entries of all lists would be no help
@@ -87,10 +89,10 @@ def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
 
 def worded(key: str, value: Estimate | float) -> str:
     """Return a result in words: `all_touch_force 3 N`, or with its error."""
-    told = value if isinstance(value, Estimate) else Estimate(value, None, unit_of_key(key))
-    return f"{_UNIT.sub('', key)} {told}".rstrip()
+    estimate = value if isinstance(value, Estimate) else Estimate(value, None, unit_of_key(key))
+    return f"{_UNIT.sub('', key)} {estimate}".rstrip()
 
 
-def slack(found: Estimate) -> float:
+def slack(estimate: Estimate) -> float:
     """Return an estimate's error, 0 where nobody knows it."""
-    return 0.0 if found.error is None or not math.isfinite(found.error) else found.error
+    return 0.0 if estimate.error is None or not math.isfinite(estimate.error) else estimate.error

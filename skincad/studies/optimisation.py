@@ -27,15 +27,15 @@ class Member:
     @property
     def allowed(self) -> bool:
         """Whether all constraints are kept."""
-        return all(kept for _, kept in self.constraints.values())
+        return all(met for _, met in self.constraints.values())
 
     def as_json(self) -> dict[str, Any]:
         """Return one entry of `front`."""
         return {
             "values": dict(self.values),
-            "objectives": {key: found.as_json() for key, found in self.objectives.items()},
+            "objectives": {key: estimate.as_json() for key, estimate in self.objectives.items()},
             "constraints": {
-                key: {**found.as_json(), "kept": kept} for key, (found, kept) in self.constraints.items()
+                key: {**estimate.as_json(), "kept": met} for key, (estimate, met) in self.constraints.items()
             },
             "tier": self.tier or None,
         }
@@ -75,8 +75,8 @@ class Optimisation(Result):
     @property
     def aims(self) -> list[str]:
         """The keys of objectives and constraints, as results have them."""
-        told = next(iter([*self.front, *filter(None, [self.closest, self.start])]), None)
-        return [] if told is None else [*told.objectives, *told.constraints]
+        member = next(iter([*self.front, *filter(None, [self.closest, self.start])]), None)
+        return [] if member is None else [*member.objectives, *member.constraints]
 
     def design(self, number: int = 1) -> Subject:
         """Return a member of the front as a design, scene or circuit; InputError where there is none."""

@@ -17,7 +17,7 @@ from scipy.stats import qmc
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.studies.knobs import Knob
+from skincad.studies.knobs import DesignVariable
 
 Name = Literal["cma", "nsga2", "sobol"]
 SPREAD, NEAR = (
@@ -30,7 +30,7 @@ MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II 
 
 
 @dataclass(frozen=True)
-class Told:
+class Outcome:
     """What is at a place: `losses` `(m,)`, smaller is better, and `limits` `(k,)`, which must be 0 at most.
 
     Both are NaN where there is no result.
@@ -57,7 +57,7 @@ class Optimiser(Protocol):
     def ask(self) -> list[Array]:
         """Return the next places."""
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take note of what was at the places asked for last, in their order."""
 
 
@@ -66,7 +66,7 @@ class Cma:
     """CMA-ES (Hansen 2016) on one loss, begun anew with twice the batch where it has converged; limits by an
     augmented Lagrangian (Atamna and others 2017)."""
 
-    knobs: tuple[Knob, ...]
+    knobs: tuple[DesignVariable, ...]
     seed: int
     start: Array | None = None
     _inner: Any = None
@@ -108,32 +108,36 @@ class Cma:
         self._asked = self._inner.ask()
         return [np.clip(place / self._levels, 0.0, 1.0) for place in self._asked]
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take the generation's losses and limits; a place without a result is worse than all others."""
-        self._told = {tuple(x): each for x, each in zip(self._asked, found, strict=True)}
-        limited = bool(found[0].limits.size)
+        self._told = {tuple(x): evaluation for x, evaluation in zip(self._asked, evaluations, strict=True)}
+        limited = bool(evaluations[0].limits.size)
         fitness = [
-            math.nan if not each.there else self._lagrangian(x) if limited else float(each.losses[0])
-            for x, each in zip(self._asked, found, strict=True)
+            math.nan
+            if not evaluation.there
+            else self._lagrangian(x)
+            if limited
+            else float(evaluation.losses[0])
+            for x, evaluation in zip(self._asked, evaluations, strict=True)
         ]
         worst = max((value for value in fitness if math.isfinite(value)), default=0.0)
         filled = [value if math.isfinite(value) else worst + 1.0 + abs(worst) for value in fitness]
         self._inner.tell(self._asked, filled)
-        if limited and any(each.there for each in found):
+        if limited and any(evaluation.there for evaluation in evaluations):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # of a limit that is the same everywhere
                 self._lagrangian.update(self._inner)
 
     def _at(self, x: Any) -> tuple[float, list[float]]:
-        told = self._told[tuple(x)]
-        return float(told.losses[0]), told.limits.tolist()
+        evaluation = self._told[tuple(x)]
+        return float(evaluation.losses[0]), evaluation.limits.tolist()
 
 
 @dataclass
 class Nsga2:
     """NSGA-II (Deb 2002) of optuna, for several losses; a limit that is broken comes before all losses."""
 
-    knobs: tuple[Knob, ...]
+    knobs: tuple[DesignVariable, ...]
     seed: int
     losses: int
     start: Array | None = None
@@ -173,20 +177,20 @@ class Nsga2:
         """Return one generation."""
         whole = self._optuna.distributions.FloatDistribution(0.0, 1.0)
         self._trials = [self._study.ask(dict.fromkeys(self._names, whole)) for _ in range(self.population)]
-        return [np.array([trial.params[name] for name in self._names]) for trial in self._trials]
+        return [np.array([suggestion.params[name] for name in self._names]) for suggestion in self._trials]
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take the generation's losses and limits."""
-        for trial, each in zip(self._trials, found, strict=True):
-            trial.set_constraint("limits", min(each.broken, WORST))
-            self._study.tell(trial, np.nan_to_num(each.losses, nan=WORST).tolist())
+        for suggestion, evaluation in zip(self._trials, evaluations, strict=True):
+            suggestion.set_constraint("limits", min(evaluation.broken, WORST))
+            self._study.tell(suggestion, np.nan_to_num(evaluation.losses, nan=WORST).tolist())
 
 
 @dataclass
 class Sobol:
     """Points that fill the cube evenly, whatever is there."""
 
-    knobs: tuple[Knob, ...]
+    knobs: tuple[DesignVariable, ...]
     seed: int
     batch: int = 16
 
@@ -197,11 +201,13 @@ class Sobol:
         """Return the next points."""
         return list(self._points.random(self.batch))
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take no note."""
 
 
-def optimiser(name: Name, knobs: tuple[Knob, ...], losses: int, seed: int, start: Array | None) -> Optimiser:
+def optimiser(
+    name: Name, knobs: tuple[DesignVariable, ...], losses: int, seed: int, start: Array | None
+) -> Optimiser:
     """Return an optimiser by its name, begun at `start` where one is known.
 
     Raises InputError for CMA-ES with several losses, and for a package that is not installed.
@@ -215,7 +221,7 @@ def optimiser(name: Name, knobs: tuple[Knob, ...], losses: int, seed: int, start
     return Cma(knobs, seed, start)
 
 
-def levels(knob: Knob) -> int:
+def levels(knob: DesignVariable) -> int:
     """Return how many values a knob of choices or whole numbers has; 0 for any other."""
     if knob.choices:
         return len(knob.choices)
@@ -223,45 +229,47 @@ def levels(knob: Knob) -> int:
 
 
 @dataclass
-class Tried:
+class Archive:
     """What was found so far: all that breaks no limit and is not beaten by another, in all losses."""
 
-    found: list[Told] = field(default_factory=list)
+    evaluations: list[Outcome] = field(default_factory=list)
 
     @property
-    def front(self) -> list[Told]:
+    def front(self) -> list[Outcome]:
         """The front; of what breaks limits the one that breaks them least, if there is nothing else."""
-        allowed = [each for each in self.found if each.there and each.broken <= 0]
+        allowed = [
+            evaluation for evaluation in self.evaluations if evaluation.there and evaluation.broken <= 0
+        ]
         if not allowed:
-            return sorted(self.found, key=lambda each: each.broken)[:1]
-        losses = np.array([each.losses for each in allowed])
+            return sorted(self.evaluations, key=lambda evaluation: evaluation.broken)[:1]
+        losses = np.array([evaluation.losses for evaluation in allowed])
         return [
-            each
-            for each, mine in zip(allowed, losses, strict=True)
+            evaluation
+            for evaluation, mine in zip(allowed, losses, strict=True)
             if not np.any(np.all(losses <= mine, axis=1) & np.any(losses < mine, axis=1))
         ]
 
 
 def minimise(
-    function: Callable[[list[Array]], list[Told]],
-    asking: Optimiser,
+    function: Callable[[list[Array]], list[Outcome]],
+    optimiser: Optimiser,
     most: int,
     design: Callable[[Array], Hashable] = bytes,
     known: Collection[Hashable] = (),
-) -> Tried:
+) -> Archive:
     """Return the front of a function that tells of a batch of places, in about `most` evaluations: a batch
     that was begun is ended.
 
     Places of one `design` count once, those of a `known` one don't count. The search also ends if the
     optimiser has no more places, or has had no new design for long.
     """
-    tried: dict[Hashable, Told] = {}
+    archive: dict[Hashable, Outcome] = {}
     before, new, idle = frozenset(known), 0, 0
-    while new < most and idle < MAX_IDLE and (places := asking.ask()):
-        told = function(places)
-        asking.tell(told)
-        batch = {design(place): each for place, each in zip(places, told, strict=True)}
-        fresh = len(batch.keys() - tried.keys() - before)
+    while new < most and idle < MAX_IDLE and (places := optimiser.ask()):
+        evaluations = function(places)
+        optimiser.tell(evaluations)
+        batch = {design(place): evaluation for place, evaluation in zip(places, evaluations, strict=True)}
+        fresh = len(batch.keys() - archive.keys() - before)
         new, idle = new + fresh, 0 if fresh else idle + len(places)
-        tried = batch | tried
-    return Tried(list(tried.values()))
+        archive = batch | archive
+    return Archive(list(archive.values()))

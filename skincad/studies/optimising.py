@@ -22,12 +22,12 @@ from skincad.base.stopwatch import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
 from skincad.studies.asking import GUIDE
-from skincad.studies.knobs import Knob, knobs
+from skincad.studies.knobs import DesignVariable, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded
 from skincad.studies.optimisation import Member, Optimisation
-from skincad.studies.optimisers import Optimiser, Told, Tried, levels, minimise
-from skincad.studies.question import Evaluation, Kind, Question, first_able, question_of
+from skincad.studies.optimisers import Archive, Optimiser, Outcome, levels, minimise
+from skincad.studies.question import Evaluation, Kind, Query, first_able, question_of
 from skincad.studies.ranking import ranking
 from skincad.studies.running import Run, Values, Workers
 from skincad.studies.running import workers as working
@@ -35,7 +35,7 @@ from skincad.studies.searches import Surrogate, combinations, search
 from skincad.studies.study import Study
 from skincad.studies.subject import SKIN, Subject, Value
 from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in
-from skincad.studies.weighing import Model, Results, Weighing
+from skincad.studies.weighing import Model, Results, RobustObjective
 
 MAPPED, ROUNDS = 5, 3  # searches of the closed form, and parts of the model's, each judged at its end
 COARSE = 600  # evaluations of the closed form in a search
@@ -63,7 +63,7 @@ def optimise(
     varied = knobs(subject, dict(study.vary))
     question = _searching(study, subject)
     log = log_in(folder, fresh=fresh)
-    hunt = _Hunt(study, subject, question, varied, log, tick, Weighing(study))
+    hunt = _Hunt(study, subject, question, varied, log, tick, RobustObjective(study))
     with working(workers, dask) as who:
         start = hunt.judged({}, who)
         hunt.correct(start, who)
@@ -71,37 +71,37 @@ def optimise(
         for number in range(ROUNDS):
             front = hunt.searched(place, (number + 1) * study.evaluations // ROUNDS, who)
             chosen = front if hunt.judges_free else _spread(front, JUDGED)
-            judged = [hunt.judged(hunt.values(told.place), who) for told in chosen]
+            judged = [hunt.judged(hunt.values(chosen_member.place), who) for chosen_member in chosen]
             there = [member for member in judged if member is not None]
-            members += [each for each in there if each.values not in [m.values for m in members]]
+            members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
     if log is not None:
         log.close()
-    allowed = [each for each in hunt.weighing.ordered(members) if each.allowed]
-    found = tuple(hunt.weighing.unbeaten(allowed))
-    closest = None if found else next(iter(hunt.weighing.ordered(members)), None)
+    allowed = [other for other in hunt.weighing.ordered(members) if other.allowed]
+    best_members = tuple(hunt.weighing.pareto_front(allowed))
+    closest = None if best_members else next(iter(hunt.weighing.ordered(members)), None)
     rows, count = hunt.rows(), combinations(varied)
     untried = None if count is None else count - len(hunt.known["search"])
-    asked, reused = (
-        sum(run.asked for run in hunt.runs.values()),
+    evaluated, reused = (
+        sum(run.evaluated for run in hunt.runs.values()),
         sum(run.reused for run in hunt.runs.values()),
     )
     seconds = perf_counter() - began
     return Optimisation(
-        study, subject, found, closest, start, rows, len(members), untried, asked, reused, seconds
+        study, subject, best_members, closest, start, rows, len(members), untried, evaluated, reused, seconds
     )
 
 
-def _searching(study: Study, subject: Subject) -> Question:
+def _searching(study: Study, subject: Subject) -> Query:
     """What is asked of each design; of a scene a model is that of the checks beside, if there are any."""
     tier = study.tier
     if isinstance(subject, Design) and tier is None:
         tier = first_able(RANKED_BY, subject)
-    beside = isinstance(subject, Scene) and "check" in Weighing(study).others()
+    beside = isinstance(subject, Scene) and "check" in RobustObjective(study).others()
     return question_of(subject, tier=None if beside else tier)
 
 
-def _spread(front: Sequence[Told], most: int) -> list[Told]:
+def _spread(front: Sequence[Outcome], most: int) -> list[Outcome]:
     """Some of a front, its ends among them."""
     placed = sorted(front, key=lambda each: float(each.losses[0]))
     if len(placed) <= most:
@@ -123,12 +123,12 @@ class _Hunt:
 
     study: Study
     subject: Subject
-    question: Question
-    knobs: tuple[Knob, ...]
+    question: Query
+    knobs: tuple[DesignVariable, ...]
     log: Log | None
     tick: Tick | None
-    weighing: Weighing
-    runs: dict[Question, Run] = field(default_factory=dict)
+    weighing: RobustObjective
+    runs: dict[Query, Run] = field(default_factory=dict)
     known: dict[Model, dict[tuple[Value, ...], Known]] = field(
         default_factory=lambda: {"guide": {}, "search": {}}
     )
@@ -142,17 +142,17 @@ class _Hunt:
 
     def place(self, values: Values) -> Array:
         """Return a place of the unit cube with these values."""
-        found = []
+        places = []
         for knob in self.knobs:
             value, count = values.get(knob.key, knob.start), levels(knob)
             if value is None:
-                found.append(0.5)
+                places.append(0.5)
             elif count:
                 names = list(knob.values())
-                found.append((names.index(value) + 0.5) / count if value in names else 0.5)
+                places.append((names.index(value) + 0.5) / count if value in names else 0.5)
             else:
-                found.append(knob.share(min(max(float(value), knob.low), knob.high)))
-        return np.array(found)
+                places.append(knob.share(min(max(float(value), knob.low), knob.high)))
+        return np.array(places)
 
     def coarse(self, who: Workers) -> tuple[Array, list[Member]]:
         """Return the best place by the closed form, or the subject's own, and what was judged on the way."""
@@ -160,8 +160,8 @@ class _Hunt:
         if self.question.kind != "check" or self.question.tier == GUIDE:
             return place, members
         for _ in range(MAPPED):
-            tried = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
-            best = tried.front[0]
+            evaluations = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
+            best = evaluations.front[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
             place, member = best.place, self.judged(self.values(best.place), who)
@@ -172,7 +172,7 @@ class _Hunt:
         best_member = next(iter(self.weighing.ordered(members)), None)
         return (self.place(best_member.values) if best_member else place), members
 
-    def searched(self, start: Array, most: int, who: Workers) -> list[Told]:
+    def searched(self, start: Array, most: int, who: Workers) -> list[Outcome]:
         """Return the front of all that the searching model was asked, in about `most` evaluations of this
         study so far.
 
@@ -203,10 +203,10 @@ class _Hunt:
             return "none allowed so far"
         return f"best {worded(objective.key, self.best * (1 if objective.goal == 'min' else -1))}"
 
-    def _front(self) -> list[Told]:
-        return Tried(self._evaluations()).front
+    def _front(self) -> list[Outcome]:
+        return Archive(self._evaluations()).front
 
-    def _evaluations(self) -> list[Told]:
+    def _evaluations(self) -> list[Outcome]:
         return [
             self.weighing.told(known.place, known.results, "search")
             for known in self.known["search"].values()
@@ -223,8 +223,8 @@ class _Hunt:
     def judged(self, values: Values, who: Workers) -> Member | None:
         """Return what the judge says of some values, of none the subject's own; None where it refuses."""
         values = values or {k.key: k.start for k in self.knobs if k.start is not None}
-        ((found, results),) = self._told([values], "judge", who)
-        return None if results is None else self.weighing.member(values, results, found.tier)
+        ((evaluation, results),) = self._told([values], "judge", who)
+        return None if results is None else self.weighing.member(values, results, evaluation.tier)
 
     def correct(self, member: Member | None, who: Workers) -> None:
         """Take from a judged design how the judge differs from the cheaper models."""
@@ -248,8 +248,8 @@ class _Hunt:
         }
         rows = tuple(unique.values())
         known = {key for row in rows for key in row.results}
-        wanted = [(each, _known(each.key, known)) for each in self.study.objectives]
-        ranked = tuple(ranking(rows, key, each.goal) for each, key in wanted if key)
+        wanted = [(objective, _known(objective.key, known)) for objective in self.study.objectives]
+        ranked = tuple(ranking(rows, key, objective.goal) for objective, key in wanted if key)
         return SweepResult(self.subject, self.question, self.knobs, rows, ranked, None, 0, 0, 0.0)
 
     def _search(self, start: Array, budget: int) -> Optimiser:
@@ -257,24 +257,24 @@ class _Hunt:
         seed = study.seed + len(known)
         return search(study.optimiser, self.knobs, len(study.objectives), budget, seed, start, known)
 
-    def _minimised(self, model: Model, asking: Optimiser, most: int, who: Workers) -> Tried:
+    def _minimised(self, model: Model, optimiser: Optimiser, most: int, who: Workers) -> Archive:
         known = self.known[model]
 
         def design(place: Array) -> tuple[Value, ...]:
             return tuple(self.values(place).values())
 
-        def function(places: list[Array]) -> list[Told]:
+        def function(places: list[Array]) -> list[Outcome]:
             fresh = {design(place): place for place in places if design(place) not in known}
             answers = self._told([self.values(place) for place in fresh.values()], model, who)
             for (values, place), answer in zip(fresh.items(), answers, strict=True):
                 known[values] = Known(place, *answer)
-            told = [self.weighing.told(place, known[design(place)].results, model) for place in places]
+            evaluations = [self.weighing.told(place, known[design(place)].results, model) for place in places]
             if model == "search" and self.tick is not None:
-                self.best = _better(self.best, told)
+                self.best = _better(self.best, evaluations)
                 self.tick(self._so_far(), len(known))
-            return told
+            return evaluations
 
-        return minimise(function, asking, most, design, tuple(known) if model == "search" else ())
+        return minimise(function, optimiser, most, design, tuple(known) if model == "search" else ())
 
     def _told(
         self, points: list[Values], model: Model, who: Workers
@@ -283,33 +283,36 @@ class _Hunt:
         other results, whose name stands before their keys; None where one of them is refused."""
         answers = self._run(self._question(model)).at(points, who)
         results: list[dict[str, Estimate] | None] = [
-            None if found.refused else {**found.results, **self._own(found.values)} for found in answers
+            None if evaluation.refused else {**evaluation.results, **self._own(evaluation.values)}
+            for evaluation in answers
         ]
         for kind in self.weighing.others() if model != "guide" else ():
-            there = [i for i, each in enumerate(results) if each is not None]
-            own = [self._of_design(points[i]) for i in there]
-            for i, found in zip(there, self._run(self._beside(kind, model)).at(own, who), strict=True):
-                named = {f"{kind}.{key}": each for key, each in found.results.items()}
-                results[i] = None if found.refused else {**(results[i] or {}), **named}
+            there = [i for i, row in enumerate(results) if row is not None]
+            design_values = [self._of_design(points[i]) for i in there]
+            for i, evaluation in zip(
+                there, self._run(self._beside(kind, model)).at(design_values, who), strict=True
+            ):
+                named = {f"{kind}.{key}": row for key, row in evaluation.results.items()}
+                results[i] = None if evaluation.refused else {**(results[i] or {}), **named}
         return list(zip(answers, results, strict=True))
 
-    def _question(self, model: Model) -> Question:
+    def _question(self, model: Model) -> Query:
         if self.question.kind != "check" or model == "search":
             return self.question
         return replace(self.question, tier=GUIDE if model == "guide" else self.study.judge)
 
-    def _beside(self, kind: Kind, model: Model) -> Question:
+    def _beside(self, kind: Kind, model: Model) -> Query:
         """What is asked beside the question: another result of the same design."""
         if kind != "check":
-            return Question(kind)
+            return Query(kind)
         design = self.subject.design if isinstance(self.subject, Scene) else self.subject
         cheap = self.study.tier or first_able(RANKED_BY, design)  # type: ignore[arg-type]
-        return Question(kind, self.study.judge if model == "judge" else cheap)
+        return Query(kind, self.study.judge if model == "judge" else cheap)
 
-    def _run(self, question: Question) -> Run:
+    def _run(self, question: Query) -> Run:
         if question not in self.runs:
-            own = question.kind == self.question.kind or not isinstance(self.subject, Scene)
-            subject = self.subject if own else self.subject.design  # type: ignore[union-attr]
+            same_kind = question.kind == self.question.kind or not isinstance(self.subject, Scene)
+            subject = self.subject if same_kind else self.subject.design  # type: ignore[union-attr]
             cheap = question.tier == GUIDE and GUIDE not in (self.study.tier, self.study.judge)
             self.runs[question] = Run(subject, question, None if cheap else self.log)
         return self.runs[question]
@@ -330,15 +333,19 @@ class _Hunt:
         }
 
 
-def _better(best: float | None, found: Sequence[Told]) -> float | None:
+def _better(best: float | None, evaluations: Sequence[Outcome]) -> float | None:
     """The least first loss of what breaks no limit, and of what was the least before."""
-    allowed = [float(each.losses[0]) for each in found if each.broken <= 0]
+    allowed = [float(evaluation.losses[0]) for evaluation in evaluations if evaluation.broken <= 0]
     return min(allowed if best is None else [best, *allowed], default=None)
 
 
-def _aimed_at(aims: Sequence[str], results: Results, found: Evaluation) -> Results:
+def _aimed_at(aims: Sequence[str], results: Results, evaluation: Evaluation) -> Results:
     """What a study is about among the numbers of other results than the searching one's."""
-    beside = {key: each for key, each in results.items() if key not in {**found.results, **found.values}}
+    beside = {
+        key: estimate
+        for key, estimate in results.items()
+        if key not in {**evaluation.results, **evaluation.values}
+    }
     keys = [_known(key, beside) for key in aims]
     return {key: beside[key] for key in keys if key is not None}
 

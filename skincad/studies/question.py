@@ -27,7 +27,7 @@ Kind = Literal["check", "make", "simulate", "circuit"]
 
 
 @dataclass(frozen=True)
-class Question:
+class Query:
     """What is asked: a check at `force` N (the design's own if None) by a tier, its mesh to `tol`; a make,
     with that check; a scene's simulation to `tol`; or a circuit's gain."""
 
@@ -63,7 +63,7 @@ class Evaluation:
 
 def question_of(
     subject: Subject, *, tier: str | None = None, tol: float | None = None, force: float | None = None
-) -> Question:
+) -> Query:
     """Return what is asked of a subject: a design's check, a scene's simulation, a circuit's gain.
 
     Raises InputError for a tier, tolerance or force that there is none of, or where there is none.
@@ -74,12 +74,12 @@ def question_of(
             require_force(force)
         if tier not in (None, "auto"):
             tier_of(tier)
-        return Question("check", tier, tol, force)
-    for name, given in (("tier", tier), ("force", force)):
-        if given is not None:
+        return Query("check", tier, tol, force)
+    for name, value in (("tier", tier), ("force", force)):
+        if value is not None:
             what = "a scene" if isinstance(subject, Scene) else "a circuit"
-            raise InputError(name, f"is for a design, and {subject.name} is {what}", given, "leave it out")
-    return Question("simulate", tol=tol) if isinstance(subject, Scene) else Question("circuit")
+            raise InputError(name, f"is for a design, and {subject.name} is {what}", value, "leave it out")
+    return Query("simulate", tol=tol) if isinstance(subject, Scene) else Query("circuit")
 
 
 def first_able(tiers: Sequence[str], design: Design) -> str:
@@ -87,25 +87,25 @@ def first_able(tiers: Sequence[str], design: Design) -> str:
     return next(name for name in tiers if not unsupported_reason(name, design, False))
 
 
-def evaluate(subject: Subject, values: Mapping[str, Value], question: Question) -> Evaluation:
+def evaluate(subject: Subject, values: Mapping[str, Value], question: Query) -> Evaluation:
     """Return the answer for a subject with these values, which its own rules may refuse, or the model."""
     safe_point()
     began, when = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
-    key, told, refused = "", dict[str, Any](), ""
+    key, data, refused = "", dict[str, Any](), ""
     try:
         one = changed(subject, values)
         key = question.key(one)
-        told = _ASKED[question.kind](one, question).as_json()
+        data = _ASKED[question.kind](one, question).as_json()
     except ExhaustedError:
         raise  # says nothing of the design
     except (InputError, RefusedError) as failure:
         refused = str(failure)
     seconds = perf_counter() - began
-    return told_by(told, key or _unmade(subject, values, question), values, refused, seconds, when)
+    return told_by(data, key or _unmade(subject, values, question), values, refused, seconds, when)
 
 
 def told_by(
-    told: Mapping[str, Any],
+    data: Mapping[str, Any],
     key: str,
     values: Mapping[str, Value],
     refused: str = "",
@@ -113,13 +113,13 @@ def told_by(
     when: str = "",
 ) -> Evaluation:
     """Return the evaluation that a result's JSON tells."""
-    refused = refused or told.get("beyond_range") or ""
-    tier = told.get("tier", "")
-    results = {name: found for name, found in measures(told).items() if name not in ECHOED}
-    return Evaluation(key, dict(values), results, told.get("passed"), refused, tier, seconds, when)
+    refused = refused or data.get("beyond_range") or ""
+    tier = data.get("tier", "")
+    results = {name: estimate for name, estimate in measures(data).items() if name not in ECHOED}
+    return Evaluation(key, dict(values), results, data.get("passed"), refused, tier, seconds, when)
 
 
-def key_of(subject: Subject, values: Mapping[str, Value], question: Question) -> str:
+def key_of(subject: Subject, values: Mapping[str, Value], question: Query) -> str:
     """Return the key of what `evaluate` would answer, without asking."""
     try:
         return question.key(changed(subject, values))
@@ -127,34 +127,34 @@ def key_of(subject: Subject, values: Mapping[str, Value], question: Question) ->
         return _unmade(subject, values, question)
 
 
-def _unmade(subject: Subject, values: Mapping[str, Value], question: Question) -> str:
+def _unmade(subject: Subject, values: Mapping[str, Value], question: Query) -> str:
     """The key of a design that its own rules refuse: the start's, and what was changed."""
     text = json.dumps([question.key(subject), sorted(values.items())])
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def _check(subject: Any, question: Question) -> Any:
+def _check(subject: Any, question: Query) -> Any:
     return check(subject, force=question.force, tier=question.tier or "auto", tol=question.tol)
 
 
-def _make(subject: Any, _: Question) -> Any:
+def _make(subject: Any, _: Query) -> Any:
     from skincad.fabrication.making import make
 
     return make(subject)
 
 
-def _simulate(subject: Any, question: Question) -> Any:
+def _simulate(subject: Any, question: Query) -> Any:
     from skincad.scenes.simulation import marched, marching, read_out
 
     key = question.key(marching(subject))
     if key not in _LAST:  # a search over an amplifier alone marches once
-        found = marched(subject, tol=question.tol)
+        run = marched(subject, tol=question.tol)
         _LAST.clear()
-        _LAST[key] = found
+        _LAST[key] = run
     return read_out(subject, _LAST[key])
 
 
-def _gain(subject: Any, _: Question) -> Any:
+def _gain(subject: Any, _: Query) -> Any:
     from skincad.circuit.bode import gain
 
     return gain(subject)
@@ -162,7 +162,7 @@ def _gain(subject: Any, _: Question) -> Any:
 
 _LAST: dict[str, Any] = {}  # of the scene that was simulated last, its march
 
-_ASKED: dict[str, Callable[[Any, Question], Any]] = {
+_ASKED: dict[str, Callable[[Any, Query], Any]] = {
     "check": _check,
     "make": _make,
     "simulate": _simulate,

@@ -81,35 +81,35 @@ def surely_less(a: Evaluation, b: Evaluation, key: str, sign: float = 1.0) -> bo
 
     An error that nobody knows makes nothing sure.
     """
-    found, other = a.results[key], b.results[key]
-    if found.value is None or other.value is None:
+    one, other = a.results[key], b.results[key]
+    if one.value is None or other.value is None:
         return False
     error = difference_error(a, b, key)
-    return error is not None and sign * (other.value - found.value) > error
+    return error is not None and sign * (other.value - one.value) > error
 
 
 def difference_error(a: Evaluation, b: Evaluation, key: str) -> float | None:
     """Return the error of the difference of two results; None where one's is not known."""
-    found, other = a.results[key], b.results[key]
-    if found.error is None or other.error is None:
+    one, other = a.results[key], b.results[key]
+    if one.error is None or other.error is None:
         return None
     if a.tier != b.tier or not a.tier:
-        return math.hypot(found.error, other.error)
+        return math.hypot(one.error, other.error)
     shared = model_error(a, key), model_error(b, key)
-    own = [max(e - m, 0.0) for e, m in zip((found.error, other.error), shared, strict=True)]
-    return math.hypot(*own) + abs(shared[0] - shared[1]) + OWN * math.hypot(*shared)
+    own_errors = [max(e - m, 0.0) for e, m in zip((one.error, other.error), shared, strict=True)]
+    return math.hypot(*own_errors) + abs(shared[0] - shared[1]) + OWN * math.hypot(*shared)
 
 
-def model_error(found: Evaluation, key: str) -> float:
+def model_error(evaluation: Evaluation, key: str) -> float:
     """Return how much of a result's error is what its model leaves out; 0 where that is not told."""
-    told = found.results.get(MODEL.get(key, ""))
-    if told is not None and told.value is not None:
-        return told.value
+    stated = evaluation.results.get(MODEL.get(key, ""))
+    if stated is not None and stated.value is not None:
+        return stated.value
     ending = _SHARES.get(key)
-    value = abs(found.results[key].value or 0.0)
+    value = abs(evaluation.results[key].value or 0.0)
     parts = [
-        each.value or 0.0
-        for name, each in found.results.items()
+        estimate.value or 0.0
+        for name, estimate in evaluation.results.items()
         if ending and name.startswith("left_out.") and name.endswith(f".{ending}")
     ]
     return value * math.fsum(parts)

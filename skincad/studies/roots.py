@@ -81,7 +81,7 @@ def search(
     guide: Function | None = None,
     first: float = 0.5,
     step: float | None = None,
-    apart: Sequence[float] = (),
+    cuts: Sequence[float] = (),
 ) -> Search:
     """Return where a function on [0, 1] is within `tol` of `wanted`, in at most `most` evaluations.
 
@@ -91,35 +91,35 @@ def search(
     until the function's own values leave no room for one. At the ends that are `apart` the function may jump:
     a length of 0 is often no small length, but none at all.
     """
-    found = Search()
+    state = Search()
     grid: Array = np.linspace(0.0, 1.0, SCAN + 1)
-    told = _told(guide, grid)
-    scanned = _scanned(told, grid)
+    values = _told(guide, grid)
+    scanned = _scanned(values, grid)
 
     def ask(x: float) -> None:
-        if x not in found.seen and len(found.seen) < most:
-            found.seen[x] = function(x)
+        if x not in state.seen and len(state.seen) < most:
+            state.seen[x] = function(x)
 
     ask(first)
     if scanned is None:
         for x in np.linspace(0.0, 1.0, FIRST):
             ask(float(x))
-    if not any(y is not None for y in found.seen.values()):
+    if not any(y is not None for y in state.seen.values()):
         for x in np.linspace(0.0, 1.0, 2 * FIRST - 1):
             ask(float(x))
-    while len(found.seen) < most:
-        following = _next(found, wanted, tol, grid, scanned)
-        if following is None or following in found.seen:
-            unsure = _unsure(found, wanted, tol, told, apart, step or STEP)
-            if unsure is None or not step or found.near(wanted, tol):
-                found.exact = True
+    while len(state.seen) < most:
+        following = _next(state, wanted, tol, grid, scanned)
+        if following is None or following in state.seen:
+            unsure = _unsure(state, wanted, tol, values, cuts, step or STEP)
+            if unsure is None or not step or state.near(wanted, tol):
+                state.exact = True
                 break
             following = unsure
         ask(following)
-    found.complete = _unsure(found, wanted, tol, told, apart, step or STEP) is None
-    _settle(found, wanted, tol, lambda at: _ratio(found, grid, scanned, np.array([at]))[0])
-    found.model = _ratio(found, grid, scanned, grid)
-    return found
+    state.complete = _unsure(state, wanted, tol, values, cuts, step or STEP) is None
+    _settle(state, wanted, tol, lambda at: _ratio(state, grid, scanned, np.array([at]))[0])
+    state.model = _ratio(state, grid, scanned, grid)
+    return state
 
 
 def _told(guide: Function | None, grid: Array) -> Array | None:
@@ -140,10 +140,10 @@ def _scanned(values: Array | None, grid: Array) -> Array | None:
     return np.maximum(filled, LEAST * filled.max()) if filled.max() > 0 else None
 
 
-def _ratio(found: Search, grid: Array, scanned: Array | None, at: Array) -> Array:
+def _ratio(state: Search, grid: Array, scanned: Array | None, at: Array) -> Array:
     """The function by what is known of it: interpolated, or as the guide times what is interpolated, which
     beyond the known places stays as it is at the last of them. NaN where nothing is known."""
-    x, y = found.points
+    x, y = state.points
     if len(x) < (2 if scanned is None else 1):
         return np.full(len(at), np.nan)
     if scanned is None:
@@ -161,24 +161,24 @@ def _interpolated(x: Array, y: Array, at: Array) -> Array:
     return np.asarray(PchipInterpolator(x, y, extrapolate=False)(at))
 
 
-def _next(found: Search, wanted: float, tol: float, grid: Array, scanned: Array | None) -> float | None:
+def _next(state: Search, wanted: float, tol: float, grid: Array, scanned: Array | None) -> float | None:
     """Where to look next: at a crossing, at an end of where there are values, at an extremum near it."""
-    x, y = found.points
+    x, y = state.points
     for left, right in _brackets(x, y, wanted, tol):
-        return _inside(found, x[left], x[right], wanted, grid, scanned)
-    off = _ratio(found, grid, scanned, grid) - wanted
+        return _inside(state, x[left], x[right], wanted, grid, scanned)
+    off = _ratio(state, grid, scanned, grid) - wanted
     roots = x[np.abs(y - wanted) <= tol]
     for crossing in _unexplained(_crossings(grid, off), roots):
-        if _far(found, crossing, CLOSE):
+        if _far(state, crossing, CLOSE):
             return crossing
-    if scanned is not None and (end := _end(found, off + wanted, wanted)) is not None:
+    if scanned is not None and (end := _end(state, off + wanted, wanted)) is not None:
         return end
     if not len(roots) and not np.isnan(off).all():
         nearest = float(grid[np.nanargmin(np.abs(off))])
-        if _far(found, nearest, 1.0 / SCAN):
+        if _far(state, nearest, 1.0 / SCAN):
             return nearest
-    edge = _edge(found)
-    return edge if edge is not None else _extremum(found, wanted, tol)
+    edge = _edge(state)
+    return edge if edge is not None else _extremum(state, wanted, tol)
 
 
 def _crossings(grid: Array, off: Array) -> list[float]:
@@ -189,14 +189,14 @@ def _crossings(grid: Array, off: Array) -> list[float]:
     ]
 
 
-def _end(found: Search, model: Array, wanted: float) -> float | None:
+def _end(state: Search, model: Array, wanted: float) -> float | None:
     """An end of the range that was not looked at, where a guide that is off by UNSURE there would have other
     crossings."""
     grid: Array = np.linspace(0.0, 1.0, len(model))
     here = len(_crossings(grid, model - wanted))
     if all(len(_crossings(grid, factor * model - wanted)) == here for factor in (UNSURE, 1 / UNSURE)):
         return None
-    ends = [end for end in (0.0, 1.0) if end not in found.seen]
+    ends = [end for end in (0.0, 1.0) if end not in state.seen]
     return min(ends, key=lambda end: abs(model[0 if end == 0 else -1] - wanted), default=None)
 
 
@@ -211,33 +211,37 @@ def _brackets(x: Array, y: Array, wanted: float, tol: float) -> list[tuple[int, 
 
 
 def _inside(
-    found: Search, low: float, high: float, wanted: float, grid: Array, scanned: Array | None
+    state: Search, low: float, high: float, wanted: float, grid: Array, scanned: Array | None
 ) -> float:
     """A point of a bracket: at the model's crossing there, or half-way where that has gained little."""
     fine: Array = np.linspace(low, high, 257)
-    crossings = _crossings(fine, _ratio(found, grid, scanned, fine) - wanted)
+    crossings = _crossings(fine, _ratio(state, grid, scanned, fine) - wanted)
     wide, middle = high - low, (low + high) / 2
     point = crossings[0] if crossings else middle
     if min(point - low, high - point) >= EDGE * wide:
         return point
-    near = [each for each in found.seen if low - EDGE * wide * 100 <= each <= high + EDGE * wide * 100]
+    near = [
+        seen_point
+        for seen_point in state.seen
+        if low - EDGE * wide * 100 <= seen_point <= high + EDGE * wide * 100
+    ]
     if len(near) > 2:  # one end was there already: the model does not see what turns between
         return middle
     return min(max(point, low + EDGE * wide), high - EDGE * wide)
 
 
-def _edge(found: Search) -> float | None:
+def _edge(state: Search) -> float | None:
     """The middle between a point with a value and one without, if not halved often enough."""
-    seen = sorted(found.seen.items())
+    seen = sorted(state.seen.items())
     for (a, at_a), (b, at_b) in pairwise(seen):
         if (at_a is None) != (at_b is None) and b - a > 2.0**-EDGES / (FIRST - 1):
             return (a + b) / 2
     return None
 
 
-def _extremum(found: Search, wanted: float, tol: float) -> float | None:
+def _extremum(state: Search, wanted: float, tol: float) -> float | None:
     """Where a parabola through three neighbours turns towards the wanted value, and comes near it."""
-    x, y = found.points
+    x, y = state.points
     spread = float(np.ptp(y)) if len(y) else 0.0
     for i in range(1, len(x) - 1):
         off = y[i - 1 : i + 2] - wanted
@@ -249,13 +253,13 @@ def _extremum(found: Search, wanted: float, tol: float) -> float | None:
         turn = float(x[i] - b / (2 * a)) if a else float(x[i])
         lowest = abs(off[1] - b * b / (4 * a)) if a else abs(off[1])
         crosses = a and (off[1] - b * b / (4 * a)) * off[1] < 0
-        if (crosses or lowest < NEAR * spread) and x[i - 1] < turn < x[i + 1] and _far(found, turn, 0.01):
+        if (crosses or lowest < NEAR * spread) and x[i - 1] < turn < x[i + 1] and _far(state, turn, 0.01):
             return turn
     return None
 
 
 def _unsure(
-    found: Search, wanted: float, tol: float, told: Array | None, apart: Sequence[float], step: float
+    state: Search, wanted: float, tol: float, guesses: Array | None, cuts: Sequence[float], step: float
 ) -> float | None:
     """Where the function may take the wanted value though its points do not tell: the ends, the middle of a
     wide interval, the place where it may come nearest; None where its points leave no room.
@@ -263,17 +267,17 @@ def _unsure(
     An interval is judged by the largest curvature of the points around it, times BENT: the more curved and
     the wider, the further the function may go beyond its values at the interval's ends.
     """
-    beside = [abs(end - BESIDE) for end in apart]
+    beside = [abs(end - BESIDE) for end in cuts]
     for end in (0.0, 1.0, *beside):
-        if end not in found.seen:
+        if end not in state.seen:
             return end
-    _, y = found.points
-    places = sorted(found.seen)
-    narrow = step if len(y) else min(step, NOWHERE if told is None else WIDEST)
+    _, y = state.points
+    places = sorted(state.seen)
+    narrow = step if len(y) else min(step, NOWHERE if guesses is None else WIDEST)
     wide = max(pairwise(places), key=lambda pair: pair[1] - pair[0])
     if wide[1] - wide[0] > narrow * (1 + CLOSE):
         return sum(wide) / 2
-    if (place := _unvisited(found, told)) is not None:
+    if (place := _unvisited(state, guesses)) is not None:
         return place
     if not len(y):
         return None
@@ -281,9 +285,9 @@ def _unsure(
     low, high = (math.log(wanted - tol), math.log(wanted + tol)) if logs else (wanted - tol, wanted + tol)
     spread = float(np.ptp(np.log(y) if logs else y))
     best, where = 0.0, None
-    for piece, before, after in _pieces(found, wanted, apart):
+    for piece, before, after in _pieces(state, wanted, cuts):
         at = np.array(piece)
-        values = np.array([found.seen[place] for place in piece], dtype=float)
+        values = np.array([state.seen[place] for place in piece], dtype=float)
         values = np.log(values) if logs else values
         widths, slopes = np.diff(at), np.diff(values) / np.diff(at)
         for i in range(len(at) - 1):
@@ -313,33 +317,33 @@ def _unsure(
     return where
 
 
-def _unvisited(found: Search, told: Array | None) -> float | None:
+def _unvisited(state: Search, values: Array | None) -> float | None:
     """The middle of a stretch in which a guide has values, and no place of which was looked at."""
-    if told is None:
+    if values is None:
         return None
-    grid: Array = np.linspace(0.0, 1.0, len(told))
-    turns = np.flatnonzero(np.diff(np.isfinite(told))) + 1
+    grid: Array = np.linspace(0.0, 1.0, len(values))
+    turns = np.flatnonzero(np.diff(np.isfinite(values))) + 1
     for stretch in np.split(np.arange(len(grid)), turns):
         first, last = grid[stretch[0]], grid[stretch[-1]]
-        if np.isfinite(told[stretch[0]]) and not any(first <= place <= last for place in found.seen):
+        if np.isfinite(values[stretch[0]]) and not any(first <= place <= last for place in state.seen):
             return float((first + last) / 2)
     return None
 
 
 def _pieces(
-    found: Search, wanted: float, apart: Sequence[float]
+    state: Search, wanted: float, cuts: Sequence[float]
 ) -> Iterator[tuple[list[float], float | None, float | None]]:
     """Runs of places with values, without a jump between, and the places without a value beside them."""
     piece: list[float] = []
     before, last = None, math.nan
-    for place, value in sorted(found.seen.items()):
+    for place, value in sorted(state.seen.items()):
         if value is None:
             if piece:
                 yield piece, before, place
             piece, before = [], place
             continue
         jump = place - piece[-1] <= CLOSE and (last - wanted) * (value - wanted) < 0 if piece else False
-        if piece and (jump or piece[-1] in apart or place in apart):
+        if piece and (jump or piece[-1] in cuts or place in cuts):
             yield piece, before, None
             piece, before = [], None
         piece.append(place)
@@ -387,8 +391,8 @@ def _beyond(
     return None
 
 
-def _far(found: Search, point: float, least: float) -> bool:
-    return all(abs(point - each) > least for each in found.seen)
+def _far(state: Search, point: float, least: float) -> bool:
+    return all(abs(point - seen_point) > least for seen_point in state.seen)
 
 
 def _unexplained(crossings: list[float], roots: Array) -> list[float]:
@@ -400,9 +404,9 @@ def _unexplained(crossings: list[float], roots: Array) -> list[float]:
     return left
 
 
-def _settle(found: Search, wanted: float, tol: float, model: Callable[[float], float]) -> None:
+def _settle(state: Search, wanted: float, tol: float, model: Callable[[float], float]) -> None:
     """Tell roots, one of neighbours between which the model is within tolerance too, and jumps."""
-    x, y = found.points
+    x, y = state.points
     off = y - wanted
     groups: list[list[int]] = []
     for i in np.flatnonzero(np.abs(off) <= tol).tolist():
@@ -411,8 +415,8 @@ def _settle(found: Search, wanted: float, tol: float, model: Callable[[float], f
             groups[-1].append(i)
         else:
             groups.append([i])
-    found.roots = [float(x[min(group, key=lambda i: abs(off[i]))]) for group in groups]
-    found.jumps = [
+    state.roots = [float(x[min(group, key=lambda i: abs(off[i]))]) for group in groups]
+    state.jumps = [
         float((x[i] + x[i + 1]) / 2)
         for i in range(len(x) - 1)
         if off[i] * off[i + 1] < 0 and min(abs(off[i]), abs(off[i + 1])) > tol and x[i + 1] - x[i] <= CLOSE

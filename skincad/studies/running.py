@@ -19,7 +19,7 @@ from skincad.base.arguments import require_number
 from skincad.base.errors import ExhaustedError, InputError
 from skincad.base.interrupt import safe_point
 from skincad.studies.log import Log
-from skincad.studies.question import Evaluation, Question, evaluate, key_of
+from skincad.studies.question import Evaluation, Query, evaluate, key_of
 from skincad.studies.subject import Subject, Value
 
 MOST_WORKERS = 256
@@ -27,7 +27,7 @@ AHEAD = 2  # evaluations given out for each worker: none waits for the next
 POLL = 0.2  # s; until what another run has claimed is looked at again
 PATIENCE = 10.0  # s, for a cluster to answer
 Values = Mapping[str, Value]
-Told = Callable[[Evaluation, int, int], object]  # an evaluation, how many are done, of how many
+Outcome = Callable[[Evaluation, int, int], object]  # an evaluation, how many are done, of how many
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,15 @@ class Run:
     now, `reused` how many the log or an earlier point had."""
 
     subject: Subject
-    question: Question
+    question: Query
     log: Log | None = None
     evaluations: dict[str, Evaluation] = field(default_factory=dict)
-    asked: int = 0
+    evaluated: int = 0
     reused: int = 0
 
-    def at(self, points: Sequence[Values], workers: Workers, told: Told | None = None) -> list[Evaluation]:
+    def at(
+        self, points: Sequence[Values], workers: Workers, on_evaluation: Outcome | None = None
+    ) -> list[Evaluation]:
         """Return the evaluations of `points`, in their order; `told` of each as it is done.
 
         What was finished before an interruption stays in the log.
@@ -60,11 +62,11 @@ class Run:
         self._look()
         todo = [key for key in wanted if key not in self.evaluations]
         self.reused += len(points) - len(todo)
-        done = len(wanted) - len(todo)
-        for found in self._computed({key: wanted[key] for key in todo}, workers):
-            done += 1
-            if told is not None:
-                told(found, done, len(wanted))
+        finished = len(wanted) - len(todo)
+        for evaluation in self._computed({key: wanted[key] for key in todo}, workers):
+            finished += 1
+            if on_evaluation is not None:
+                on_evaluation(evaluation, finished, len(wanted))
         return [replace(self.evaluations[key], values=dict(wanted[key])) for key in keys]
 
     def _look(self) -> None:
@@ -115,24 +117,24 @@ class Run:
         return self.evaluations[key]
 
     def _landed(self, flying: dict[Future[Evaluation], str]) -> Iterator[Evaluation]:
-        done, _ = wait(flying, POLL, FIRST_COMPLETED)
-        for future in done:
+        finished, _ = wait(flying, POLL, FIRST_COMPLETED)
+        for future in finished:
             key = flying[future]
             try:
-                found = future.result()
+                evaluation = future.result()
             except BrokenProcessPool:
                 rule = "a worker was ended, most likely for want of memory; take fewer workers"
                 raise ExhaustedError(rule) from None
             del flying[future]
-            yield self._kept(key, found)
+            yield self._kept(key, evaluation)
 
-    def _kept(self, key: str, found: Evaluation) -> Evaluation:
-        self.evaluations[key] = found
-        self.asked += 1
+    def _kept(self, key: str, evaluation: Evaluation) -> Evaluation:
+        self.evaluations[key] = evaluation
+        self.evaluated += 1
         if self.log is not None:
-            self.log.append(found)
+            self.log.append(evaluation)
             self._release(key)
-        return found
+        return evaluation
 
     def _release(self, key: str) -> None:
         if self.log is not None:
@@ -151,8 +153,8 @@ def workers(count: int = 1, dask: str | Any | None = None) -> Iterator[Workers]:
     if dask is not None:
         if count != 1:
             raise InputError("workers", "is told by the cluster", count, "leave it out")
-        with _cluster(dask) as found:
-            yield found
+        with _cluster(dask) as cluster:
+            yield cluster
     elif count == 1:
         yield Workers()
     else:

@@ -19,14 +19,14 @@ from scipy.spatial.distance import cdist
 from scipy.stats import rankdata
 
 from skincad.base.arrays import Array
-from skincad.studies.knobs import Knob
+from skincad.studies.knobs import DesignVariable
 from skincad.studies.optimisers import (
     NEAR,
+    Archive,
     Cma,
     Name,
     Optimiser,
-    Told,
-    Tried,
+    Outcome,
     levels,
     optimiser,
 )
@@ -47,7 +47,7 @@ BROKEN, REFUSED = 1e30, 1e60  # above each loss: where a limit is broken, and wh
 Task = tuple[str, float, float]  # of a line: edge, valley or gap, and between which places
 
 
-def combinations(knobs: Sequence[Knob]) -> int | None:
+def combinations(knobs: Sequence[DesignVariable]) -> int | None:
     """Return how many designs there are; None if a key has a continuous range."""
     counts = [levels(knob) for knob in knobs]
     return math.prod(counts) if all(counts) else None
@@ -55,12 +55,12 @@ def combinations(knobs: Sequence[Knob]) -> int | None:
 
 def search(
     name: Name | None,
-    knobs: tuple[Knob, ...],
+    knobs: tuple[DesignVariable, ...],
     losses: int,
     budget: int,
     seed: int,
     start: Array | None,
-    known: Sequence[Told] = (),
+    known: Sequence[Outcome] = (),
 ) -> Optimiser:
     """Return the search that suits the keys and `budget` evaluations; `name` is the study's optimiser.
 
@@ -80,7 +80,7 @@ def search(
         return Surrogate(knobs, losses, budget, seed, start, known)
     fits = share >= PER_CHOICE * (len(knobs) - len(discrete))
     if losses == 1 and discrete and name is None and (fits or budget <= MAX_FITTED):
-        return Shared(knobs, budget, seed, start, fits, known)
+        return HalvingSearch(knobs, budget, seed, start, fits, known)
     return optimiser("cma" if losses == 1 else "nsga2", knobs, losses, seed, start)
 
 
@@ -88,7 +88,7 @@ def search(
 class Combinations:
     """All combinations, once."""
 
-    knobs: tuple[Knob, ...]
+    knobs: tuple[DesignVariable, ...]
 
     def __post_init__(self) -> None:
         self._rest = _places(self.knobs)
@@ -98,7 +98,7 @@ class Combinations:
         places, self._rest = self._rest, []
         return places
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take no note."""
 
 
@@ -118,16 +118,16 @@ class LineSearch:
     first one that they lack is asked next. Several losses have no valleys, but gaps in their front.
     """
 
-    knob: Knob
+    knob: DesignVariable
     losses: int
     budget: int
     start: Array | None = None
-    known: InitVar[Sequence[Told]] = ()
-    _known: dict[Value, Told] = field(default_factory=dict)
+    known: InitVar[Sequence[Outcome]] = ()
+    _known: dict[Value, Outcome] = field(default_factory=dict)
     _tasks: list[Task] = field(default_factory=list)
     _done: set[Task] = field(default_factory=set)
 
-    def __post_init__(self, known: Sequence[Told]) -> None:
+    def __post_init__(self, known: Sequence[Outcome]) -> None:
         count = levels(self.knob)
         self._finest = 0.5 / count if count else RESOLUTION
         even = np.linspace(0.0, 1.0, min(MAX_SCAN, max(2, self.budget // 2)))
@@ -144,10 +144,12 @@ class LineSearch:
             missing = self._missing([x for task in self._tasks if (x := self._next(*task)) is not None])
         return [np.array([x]) for x in missing]
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take the losses and limits of the places."""
-        places = [float(evaluation.place[0]) for evaluation in found]
-        self._known |= {self.knob.at(x): evaluation for x, evaluation in zip(places, found, strict=True)}
+        places = [float(evaluation.place[0]) for evaluation in evaluations]
+        self._known |= {
+            self.knob.at(x): evaluation for x, evaluation in zip(places, evaluations, strict=True)
+        }
         self._places = sorted({*self._places, *places})
 
     def _missing(self, places: Sequence[float]) -> list[float]:
@@ -179,7 +181,7 @@ class LineSearch:
             return unknown.place
         return None
 
-    def _at(self, x: float) -> Told:
+    def _at(self, x: float) -> Outcome:
         evaluation = self._known.get(self.knob.at(x))
         if evaluation is None:
             raise _UnknownError(float(x))
@@ -193,7 +195,7 @@ class LineSearch:
             one, other = self._at(low), self._at(high)
             if (one.broken <= 0) == (other.broken <= 0) or high - low <= self._finest:
                 continue
-            known = [float(each.losses[0]) for each in (one, other) if each.there]
+            known = [float(side.losses[0]) for side in (one, other) if side.there]
             hope = min(known) - (max(known) - min(known)) if len(known) == 2 else -math.inf
             if self.losses > 1 or hope <= best:
                 tasks.append((min(_loss(one), _loss(other)), ("edge", low, high)))
@@ -234,7 +236,7 @@ class LineSearch:
         )
 
     def _front_gaps(self, pairs: Sequence[tuple[float, float]]) -> list[Task]:
-        front = Tried(list(self._known.values())).front
+        front = Archive(list(self._known.values())).front
         members = {id(member) for member in front}
         losses = np.array([member.losses for member in front])
         spread = np.maximum(np.ptp(losses, axis=0), 1e-12)  # not 0 for a front of one
@@ -256,15 +258,15 @@ class Surrogate:
     the best predictions, the others are far from all that is evaluated. No design is asked twice.
     """
 
-    knobs: tuple[Knob, ...]
+    knobs: tuple[DesignVariable, ...]
     losses: int
     budget: int
     seed: int
     start: Array | None = None
-    known: InitVar[Sequence[Told]] = ()
-    _told: dict[tuple[float, ...], Told] = field(default_factory=dict)
+    known: InitVar[Sequence[Outcome]] = ()
+    _told: dict[tuple[float, ...], Outcome] = field(default_factory=dict)
 
-    def __post_init__(self, known: Sequence[Told]) -> None:
+    def __post_init__(self, known: Sequence[Outcome]) -> None:
         self._random = np.random.default_rng(self.seed)
         names = [len(knob.choices) for knob in self.knobs if any(isinstance(c, str) for c in knob.choices)]
         # nothing is predicted of a name that was not evaluated
@@ -280,7 +282,7 @@ class Surrogate:
         if not len(candidates):
             return []
         features = self._features(candidates)
-        known = np.array([told.place for told in self._told.values()])
+        known = np.array([evaluation.place for evaluation in self._told.values()])
         first = self.start if self.start is not None else np.full(len(self.knobs), 0.5)
         gaps = cdist(features, self._features(known if len(known) else np.array([first]))).min(axis=1)
         merit = self._predicted(features) if len(known) > self._spread else None
@@ -300,9 +302,9 @@ class Surrogate:
             gaps = np.minimum(gaps, np.linalg.norm(features - features[pick], axis=1))
         return [candidates[i] for i in chosen]
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take the losses and limits of the places."""
-        self._told |= {self._key(evaluation.place): evaluation for evaluation in found}
+        self._told |= {self._key(evaluation.place): evaluation for evaluation in evaluations}
 
     def _key(self, place: Array) -> tuple[float, ...]:
         """The steps of choices and whole numbers, and the places of others."""
@@ -317,7 +319,9 @@ class Surrogate:
             size, random = (MAX_CANDIDATES // 2, len(self.knobs)), self._random
             places = random.random(size)
             if self._told:
-                best = np.array([told.place for told in sorted(self._told.values(), key=_loss)[:BATCH]])
+                best = np.array(
+                    [evaluation.place for evaluation in sorted(self._told.values(), key=_loss)[:BATCH]]
+                )
                 parents = best[random.integers(len(best), size=size[0])]
                 changed = random.random(size) < 1.0 / size[1]
                 changed[np.arange(size[0]), random.integers(size[1], size=size[0])] = True
@@ -346,14 +350,16 @@ class Surrogate:
 
     def _predicted(self, features: Array) -> Array:
         """Losses as shares of their ranks `(n, losses)`, and behind them by how much limits are broken."""
-        told = sorted(self._told.values(), key=_loss)
-        told = told[: MAX_FITTED // 2] + told[MAX_FITTED // 2 :][-MAX_FITTED // 2 :]
-        there = [each for each in told if each.there]
-        refused = self._fit(told, np.array([[float(not each.there)] for each in told]), features)
+        evaluations = sorted(self._told.values(), key=_loss)
+        evaluations = evaluations[: MAX_FITTED // 2] + evaluations[MAX_FITTED // 2 :][-MAX_FITTED // 2 :]
+        there = [evaluation for evaluation in evaluations if evaluation.there]
+        refused = self._fit(
+            evaluations, np.array([[float(not evaluation.there)] for evaluation in evaluations]), features
+        )
         predicted = np.zeros((len(features), self.losses + 1))
         if there:
-            ranks = rankdata([each.losses for each in there], axis=0) / len(there)
-            limits = np.array([each.limits for each in there])
+            ranks = rankdata([evaluation.losses for evaluation in there], axis=0) / len(there)
+            limits = np.array([evaluation.limits for evaluation in there])
             limits = np.sign(limits) * np.log1p(np.abs(limits))  # a limit far away counts little
             predicted[:, :-1] = self._fit(there, ranks, features)
             if limits.size:
@@ -362,8 +368,8 @@ class Surrogate:
         predicted[:, -1] += np.where(refused[:, 0] > 0.5, 20.0, 0.0)
         return predicted
 
-    def _fit(self, told: Sequence[Told], numbers: Array, features: Array) -> Array:
-        places = self._features(np.array([each.place for each in told]))
+    def _fit(self, evaluations: Sequence[Outcome], numbers: Array, features: Array) -> Array:
+        places = self._features(np.array([evaluation.place for evaluation in evaluations]))
         ones, straight = np.ones((len(places), 1)), np.ones((len(features), 1))
         trend = np.linalg.lstsq(np.hstack([ones, places]), numbers, rcond=1e-6)[0]
         # a straight kernel needs no more than one evaluation, but has its least at one: the trend goes on
@@ -372,21 +378,21 @@ class Surrogate:
 
 
 @dataclass
-class Shared:
+class HalvingSearch:
     """Choices beside numbers: a search of the numbers for each combination of the choices.
 
     The worse half of them ends in each round (successive halving, Jamieson and Talwalkar 2016). If they don't
     all fit, a surrogate has the first half of the budget or more, and its best combination has the rest.
     """
 
-    knobs: tuple[Knob, ...]
+    knobs: tuple[DesignVariable, ...]
     budget: int
     seed: int
     start: Array | None
     fits: bool
-    known: InitVar[Sequence[Told]] = ()
+    known: InitVar[Sequence[Outcome]] = ()
 
-    def __post_init__(self, known: Sequence[Told]) -> None:
+    def __post_init__(self, known: Sequence[Outcome]) -> None:
         self._whole = np.array([bool(levels(knob)) for knob in self.knobs])
         self._spent = 0
         numbers = len(self.knobs) - int(self._whole.sum())
@@ -401,7 +407,9 @@ class Shared:
     def _begin(self, fixed: list[Array], start: Array | None) -> None:
         numbers = tuple(knob for knob in self.knobs if not levels(knob))
         known = [
-            self._inside(told) for told in self._told if np.array_equal(told.place[self._whole], fixed[0])
+            self._inside(evaluation)
+            for evaluation in self._told
+            if np.array_equal(evaluation.place[self._whole], fixed[0])
         ]
         share = (self.budget - self._spent) // len(fixed)
         self._fixed = fixed
@@ -415,8 +423,8 @@ class Shared:
         self._alive = list(range(len(fixed)))
         self._round, self._rounds = 1, 1 + math.ceil(math.log2(len(fixed)))
 
-    def _inside(self, told: Told) -> Told:
-        return Told(told.place[~self._whole], told.losses, told.limits)
+    def _inside(self, evaluation: Outcome) -> Outcome:
+        return Outcome(evaluation.place[~self._whole], evaluation.losses, evaluation.limits)
 
     def ask(self) -> list[Array]:
         """Return the next places of all combinations that are left."""
@@ -433,15 +441,19 @@ class Shared:
         place[self._whole], place[~self._whole] = fixed, numbers
         return place
 
-    def tell(self, found: Sequence[Told]) -> None:
+    def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take the losses and limits, and end the worse half where a round is over."""
-        self._spent += len(found)
+        self._spent += len(evaluations)
         if not self.fits:
-            self._surrogate.tell(found)
-            self._told += found
+            self._surrogate.tell(evaluations)
+            self._told += evaluations
             return
         for i in self._alive:
-            inner = [self._inside(told) for (j, _), told in zip(self._asked, found, strict=True) if j == i]
+            inner = [
+                self._inside(evaluation)
+                for (j, _), evaluation in zip(self._asked, evaluations, strict=True)
+                if j == i
+            ]
             if inner:
                 self._inner[i].tell(inner)
                 self._best[i] = min(self._best[i], *map(_loss, inner))
@@ -450,20 +462,20 @@ class Shared:
             self._round += 1
 
 
-def _places(knobs: Sequence[Knob]) -> list[Array]:
+def _places(knobs: Sequence[DesignVariable]) -> list[Array]:
     """All combinations as places on the unit cube, each in the middle of its step."""
     sizes = tuple(levels(knob) for knob in knobs)
     return [(np.array(index) + 0.5) / np.array(sizes) for index in np.ndindex(*sizes)]
 
 
-def _loss(evaluation: Told) -> float:
+def _loss(evaluation: Outcome) -> float:
     """The first loss; above all losses where limits are broken, and above that where there is no result."""
     if not evaluation.there:
         return REFUSED
     return float(evaluation.losses[0]) if evaluation.broken <= 0 else BROKEN * (1.0 + evaluation.broken)
 
 
-def _limit(evaluation: Told) -> float:
+def _limit(evaluation: Outcome) -> float:
     """The limit that is broken most: at most 0 where the design is allowed, 1 where there is no result."""
     if not evaluation.there:
         return 1.0

@@ -9,13 +9,13 @@ from typing import Any
 from skincad.base.errors import RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Result
-from skincad.studies.knobs import Knob
-from skincad.studies.question import Evaluation, Question
+from skincad.studies.knobs import DesignVariable
+from skincad.studies.question import Evaluation, Query
 from skincad.studies.subject import Subject, Value, changed
 
 
 @dataclass(frozen=True)
-class Solved:
+class SolutionPoint:
     """Values of the varied keys, the wanted results there, and which values the results' errors leave open.
 
     `interval` is `(low, high)` within the range of the one number that is varied, empty for several;
@@ -32,7 +32,7 @@ class Solved:
         """Return one entry of `solutions`."""
         return {
             "values": dict(self.values),
-            "reached": {key: found.as_json() for key, found in self.reached.items()},
+            "reached": {key: estimate.as_json() for key, estimate in self.reached.items()},
             "interval": {key: list(ends) for key, ends in self.interval.items()},
             "nearest": dict(self.nearest),
             "passed": self.passed,
@@ -50,11 +50,11 @@ class Solution(Result):
 
     shown_by = "skincad.outputs.solutions"
     subject: Subject
-    question: Question
+    question: Query
     target: Mapping[str, float]
-    knobs: tuple[Knob, ...]
-    solutions: tuple[Solved, ...]
-    closest: Solved | None
+    knobs: tuple[DesignVariable, ...]
+    solutions: tuple[SolutionPoint, ...]
+    closest: SolutionPoint | None
     evaluations: tuple[Evaluation, ...]
     notes: tuple[str, ...]
     seconds: float
@@ -88,11 +88,11 @@ class Solution(Result):
             "name": self.name,
             "target": dict(self.target),
             "vary": {knob.key: list(knob.choices) or [knob.low, knob.high] for knob in self.knobs},
-            "solutions": [each.as_json() for each in self.solutions],
+            "solutions": [entry.as_json() for entry in self.solutions],
             "closest": self.closest and self.closest.as_json(),
             "tier": self.question.tier,
             "evaluations": len(self.evaluations),
-            "refused": sum(bool(each.refused) for each in self.evaluations),
+            "refused": sum(bool(entry.refused) for entry in self.evaluations),
             "feasible": self.feasible,
             "searched": "complete" if self.complete else "partial",
             "notes": list(self.notes),

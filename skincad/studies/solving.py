@@ -17,19 +17,19 @@ from skincad.base.errors import InputError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
-from skincad.studies.asking import GUIDE, Asking, scaled, short
-from skincad.studies.knobs import Knob, Told, knobs, nearest_silicone
+from skincad.studies.asking import GUIDE, Evaluator, scaled, short
+from skincad.studies.knobs import DesignVariable, Outcome, knobs, nearest_silicone
 from skincad.studies.least_change import least_change
 from skincad.studies.measures import slack
 from skincad.studies.question import Evaluation, first_able, question_of
 from skincad.studies.roots import STEP, Search, search
-from skincad.studies.solution import Solution, Solved
+from skincad.studies.solution import Solution, SolutionPoint
 from skincad.studies.subject import Subject, Value, owner
 
 TOL = 5e-3  # of the wanted value; what a mesh's error is by default
 ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
 CHEAP = 200  # evaluations of one number at most, where they take milliseconds
-FINE = 1 / 32  # of the range: how far apart places may be before there is no value, where they are cheap
+FINE = 1 / 32  # of the range: how far cuts places may be before there is no value, where they are cheap
 MOST_CHOICES = 256  # combinations of choices, each solved by itself
 TIERS = ("corrected", "linear", "winkler")  # the first that takes the design: one for all its evaluations
 Values = dict[str, Value]
@@ -38,7 +38,7 @@ Values = dict[str, Value]
 def solve(
     subject: Subject,
     target: Mapping[str, float],
-    vary: Mapping[str, Told],
+    vary: Mapping[str, Outcome],
     *,
     tier: str | None = None,
     tol: float = TOL,
@@ -61,40 +61,40 @@ def solve(
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = tuple(knob for knob in varied if knob not in stepped)
     lists = [knob.values() for knob in stepped]
-    asked = question_of(subject, tier=tier, force=force)
+    question = question_of(subject, tier=tier, force=force)
     if isinstance(subject, Design) and tier in (None, "auto"):
-        asked = replace(asked, tier=first_able(TIERS, subject))
-    asking = Asking(subject, asked, target, progress)
-    if asking.guided:
+        question = replace(question, tier=first_able(TIERS, subject))
+    evaluator = Evaluator(subject, question, target, progress)
+    if evaluator.guided:
         try:
-            asking.guide({})
+            evaluator.guide({})
         except InputError:  # a dearer model's result may have more numbers: its first answer names them
-            asking.unlike = True
+            evaluator.unlike = True
     notes: list[str] = []
-    step = FINE if asked.kind == "circuit" or asked.tier == GUIDE else STEP
+    step = FINE if question.kind == "circuit" or question.tier == GUIDE else STEP
     most = evaluations or (SEVERAL if len(smooth) > 1 else CHEAP if step == FINE else ONE)
-    solved: list[Solved] = []
+    solved: list[SolutionPoint] = []
     complete = True
     for combination in itertools.product(*lists):
         fixed = {knob.key: value for knob, value in zip(stepped, combination, strict=True)}
         if not smooth:
-            solved += _chosen(asking, fixed, tol)
+            solved += _chosen(evaluator, fixed, tol)
         elif len(smooth) == 1:
-            roots, whole = _crossings(asking, fixed, smooth[0], tol, most, notes, step)
+            roots, whole = _crossings(evaluator, fixed, smooth[0], tol, most, notes, step)
             solved, complete = solved + roots, complete and whole
         else:
-            solved += _least_changed(asking, fixed, smooth, tol, most, notes)
+            solved += _least_changed(evaluator, fixed, smooth, tol, most, notes)
             complete = False  # it walks from the start, and looks at no more than its way
-    return _told(asking, varied, solved, complete, notes, perf_counter() - began)
+    return _told(evaluator, varied, solved, complete, notes, perf_counter() - began)
 
 
 def _varied(
     subject: Subject,
     target: Mapping[str, float],
-    vary: Mapping[str, Told],
+    vary: Mapping[str, Outcome],
     tol: float,
     evaluations: int | None,
-) -> tuple[Knob, ...]:
+) -> tuple[DesignVariable, ...]:
     """The knobs of what is asked; raises InputError for what can't be."""
     require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
     if evaluations is not None:
@@ -119,32 +119,39 @@ def _varied(
 
 
 def _told(
-    asking: Asking,
-    varied: tuple[Knob, ...],
-    solved: list[Solved],
+    evaluator: Evaluator,
+    varied: tuple[DesignVariable, ...],
+    solved: list[SolutionPoint],
     complete: bool,
     notes: list[str],
     seconds: float,
 ) -> Solution:
-    evaluations = tuple(asking.evaluations.values())
-    refused = [each.refused for each in evaluations if each.refused]
+    evaluations = tuple(evaluator.evaluations.values())
+    refused = [evaluation.refused for evaluation in evaluations if evaluation.refused]
     if refused and len(refused) == len(evaluations):
         notes = [*notes, f"every value is refused, the first since {refused[0]}"]
-    for key in asking.target:
-        if not refused and evaluations and all(each.results[key].value is None for each in evaluations):
+    for key in evaluator.target:
+        if (
+            not refused
+            and evaluations
+            and all(evaluation.results[key].value is None for evaluation in evaluations)
+        ):
             notes = [*notes, f"the result has no {key} at any value that was tried"]
-    for each in solved:
-        notes = [*notes, *filter(None, (_uncast(asking.subject, *item) for item in each.values.items()))]
-    closest = min(evaluations, key=asking.off, default=None)
+    for evaluation in solved:
+        notes = [
+            *notes,
+            *filter(None, (_uncast(evaluator.subject, *item) for item in evaluation.values.items())),
+        ]
+    closest = min(evaluations, key=evaluator.off, default=None)
     near = None
-    if closest is not None and not solved and asking.off(closest) < math.inf:
-        near = _solved(asking, closest, {})
+    if closest is not None and not solved and evaluator.off(closest) < math.inf:
+        near = _solved(evaluator, closest, {})
     return Solution(
-        asking.subject,
-        asking.question,
-        asking.target or dict(asking.wished),
+        evaluator.subject,
+        evaluator.question,
+        evaluator.target or dict(evaluator.wished),
         varied,
-        tuple(sorted(solved, key=lambda each: _order(asking, varied, each))),
+        tuple(sorted(solved, key=lambda evaluation: _order(evaluator, varied, evaluation))),
         near,
         evaluations,
         tuple(dict.fromkeys(notes)),
@@ -153,17 +160,17 @@ def _told(
     )
 
 
-def _order(asking: Asking, varied: tuple[Knob, ...], solved: Solved) -> float:
+def _order(evaluator: Evaluator, varied: tuple[DesignVariable, ...], solved: SolutionPoint) -> float:
     """The least change first; of choices alone the one that comes nearest."""
     if not all(knob.choices or knob.whole for knob in varied):
         return _change(varied, solved.values)
     return max(
-        abs(float(found) - wanted) / (abs(wanted) or 1.0)
-        for found, wanted in zip(solved.reached.values(), asking.target.values(), strict=True)
+        abs(float(estimate) - wanted) / (abs(wanted) or 1.0)
+        for estimate, wanted in zip(solved.reached.values(), evaluator.target.values(), strict=True)
     )
 
 
-def _change(varied: tuple[Knob, ...], values: Mapping[str, Value]) -> float:
+def _change(varied: tuple[DesignVariable, ...], values: Mapping[str, Value]) -> float:
     """How far values are from the start's, in parts of their ranges; another choice is one whole range."""
     total = 0.0
     for knob in varied:
@@ -175,13 +182,15 @@ def _change(varied: tuple[Knob, ...], values: Mapping[str, Value]) -> float:
     return math.sqrt(total)
 
 
-def _solved(asking: Asking, found: Evaluation, interval: Mapping[str, tuple[float, float]]) -> Solved:
-    values = found.values
-    near = {key: nearest_silicone(asking.subject, key, value) for key, value in values.items()}
+def _solved(
+    evaluator: Evaluator, evaluation: Evaluation, interval: Mapping[str, tuple[float, float]]
+) -> SolutionPoint:
+    values = evaluation.values
+    near = {key: nearest_silicone(evaluator.subject, key, value) for key, value in values.items()}
     named = {key.replace("young_modulus", "name"): name for key, name in near.items() if name}
     named |= {key: value for key, value in values.items() if isinstance(value, str)}
-    reached = {key: found.results[key] for key in asking.target}
-    return Solved(dict(values), reached, interval, named, found.passed)
+    reached = {key: evaluation.results[key] for key in evaluator.target}
+    return SolutionPoint(dict(values), reached, interval, named, evaluation.passed)
 
 
 def _uncast(subject: Subject, key: str, value: Value) -> str:
@@ -189,7 +198,7 @@ def _uncast(subject: Subject, key: str, value: Value) -> str:
     if (nearest := nearest_silicone(subject, key, value)) is None or isinstance(value, str):
         return ""
     known = silicones(getattr(owner(subject, key)[0], "silicones", None))
-    moduli = [each.young_modulus for each in known.values()]
+    moduli = [material.young_modulus for material in known.values()]
     if value < min(modulus.low for modulus in moduli):
         which, most = "soft", "softest"
     elif value > max(modulus.high for modulus in moduli):
@@ -203,101 +212,106 @@ def _uncast(subject: Subject, key: str, value: Value) -> str:
     )
 
 
-def _chosen(asking: Asking, fixed: Values, tol: float) -> Iterator[Solved]:
+def _chosen(evaluator: Evaluator, fixed: Values, tol: float) -> Iterator[SolutionPoint]:
     """What choices alone give: a solution where the wish lies within the result's error."""
-    found = asking.ask(fixed)
-    told = asking.told(found)
-    if told is not None and all(
-        abs(x - y) <= max(tol * abs(y), slack(found.results[key]))
-        for x, (key, y) in zip(told, asking.target.items(), strict=True)
+    evaluation = evaluator.ask(fixed)
+    values = evaluator.told(evaluation)
+    if values is not None and all(
+        abs(x - y) <= max(tol * abs(y), slack(evaluation.results[key]))
+        for x, (key, y) in zip(values, evaluator.target.items(), strict=True)
     ):
-        yield _solved(asking, found, {})
+        yield _solved(evaluator, evaluation, {})
 
 
 def crossings(
-    asking: Asking, fixed: Values, knob: Knob, tol: float, most: int, notes: list[str]
-) -> Iterator[Solved]:
+    evaluator: Evaluator, fixed: Values, knob: DesignVariable, tol: float, most: int, notes: list[str]
+) -> Iterator[SolutionPoint]:
     """Yield the solutions for one number that few evaluations tell of; notes on the search go to `notes`."""
-    yield from _crossings(asking, fixed, knob, tol, most, notes, None)[0]
+    yield from _crossings(evaluator, fixed, knob, tol, most, notes, None)[0]
 
 
 def _crossings(
-    asking: Asking,
+    evaluator: Evaluator,
     fixed: Values,
-    knob: Knob,
+    knob: DesignVariable,
     tol: float,
     most: int,
     notes: list[str],
     step: float | None,
-) -> tuple[list[Solved], bool]:
+) -> tuple[list[SolutionPoint], bool]:
     """The solutions for one number, and whether the range has no others."""
 
     def values(share: float) -> Values:
         return {**fixed, knob.key: knob.at(share)}
 
-    def first(told: Callable[[Values], list[float] | None]) -> Callable[[float], float | None]:
+    def first(values_at: Callable[[Values], list[float] | None]) -> Callable[[float], float | None]:
         def function(share: float) -> float | None:
-            found = told(values(share))
-            return None if found is None else found[0]
+            reached = values_at(values(share))
+            return None if reached is None else reached[0]
 
         return function
 
-    function, guide = first(lambda each: asking.told(asking.ask(each))), first(asking.guide)
-    (wanted,) = asking.wished.values()
+    function, guide = first(lambda each: evaluator.told(evaluator.ask(each))), first(evaluator.guide)
+    (wanted,) = evaluator.wished.values()
     allowed = tol * (abs(wanted) or 1.0)
-    found = search(
+    zeros = search(
         function,
         wanted,
         allowed,
         most,
-        guide if asking.guided else None,
+        guide if evaluator.guided else None,
         _start(knob),
         step=step,
-        apart=[end for end, value in ((0.0, knob.low), (1.0, knob.high)) if value == 0],
+        cuts=[end for end, value in ((0.0, knob.low), (1.0, knob.high)) if value == 0],
     )
-    if not found.exact:
+    if not zeros.exact:
         notes.append(f"the search ended after {most} evaluations and may have missed some: --evaluations")
-    notes += [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in found.jumps]
+    notes += [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in zeros.jumps]
     roots = []
-    for share in found.roots:
-        answer = asking.ask(values(share))
-        roots.append(_solved(asking, answer, _interval(asking, knob, share, found, answer)))
-    return roots, found.complete
+    for share in zeros.roots:
+        answer = evaluator.ask(values(share))
+        roots.append(_solved(evaluator, answer, _interval(evaluator, knob, share, zeros, answer)))
+    return roots, zeros.complete
 
 
 def _interval(
-    asking: Asking, knob: Knob, share: float, found: Search, answer: Evaluation
+    evaluator: Evaluator, knob: DesignVariable, share: float, roots: Search, answer: Evaluation
 ) -> dict[str, tuple[float, float]]:
     """Which values the result's error leaves open, cut at the range's ends."""
-    error = answer.results[next(iter(asking.target))].error
+    error = answer.results[next(iter(evaluator.target))].error
     if error is None:
         return {}
-    low, high = found.within(share, error)
+    low, high = roots.within(share, error)
     return {knob.key: (float(knob.at(low)), float(knob.at(high)))}
 
 
 def _least_changed(
-    asking: Asking, fixed: Values, smooth: tuple[Knob, ...], tol: float, most: int, notes: list[str]
-) -> Iterator[Solved]:
+    evaluator: Evaluator,
+    fixed: Values,
+    smooth: tuple[DesignVariable, ...],
+    tol: float,
+    most: int,
+    notes: list[str],
+) -> Iterator[SolutionPoint]:
     """The least change of several numbers."""
-    wanted = np.array(list(asking.wished.values()), dtype=float)
+    wanted = np.array(list(evaluator.wished.values()), dtype=float)
 
     def values(place: Array) -> Values:
         return {**fixed, **{knob.key: knob.at(float(x)) for knob, x in zip(smooth, place, strict=True)}}
 
     def function(place: Array) -> Array | None:
-        told = asking.told(asking.ask(values(place)))
-        return None if told is None else scaled(np.array(told), wanted)
+        reached = evaluator.told(evaluator.ask(values(place)))
+        return None if reached is None else scaled(np.array(reached), wanted)
 
     tols = np.where(wanted > 0, tol, tol * np.where(wanted == 0, 1.0, np.abs(wanted)))
     path = least_change(function, np.array([_start(k) for k in smooth]), scaled(wanted, wanted), tols, most)
     if path.best is not None:
-        yield _solved(asking, asking.ask(values(path.best)), {})
+        yield _solved(evaluator, evaluator.ask(values(path.best)), {})
     elif len(path.seen) >= most:
         notes.append(f"the search ended after {most} evaluations: --evaluations allows more")
 
 
-def _start(knob: Knob) -> float:
+def _start(knob: DesignVariable) -> float:
     """The share of the range at which the design's own value lies, or the nearest end; else the middle."""
     known: Any = knob.start
     return knob.share(min(max(known, knob.low), knob.high)) if isinstance(known, int | float) else 0.5

@@ -17,17 +17,17 @@ KEY = "the result's key in --json, another result's after make. or check., or a 
 FORM = 1  # of the file; a later skincad that reads it otherwise counts on
 
 
-def _flat(given: Any) -> Any:
+def _flat(data: Any) -> Any:
     """Keys with dots, whether they were written in quotes or as tables in each other."""
-    if not isinstance(given, dict):
-        return given
-    found: dict[str, Any] = {}
-    for key, value in given.items():
+    if not isinstance(data, dict):
+        return data
+    flat: dict[str, Any] = {}
+    for key, value in data.items():
         if isinstance(value, dict):
-            found |= {f"{key}.{inner}": each for inner, each in _flat(value).items()}
+            flat |= {f"{key}.{inner}": inner_value for inner, inner_value in _flat(value).items()}
         else:
-            found[str(key)] = value
-    return found
+            flat[str(key)] = value
+    return flat
 
 
 class Objective(Table):
@@ -103,7 +103,7 @@ class Study(Document):
     @property
     def aims(self) -> list[str]:
         """The keys of objectives and constraints."""
-        return [each.key for each in self.objectives] + [each.key for each in self.constraints]
+        return [aim.key for aim in self.objectives] + [aim.key for aim in self.constraints]
 
     def subject(self) -> Subject:
         """Return what the study starts from."""

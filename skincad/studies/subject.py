@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import text_of
-from skincad.base.tables import Ranged, no_entry, table_of
+from skincad.base.tables import NumberWithRange, no_entry, table_of
 from skincad.base.version import __version__
 from skincad.circuit.model import Circuit, load_circuit
 from skincad.effects import effect
@@ -68,12 +68,12 @@ def owner(subject: Subject, key: str) -> tuple[Subject, str]:
 
 def _behind(scene: Scene, key: str) -> str:
     """The name of the effect with the scene's circuit."""
-    found = [
+    names = [
         name for name, part in scene.parts.items() if isinstance(getattr(part, "circuit", None), Circuit)
     ]
-    if not found:
+    if not names:
         raise InputError(key, "needs an amplifier, which this scene has not", remedy="add [effects.piezo]")
-    return found[0]
+    return names[0]
 
 
 def changed(subject: Subject, values: Mapping[str, Setting]) -> Subject:
@@ -96,27 +96,27 @@ def _changed_scene(scene: Scene, values: Mapping[str, Setting]) -> Scene:
     inner: dict[str, dict[str, Setting]] = {SKIN: {}, CIRCUIT: {}}
     outer = dict[str, Setting]()
     for key, value in values.items():
-        _, own = owner(scene, key)
-        before = key.removesuffix(own)
-        (inner[before] if before else outer)[own] = value
-    found: dict[str, Any] = {}
+        _, inner_key = owner(scene, key)
+        before = key.removesuffix(inner_key)
+        (inner[before] if before else outer)[inner_key] = value
+    parts: dict[str, Any] = {}
     named = {key: value for key, value in outer.items() if key == "skin" or key.endswith(".circuit")}
     # a name that is varied too is the one that the keys within it belong to
     chosen = _changed_scene(scene, named) if named and any(inner.values()) else scene
     for before, own_values in inner.items():
         if own_values:
             try:
-                found[before] = changed(owner(chosen, before)[0], own_values)
+                parts[before] = changed(owner(chosen, before)[0], own_values)
             except InputError as failure:
                 raise failure.under(before.removesuffix(".")) from None
     tables = overridden({**_tables(scene), "skin": scene.skin}, _settings(outer))
-    if SKIN in found:
-        tables["skin"] = found[SKIN]
-    if CIRCUIT in found:
+    if SKIN in parts:
+        tables["skin"] = parts[SKIN]
+    if CIRCUIT in parts:
         name = _behind(scene, CIRCUIT)
         tables["effects"] = {
             **tables["effects"],
-            name: {**tables["effects"][name], "circuit": found[CIRCUIT]},
+            name: {**tables["effects"][name], "circuit": parts[CIRCUIT]},
         }
     return Scene(**tables)
 
@@ -132,7 +132,7 @@ def _settings(values: Mapping[str, Any]) -> list[str]:
 
 def _toml(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {_toml(entry)}" for key, entry in value.items()) + "}"
     return json.dumps(value)
 
 
@@ -151,7 +151,7 @@ def _spread(design: Design, key: str, value: Setting) -> Any:
         return value
     known = silicone(design).young_modulus
     ends = {"low": known.low, "high": known.high}
-    return {"value": value, **{end: each / known.value * value for end, each in ends.items()}}
+    return {"value": value, **{end: end_value / known.value * value for end, end_value in ends.items()}}
 
 
 def value_of(subject: Subject, key: str) -> Value | None:
@@ -159,18 +159,18 @@ def value_of(subject: Subject, key: str) -> Value | None:
     subject, key = owner(subject, key)
     if key == "material.young_modulus" and isinstance(subject, Design):
         return silicone(subject).young_modulus.value
-    found = _at(_tables(subject), key)
-    return found if isinstance(found, int | float | str) else NOT_GIVEN.get(key)
+    value = _at(_tables(subject), key)
+    return value if isinstance(value, int | float | str) else NOT_GIVEN.get(key)
 
 
 def field_of(subject: Subject, key: str) -> FieldInfo:
     """Return the field of a key; raises InputError, with the nearest name, for one that there is not."""
-    whose, own = owner(subject, key)
+    whose, name = owner(subject, key)
     if whose is not subject:
         try:
-            return field_of(whose, own)
+            return field_of(whose, name)
         except InputError as failure:
-            raise failure.under(key.removesuffix(own).removesuffix(".")) from None
+            raise failure.under(key.removesuffix(name).removesuffix(".")) from None
     parts = [part for part in key.split(".") if part] or [key]
     model: type[BaseModel] = type(subject)
     field: FieldInfo | None = None
@@ -190,10 +190,10 @@ def field_of(subject: Subject, key: str) -> FieldInfo:
         if part not in model.model_fields:
             raise InputError(key, "unknown key", remedy=did_you_mean(part, model.model_fields))
         field, inner = model.model_fields[part], table_of(model, part)
-        if inner is not None and inner is not Ranged:
+        if inner is not None and inner is not NumberWithRange:
             named = "dict[" in str(field.annotation)
             model = inner
-    if inner is not None and inner is not Ranged:
+    if inner is not None and inner is not NumberWithRange:
         raise InputError(key, "is a table, not a number", remedy=did_you_mean("", inner.model_fields))
     assert field is not None  # a key has one part at least
     return field
@@ -203,9 +203,9 @@ def kinds(field: FieldInfo) -> Iterator[Any]:
     """Yield every type, and every choice, in a field's annotation."""
     left = [field.annotation]
     while left:
-        each = left.pop()
-        left += get_args(each)
-        yield each
+        kind = left.pop()
+        left += get_args(kind)
+        yield kind
 
 
 def fingerprint(subject: Subject) -> str:
@@ -221,7 +221,7 @@ def fingerprint(subject: Subject) -> str:
 def _files(data: Any) -> Iterator[str]:
     """What stands in the files that a subject names."""
     if isinstance(data, dict | list):
-        for each in data.values() if isinstance(data, dict) else data:
-            yield from _files(each)
+        for entry in data.values() if isinstance(data, dict) else data:
+            yield from _files(entry)
     elif isinstance(data, str) and data.endswith(".toml"):
         yield text_of(Path(data), data, LARGEST_FILE, "TOML")

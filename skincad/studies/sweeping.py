@@ -16,10 +16,10 @@ from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.inputs.design import Design
 from skincad.mechanics.tiers.table import TIERS, expected_seconds, unsupported_reason
-from skincad.studies.knobs import Knob, Told, knobs
+from skincad.studies.knobs import DesignVariable, Outcome, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded
-from skincad.studies.question import Evaluation, Question, first_able, question_of
+from skincad.studies.question import Evaluation, Query, first_able, question_of
 from skincad.studies.ranking import Goal, Ranking, ranking, require_goal
 from skincad.studies.running import Run, Values
 from skincad.studies.running import workers as working
@@ -42,8 +42,8 @@ class SweepResult(Result):
 
     shown_by = "skincad.outputs.sweeps"
     subject: Subject
-    question: Question
-    knobs: tuple[Knob, ...]
+    question: Query
+    knobs: tuple[DesignVariable, ...]
     rows: tuple[Evaluation, ...]
     rankings: tuple[Ranking, ...]
     next_tier: tuple[str, float] | None
@@ -64,15 +64,15 @@ class SweepResult(Result):
     @property
     def keys(self) -> tuple[str, ...]:
         """The results that some row has a value of, without those of the run."""
-        found = dict.fromkeys(
-            key for row in self.rows for key, told in row.results.items() if told.value is not None
+        names = dict.fromkeys(
+            key for row in self.rows for key, estimate in row.results.items() if estimate.value is not None
         )
         return tuple(
             key
-            for key in found
+            for key in names
             if key not in INPUTS
             and not key.startswith(UNTOLD)
-            and not (key.endswith((".min", ".max", ".last")) and f"{key.rpartition('.')[0]}.1" in found)
+            and not (key.endswith((".min", ".max", ".last")) and f"{key.rpartition('.')[0]}.1" in names)
         )
 
     def best(self, number: int = 1) -> Evaluation:
@@ -94,7 +94,7 @@ class SweepResult(Result):
             "name": self.name,
             "vary": {knob.key: list(knob.choices) or [knob.low, knob.high] for knob in self.knobs},
             "rows": [self._row(row) for row in self.rows],
-            "ranked_by": [{"key": each.key, "goal": each.goal} for each in self.rankings],
+            "ranked_by": [{"key": ranking.key, "goal": ranking.goal} for ranking in self.rankings],
             "ranking": [{"row": rank.row, "wins": rank.wins} for rank in first.ranks] if first else [],
             "ties": [list(tie) for tie in first.ties] if first else [],
             "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
@@ -105,10 +105,10 @@ class SweepResult(Result):
         }
 
     def _row(self, row: Evaluation) -> dict[str, Any]:
-        told = {key: row.results[key].as_json() for key in self.keys if key in row.results}
+        results = {key: row.results[key].as_json() for key in self.keys if key in row.results}
         return {
             "values": dict(row.values),
-            "results": told,
+            "results": results,
             "passed": row.passed,
             "refused": row.refused or None,
             "tier": row.tier or None,
@@ -119,16 +119,16 @@ class SweepResult(Result):
         has none."""
         import numpy as np
 
-        told: dict[str, Any] = {
+        columns: dict[str, Any] = {
             knob.key: np.array([row.values[knob.key] for row in self.rows]) for knob in self.knobs
         }
         for key in self.keys:
-            found = [row.results.get(key) for row in self.rows]
+            estimates = [row.results.get(key) for row in self.rows]
             for name, part in ((key, "value"), (f"{key}.error", "error")):
-                numbers = [None if each is None else getattr(each, part) for each in found]
+                numbers = [None if estimate is None else getattr(estimate, part) for estimate in estimates]
                 if part == "value" or any(number is not None for number in numbers):
-                    told[name] = np.array([math.nan if n is None else n for n in numbers])
-        return told
+                    columns[name] = np.array([math.nan if n is None else n for n in numbers])
+        return columns
 
     def frame(self) -> Any:
         """Return the rows as a pandas DataFrame; InputError where pandas is not installed."""
@@ -142,7 +142,7 @@ class SweepResult(Result):
 
 def sweep(
     subject: Subject,
-    vary: Mapping[str, Told],
+    vary: Mapping[str, Outcome],
     *,
     sample: int | None = None,
     rank: Mapping[str, Goal] | None = None,
@@ -176,15 +176,15 @@ def sweep(
     wanted: dict[str, Goal] = dict(rank) if rank else dict(DEFAULT.get(question.kind, {}))
     for goal in wanted.values():
         require_goal(goal)
-    done: list[Evaluation] = []
+    evaluations: list[Evaluation] = []
 
-    def told(found: Evaluation, count: int, _: int) -> None:
-        if found.results and not any(row.results for row in done):
+    def told(evaluation: Evaluation, count: int, _: int) -> None:
+        if evaluation.results and not any(row.results for row in evaluations):
             for key in wanted:
-                resolved(key, found.results, what="rank")  # a misspelt one costs one row, not all
-        done.append(found)
+                resolved(key, evaluation.results, what="rank")  # a misspelt one costs one row, not all
+        evaluations.append(evaluation)
         if tick is not None:
-            tick(_best(done, wanted), count)
+            tick(_best(evaluations, wanted), count)
 
     with working(workers, dask) as who:
         rows = run.at(points, who, told)
@@ -194,17 +194,19 @@ def sweep(
     following = _next_tier(subject, question, rankings[0]) if rankings else None
     seconds = perf_counter() - began
     return SweepResult(
-        subject, question, varied, tuple(rows), rankings, following, run.asked, run.reused, seconds
+        subject, question, varied, tuple(rows), rankings, following, run.evaluated, run.reused, seconds
     )
 
 
-def _best(done: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
+def _best(rows: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
     """What the bar says: the best of the first ranking so far."""
     for key, goal in wanted.items():
-        found = [row.results for row in done if not row.refused]
-        known = [resolved(key, results) for results in found[:1]]
+        results_of_rows = [row.results for row in rows if not row.refused]
+        known = [resolved(key, results) for results in results_of_rows[:1]]
         values = [
-            each.value for results in found if (each := results.get(known[0])) and each.value is not None
+            estimate.value
+            for results in results_of_rows
+            if (estimate := results.get(known[0])) and estimate.value is not None
         ]
         if values:
             return f"best {worded(known[0], min(values) if goal == 'min' else max(values))}"
@@ -221,7 +223,7 @@ def log_in(folder: Path | str | None, *, fresh: bool) -> Log | None:
     return log
 
 
-def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = None) -> list[Values]:
+def points_of(subject: Subject, vary: Mapping[str, Outcome], sample: int | None = None) -> list[Values]:
     """Return the values of all rows: the grid, or with `sample` that many Sobol points.
 
     Raises InputError for keys and ranges that can't be used, and for too many.
@@ -235,7 +237,8 @@ def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = N
             )
         keys = [knob.key for knob in varied]
         return [
-            dict(zip(keys, each, strict=True)) for each in itertools.product(*(k.values() for k in varied))
+            dict(zip(keys, combination, strict=True))
+            for combination in itertools.product(*(k.values() for k in varied))
         ]
     rule = f"must be from 1 to {MOST_ROWS}"
     require_number("sample", sample, lambda value: 1 <= value <= MOST_ROWS and value == int(value), rule)
@@ -250,12 +253,12 @@ def points_of(subject: Subject, vary: Mapping[str, Told], sample: int | None = N
     return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
 
 
-def _next_tier(subject: Subject, question: Question, found: Ranking) -> tuple[str, float] | None:
+def _next_tier(subject: Subject, question: Query, ranking: Ranking) -> tuple[str, float] | None:
     """The next model that leaves less out, and its seconds for the rows that tie for the first place."""
-    if question.kind != "check" or not found.ties or not found.ranks or not isinstance(subject, Design):
+    if question.kind != "check" or not ranking.ties or not ranking.ranks or not isinstance(subject, Design):
         return None
-    first = found.ties[0]
-    if found.ranks[0].row not in first or question.tier not in TIERS:
+    first = ranking.ties[0]
+    if ranking.ranks[0].row not in first or question.tier not in TIERS:
         return None
     # the closed form's error is not told by what it leaves out
     names, rough = list(TIERS), question.tier == "winkler"

@@ -17,7 +17,7 @@ from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.studies.measures import resolved, slack
 from skincad.studies.optimisation import Member
-from skincad.studies.optimisers import Told, Tried
+from skincad.studies.optimisers import Archive, Outcome
 from skincad.studies.question import Kind
 from skincad.studies.study import Limit, Objective, Study
 
@@ -38,7 +38,7 @@ def _sign(of: Objective | str) -> float:
 
 
 @dataclass
-class Weighing:
+class RobustObjective:
     """A study's aims, and by model, key and which end is worse the factor and the difference of the judge's
     worse end from the model's value."""
 
@@ -49,42 +49,42 @@ class Weighing:
         """Return the names of the other results that objectives and limits are about."""
         return [kind for kind in OTHERS if any(key.startswith(f"{kind}.") for key in self.study.aims)]
 
-    def told(self, place: Array, results: Results | None, model: Model) -> Told:
+    def told(self, place: Array, results: Results | None, model: Model) -> Outcome:
         """Return losses and limits at a place by what the judge would say; limits of numbers that the closed
         form does not tell are taken as kept."""
         if not results:
-            return Told(
+            return Outcome(
                 place, np.full(len(self.study.objectives), np.nan), np.full(len(self._limits()), np.nan)
             )
         limits = np.array([self._excess(limit, results, side, model) for limit, side in self._limits()])
-        kept = np.nan_to_num(limits, nan=-1.0) if model == "guide" else limits
-        return Told(place, np.array(self._losses(results, model)), kept)
+        margins = np.nan_to_num(limits, nan=-1.0) if model == "guide" else limits
+        return Outcome(place, np.array(self._losses(results, model)), margins)
 
     def member(self, values: Mapping[str, float | int | str], results: Results, tier: str) -> Member:
         """Return what the judge's results make of a design."""
-        kept: dict[str, bool] = {}
+        met: dict[str, bool] = {}
         for limit, side in self._limits():
             key = resolved(limit.key, results, what="key")
-            kept[key] = kept.get(key, True) and self._excess(limit, results, side, "judge") <= 0
-        wanted = [resolved(each.key, results, what="key") for each in self.study.objectives]
+            met[key] = met.get(key, True) and self._excess(limit, results, side, "judge") <= 0
+        wanted = [resolved(objective.key, results, what="key") for objective in self.study.objectives]
         return Member(
             dict(values),
             {key: results[key] for key in wanted},
-            {key: (results[key], good) for key, good in kept.items()},
+            {key: (results[key], good) for key, good in met.items()},
             tier,
         )
 
     def correct(self, member: Member, results: Results, model: Model) -> None:
         """Take from a judged design how the judge's worse ends differ from what a model says of it."""
-        judged = {**member.objectives, **{key: each for key, (each, _) in member.constraints.items()}}
-        wanted = [(each.key, _sign(each)) for each in self.study.objectives]
+        judged = {**member.objectives, **{key: estimate for key, (estimate, _) in member.constraints.items()}}
+        wanted = [(estimate.key, _sign(estimate)) for estimate in self.study.objectives]
         wanted += [(limit.key, _sign(side)) for limit, side in self._limits()]
         for key, sign in wanted:
             name = resolved(key, judged, what="key")
-            mine, each = results.get(name), judged[name]
-            if mine is None or mine.value is None or each.value is None or mine == each:
+            mine, estimate = results.get(name), judged[name]
+            if mine is None or mine.value is None or estimate.value is None or mine == estimate:
                 continue  # what both say alike, each design has with its own error
-            worse = each.value + sign * self._slack(each)
+            worse = estimate.value + sign * self._slack(estimate)
             by_factor = name.rpartition(".")[2] not in DIFFERENCES and worse * mine.value > 0
             self.differs[model, name, sign] = (
                 (worse / mine.value, 0.0) if by_factor else (1.0, worse - mine.value)
@@ -94,19 +94,21 @@ class Weighing:
         """Return members, those that keep all constraints first, the best of the first objective first."""
         return sorted(members, key=lambda each: (not each.allowed, self._losses(each.objectives, "judge")[0]))
 
-    def unbeaten(self, members: Sequence[Member]) -> list[Member]:
+    def pareto_front(self, members: Sequence[Member]) -> list[Member]:
         """Return the members that no other one beats in all objectives; of one objective the first alone.
 
         The first few cover the front: each is the one that is farthest from those before it.
         """
         if len(self.study.objectives) == 1:
             return list(members[:1])
-        told = [
-            Told(np.zeros(0), np.array(self._losses(m.objectives, "judge")), np.zeros(0)) for m in members
+        evaluations = [
+            Outcome(np.zeros(0), np.array(self._losses(m.objectives, "judge")), np.zeros(0)) for m in members
         ]
-        best = {id(each) for each in (Tried(told).front if told else [])}
-        front = [member for member, each in zip(members, told, strict=True) if id(each) in best]
-        losses = np.array([each.losses for each in told if id(each) in best])
+        best = {id(evaluation) for evaluation in (Archive(evaluations).front if evaluations else [])}
+        front = [
+            member for member, evaluation in zip(members, evaluations, strict=True) if id(evaluation) in best
+        ]
+        losses = np.array([evaluation.losses for evaluation in evaluations if id(evaluation) in best])
         order = list(range(len(front)))
         for i in range(1, len(front)):
             gaps = np.abs(losses[order[i:], None] - losses[order[:i]]) / (np.ptp(losses, axis=0) + 1e-300)
@@ -124,7 +126,8 @@ class Weighing:
 
     def _losses(self, results: Results, model: Model) -> list[float]:
         return [
-            _sign(each) * self._worse(each.key, results, _sign(each), model) for each in self.study.objectives
+            _sign(objective) * self._worse(objective.key, results, _sign(objective), model)
+            for objective in self.study.objectives
         ]
 
     def _excess(self, limit: Limit, results: Results, side: str, model: Model) -> float:
@@ -136,14 +139,14 @@ class Weighing:
     def _worse(self, key: str, results: Results, sign: float, model: Model) -> float:
         """A number's worse end, as the judge would have it where that is known; NaN where there is none."""
         kind = key.partition(".")[0]
-        if kind in OTHERS and not any(each.startswith(f"{kind}.") for each in results):
+        if kind in OTHERS and not any(result.startswith(f"{kind}.") for result in results):
             return math.nan
         name = resolved(key, results, what="key")
-        found = results[name]
-        if found.value is None:
+        estimate = results[name]
+        if estimate.value is None:
             return math.nan
-        factor, more = self.differs.get((model, name, sign), (1.0, sign * self._slack(found)))
-        return found.value * factor + more
+        factor, more = self.differs.get((model, name, sign), (1.0, sign * self._slack(estimate)))
+        return estimate.value * factor + more
 
-    def _slack(self, found: Estimate) -> float:
-        return slack(found) if self.study.robust else 0.0
+    def _slack(self, estimate: Estimate) -> float:
+        return slack(estimate) if self.study.robust else 0.0

@@ -13,22 +13,24 @@ from skincad.base.climbing import Ascent, by_price, climb
 
 
 @dataclass(frozen=True)
-class Rung:
+class SolverLevel:
     error: float
     price: float
 
 
-RUNGS = (Rung(0.3, 1.0), Rung(0.1, 2.0), Rung(0.03, 4.0))
+RUNGS = (SolverLevel(0.3, 1.0), SolverLevel(0.1, 2.0), SolverLevel(0.03, 4.0))
 
 
 class Stairs:
     """Rungs that take their price in s; those of `refused` raise that instead."""
 
-    def __init__(self, patch: pytest.MonkeyPatch, refused: dict[Rung, BaseException] | None = None) -> None:
-        self.now, self.refused, self.tried = 50.0, refused or {}, list[Rung]()
+    def __init__(
+        self, patch: pytest.MonkeyPatch, refused: dict[SolverLevel, BaseException] | None = None
+    ) -> None:
+        self.now, self.refused, self.tried = 50.0, refused or {}, list[SolverLevel]()
         patch.setattr(climbing, "perf_counter", lambda: self.now)
 
-    def solve(self, rung: Rung, before: Ascent[Rung, Rung, str] | None) -> Rung:
+    def solve(self, rung: SolverLevel, before: Ascent[SolverLevel, SolverLevel, str] | None) -> SolverLevel:
         self.tried.append(rung)
         assert before is None or before.rungs == tuple(r for r in self.tried[:-1] if r not in self.refused)
         if rung in self.refused:
@@ -36,7 +38,9 @@ class Stairs:
         self.now += rung.price
         return rung
 
-    def climbed(self, tol: float = 0.0, budget: float | None = None, **more: Any) -> Ascent[Rung, Rung, str]:
+    def climbed(
+        self, tol: float = 0.0, budget: float | None = None, **more: Any
+    ) -> Ascent[SolverLevel, SolverLevel, str]:
         self.tried.clear()
         asked = {"began": self.now, "ends": (ValueError,), "price": by_price, **more}
         return climb(self.solve, RUNGS, lambda rung, _, old: (f"{old}", rung.error), tol, budget, **asked)

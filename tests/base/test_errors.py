@@ -84,4 +84,4 @@ def test_nothing_catches_all_but_the_command_lines_end() -> None:
                 if wide and not isinstance(node.body[-1], ast.Raise):
                     found.append(file.name)
     # a page of sliders stays, whatever a design leads to: it shows the failure and prints its traceback
-    assert sorted(found) == ["cli.py", "desk.py", "page.py", "worker.py"]
+    assert sorted(found) == ["desk.py", "page.py", "process.py", "worker.py"]

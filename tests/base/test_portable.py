@@ -22,7 +22,7 @@ from skincad.circuit.model import load_circuit
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.making import MakeResult, PartReport
 from skincad.ladders.climbing import Accuracy
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.material.fit import fit_material
 from skincad.mechanics.contact.grip import GrossSlip
 from skincad.mechanics.film.stress import film_stress
@@ -102,7 +102,9 @@ def results(folder: Path) -> dict[str, Any]:
     part = PartReport("skin", 1.0, 2.0, 6, True, True, 0, 1e-3, 2e-3)
     finding = Finding("sag", "strip 1", 0.2, 0.1, "mm", "warning", "take a thicker film")
     measure = ErrorMeasure("rms", "of the gain", "1", "the finest", "by a closed form")
-    ladder = Ladder("circuit", "a title", (Trial("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,))
+    ladder = Ladder(
+        "circuit", "a title", (Measurement("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,)
+    )
     return {
         "estimate": Estimate(1.0, 0.1, "N"),
         "design": design,

@@ -12,7 +12,7 @@ import pytest
 from bench.exam import fitting, network, rivals
 from bench.exam.cases import Case
 from bench.exam.histories import ENDS, STEPS, history
-from bench.exam.scenes import COUNT, LATER, Marched, batch, drawn, seeds
+from bench.exam.scenes import COUNT, LATER, SceneRun, batch, drawn, seeds
 from bench.exam.scoring import Alarm, lasting, mark, near, rate, wilson
 from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
 from skincad.inputs.catalog import load_design
@@ -72,7 +72,7 @@ def by_hand() -> Case:
     slipping = np.zeros((100, 3), bool)
     slipping[40:50, 0] = slipping[80:, 0] = slipping[70:, 1] = slipping[90:, 2] = True
     design = load_design("yamada-2002")
-    scene = Marched(
+    scene = SceneRun(
         1, Skin("by hand", design, 4.0), 0.5, None, STEP * np.arange(100), 100.0, np.zeros((100, 6, 3)),
         slipping, np.full(100, 4.0), np.linspace(0, 2.1, 100), 99, (("first press", 0), ("pull", 60)), (1, 3),
     )  # fmt: skip

@@ -54,7 +54,7 @@ def piece() -> tuple[PadPiece, object]:
 @cache
 def model(asked: frozenset[str]) -> Any:
     """One model for all terms that ask the same: it hangs on nothing else."""
-    asking = type("Asking", (Term,), {"asks": asked})
+    asking = type("Evaluator", (Term,), {"asks": asked})
     return SmallStrain().marched(*piece(), 2, True, [asking()])
 
 

@@ -16,7 +16,7 @@ from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact import held
-from skincad.mechanics.contact.dragged import DraggedState
+from skincad.mechanics.contact.dragged import FrictionalState
 from skincad.mechanics.contact.grip import Drive
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
@@ -96,7 +96,7 @@ def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
     found = marched("chosen")
     state = list(found.states.values())[-1]
     body, pad = state.held.state, found.pad
-    assert isinstance(body, DraggedState)
+    assert isinstance(body, FrictionalState)
     stored = pad.held.pad.body.energy(body.values) * pad.held.pad.scale * pad.held.pad.unit
     at = max(i for i, reading in enumerate(found.readings) if reading.drift and reading.drift.chosen)
     assert found.readings[at].elastic == pytest.approx(stored, rel=0.01)

@@ -10,7 +10,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.effects.film import OF_PRESSURE, OF_SHEAR, FilmStrips
-from skincad.effects.omitted import Omitted
+from skincad.effects.omitted import LeftOutEffect
 from skincad.inputs.design import Design
 from skincad.mechanics.touching import check
 from skincad.mechanics.validity import mean_width
@@ -73,7 +73,7 @@ def test_bonded_strips_and_slots_full_of_silicone_differ(tmp_path: Path) -> None
     assert any("film is not named" in warning for warning in silicone.warnings)
 
 
-def said(pull: float, design: Design) -> Omitted:
+def said(pull: float, design: Design) -> LeftOutEffect:
     found = FilmStrips.left_out(outline(design, (0.0, 1.0), (0.0, 4.0), (0.0, pull)))
     assert found is not None
     return found

@@ -10,7 +10,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.effects.free_ends import CALIBRATED, LEAST, SLIPPING, FreeEnds
-from skincad.effects.omitted import Omitted
+from skincad.effects.omitted import LeftOutEffect
 from skincad.inputs.design import Design
 from skincad.mechanics.end_sharing import force_changes
 from skincad.mechanics.tiers.ends import added_compliance
@@ -78,7 +78,7 @@ def test_ends_are_known_to_condensed_pads_alone(tmp_path: Path, other: str) -> N
         small_scene(tmp_path, *PRESS, ENDS, other)
 
 
-def said(design: Design, slips: float, pull: float = 1.0) -> Omitted:
+def said(design: Design, slips: float, pull: float = 1.0) -> LeftOutEffect:
     scene = outline(design, (0.0, 1.0, 2.0), (0.0, 3.0, 3.0), (0.0, 0.0, pull))
     path = replace(scene.path, slips=np.full_like(scene.path.slips, slips))
     found = FreeEnds.left_out(replace(scene, path=path))

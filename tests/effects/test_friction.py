@@ -13,7 +13,7 @@ from skincad.effects.friction import Friction
 from skincad.effects.kinds import MarchedPad, RidgePath, Term
 from skincad.effects.slip_order import flipped
 from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.contact.grip import Cone, Drive
+from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
 from skincad.scenes.march import march
 from skincad.scenes.scene import load_scene
 from tests.effects.test_all_effects import COMPANIONS, DT, PLATE, built, piece
@@ -72,8 +72,8 @@ def test_a_scene_tells_the_key_with_its_table() -> None:
 def test_a_constant_shear_stress_is_a_table_of_one_pair() -> None:
     pair = [SHEAR["shear_stress"] / SHEAR["coefficient"], SHEAR["coefficient"]]  # type: ignore[operator]
     by_table = Friction(law="table", table=[pair]).cone
-    assert Friction(**SHEAR).cone.knees[0] == pytest.approx(by_table.knees[0], rel=1e-15)
-    assert Friction(coefficient=0.6, kinetic=0.5).cone == Cone(0.6, 0.5)
+    assert Friction(**SHEAR).cone.breakpoints[0] == pytest.approx(by_table.breakpoints[0], rel=1e-15)
+    assert Friction(coefficient=0.6, kinetic=0.5).cone == FrictionCoefficients(0.6, 0.5)
     assert Friction(**KINETIC).cone.kinetic == 1.2
 
 

@@ -19,7 +19,7 @@ from skincad.base.errors import InputError
 from skincad.circuit.film import electrode
 from skincad.circuit.low_pass import corner
 from skincad.circuit.model import load_circuit
-from skincad.effects.kinds import Reading, Watched
+from skincad.effects.kinds import ReaderContext, Reading
 from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.fabrication.pattern import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
@@ -27,7 +27,7 @@ from skincad.outputs.simulations import write_table
 from skincad.scenes import climb
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Marched, Simulation, marched, marching, read_out, simulate
+from skincad.scenes.simulation import SceneRun, Simulation, marched, marching, read_out, simulate
 from skincad.shape.curves import polygon
 from tests.conftest import run_skincad
 from tests.small_scene import last_of_each
@@ -52,7 +52,7 @@ def readings(stress: np.ndarray) -> list[Reading]:
 def told(stress: np.ndarray, dt: float, width: float = WIDTH, **keys: Any) -> dict[str, Any]:
     piezo = Piezo(**{"circuit": "transimpedance", **keys})
     time = np.arange(stress.shape[0]) * dt
-    return dict(piezo.read(Watched(DESIGN, (1,), width), time, readings(stress)))
+    return dict(piezo.read(ReaderContext(DESIGN, (1,), width), time, readings(stress)))
 
 
 def ramp(count: int = 400, dt: float = 1e-5, rate: float = 10.0) -> np.ndarray:
@@ -121,7 +121,7 @@ def test_unequal_steps_do_not_count_either(seed: int) -> None:
     at = np.union1d(np.arange(0, 1001, 20), corners)
     points = np.array([0, *corners, 1000])
     fine = np.outer(np.interp(np.arange(1001), points, draw.normal(size=points.size)), [1.0, 0.0, 0.0])
-    piezo, watched = Piezo(circuit="transimpedance"), Watched(DESIGN, (1,), WIDTH)
+    piezo, watched = Piezo(circuit="transimpedance"), ReaderContext(DESIGN, (1,), WIDTH)
     one, other = (
         np.array(piezo.read(watched, time * 1e-5, readings(stress))["output_V"]["1"]["S1"])
         for time, stress in ((np.arange(1001), fine), (at, fine[at]))
@@ -132,7 +132,7 @@ def test_unequal_steps_do_not_count_either(seed: int) -> None:
 @pytest.mark.parametrize("samples", [range(201), (0, 1.3, 2, 3, 4.7, *range(5, 200))])
 def test_the_noise_of_other_seeds_is_told_as_a_difference(samples: Sequence[float]) -> None:
     times = 1e-5 * np.array(samples)
-    watched, still = Watched(DESIGN, (1, 3), WIDTH), readings(np.zeros((times.size, 3)))
+    watched, still = ReaderContext(DESIGN, (1, 3), WIDTH), readings(np.zeros((times.size, 3)))
     own, other = (
         Piezo(circuit="transimpedance", noise_seed=seed).read(watched, times, still)["output_V"]
         for seed in (5, 7)
@@ -192,7 +192,7 @@ def test_one_entry_is_at_rest() -> None:
 
 
 @cache
-def march() -> Marched:
+def march() -> SceneRun:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(climb, "LEVELS", (replace(LEVELS[0]),))
         settings = ["effects.piezo.circuit=transimpedance", "history.steps=12", "readout.bandwidth_Hz=50.0"]

@@ -9,7 +9,7 @@ import pytest
 
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import condensed
-from skincad.mechanics.contact.grip import Cone, Drive
+from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
 from skincad.mechanics.film.sliding import ContactPad
 
 FLEXIBLE = 0.25  # mm/N
@@ -25,7 +25,7 @@ def springs() -> ContactPad:
 @pytest.mark.parametrize("coefficient", [0.2, 0.7])
 def test_friction_takes_what_the_plate_gives_and_no_spring_keeps(coefficient: float) -> None:
     """The plate's work in x is what springs keep and friction takes; friction takes mu N times the slide."""
-    skin, cone = condensed(springs()), Cone(coefficient, coefficient)
+    skin, cone = condensed(springs()), FrictionCoefficients(coefficient, coefficient)
     state = skin.start()
     drives = [Drive(2.0, travel=0.0), *(Drive(2.0, travel=0.05 * i) for i in range(1, 41))]
     before, taken, given = Drive(0.0, travel=0.0), 0.0, 0.0

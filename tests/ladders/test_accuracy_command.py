@@ -16,7 +16,7 @@ from skincad.base.machine import machine
 from skincad.base.outfolder import replaced
 from skincad.ladders import circuit
 from skincad.ladders.climbing import Accuracy
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.mechanics.tiers.measured import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
 from skincad.outputs.accuracies import lines
 from skincad.pictures.canvas import save
@@ -86,7 +86,7 @@ def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.Mo
     """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
     measure = ErrorMeasure("all", "error", "1", "the truth", "")
     ladder = Ladder(
-        "contact", "contact", (), (measure,), taken={"linear": TierTiming(size=20_000.0, seconds=4.0)}
+        "contact", "contact", (), (measure,), timings={"linear": TierTiming(size=20_000.0, seconds=4.0)}
     )
     found = Accuracy("a", (ladder,), {**machine(), "load": 1.4, "cores": 1}, 1, 1.0)
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
@@ -96,18 +96,20 @@ def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.Mo
     }  # fmt: skip
     assert not any(tmp_path.iterdir())  # nobody asked for it
     told = found.keep()
-    assert told.kept == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
-    assert lines(told)[-1] == told.kept == told.as_json()["cost_law"]["kept"]
-    assert timing_cache().timings["linear"]["a"] == ladder.taken["linear"]
-    busy = replace(found, machine={**found.machine, "load": 1.6}).keep().kept
-    assert busy == f"{told.kept}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
+    assert (
+        told.cache_note == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
+    )
+    assert lines(told)[-1] == told.cache_note == told.as_json()["cost_law"]["kept"]
+    assert timing_cache().timings["linear"]["a"] == ladder.timings["linear"]
+    busy = replace(found, machine={**found.machine, "load": 1.6}).keep().cache_note
+    assert busy == f"{told.cache_note}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
     empty = replace(found, ladders=())
     assert empty.keep() is empty
     (tmp_path / "file").write_text("")
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "below"))
     refused = found.keep()
-    assert refused.kept.startswith("the cost law is not kept: ")
-    assert str(tmp_path) not in refused.kept
+    assert refused.cache_note.startswith("the cost law is not kept: ")
+    assert str(tmp_path) not in refused.cache_note
 
 
 def test_no_host_and_no_user_is_told() -> None:
@@ -158,9 +160,9 @@ def test_a_diagram_in_grey_shows_every_trial(tmp_path: Path) -> None:
     """A trial more is ink more, in grey; a ladder without any is a picture that says so."""
     measure = ErrorMeasure("all", "error", "1", "the truth", "")
     trials = tuple(
-        Trial("a", f"{i}", i, (10.0**-i, 2 * 10.0**-i), {"all": 10.0 ** (i - 5)}) for i in range(4)
+        Measurement("a", f"{i}", i, (10.0**-i, 2 * 10.0**-i), {"all": 10.0 ** (i - 5)}) for i in range(4)
     )
-    other = tuple(Trial("b", f"{i}", i, (2.0**-i,), {"all": 10.0 ** (i - 4)}) for i in range(4))
+    other = tuple(Measurement("b", f"{i}", i, (2.0**-i,), {"all": 10.0 ** (i - 4)}) for i in range(4))
     ink = []
     for name, these in (("none", ()), ("one", trials), ("two", trials + other)):
         path = tmp_path / f"{name}.png"

@@ -15,7 +15,7 @@ from skincad.effects import EFFECTS
 from skincad.inputs.design import Design
 from skincad.ladders import circuit, contact, effects, slip, tessellation
 from skincad.ladders.circuit import HOLDS, PER_PERIOD
-from skincad.ladders.ladder import LADDERS, Ladder, Trial, ladder_of
+from skincad.ladders.ladder import LADDERS, Ladder, Measurement, ladder_of
 from skincad.mechanics.problem import Request
 from skincad.mechanics.tiers import solid
 from skincad.mechanics.tiers.solid_level import Layers
@@ -184,8 +184,8 @@ def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
         "winkler", "linear", "finite-strain", "solid", "corrected", *contact.BEST[:2],
     }  # fmt: skip
     # of so small a skin the solids' own parts are too small for their laws
-    assert set(pressed.taken) >= {"linear", "finite-strain"}
-    assert all(one.seconds > 0 for one in pressed.taken.values())
+    assert set(pressed.timings) >= {"linear", "finite-strain"}
+    assert all(one.seconds > 0 for one in pressed.timings.values())
 
 
 @pytest.mark.slow
@@ -266,7 +266,7 @@ def test_every_effect_is_tried_or_skipped_with_a_reason(
     assert {"friction", "film"} <= tried
     left_out = {r.model: r.errors for r in found.trials if r.setting.startswith("left out")}
     assert left_out["friction"]["signal"] > left_out["film"]["signal"] > 0
-    named: list[Trial] = [r for r in found.trials if r.setting.startswith("named")]
+    named: list[Measurement] = [r for r in found.trials if r.setting.startswith("named")]
     assert all(not trial.errors for trial in named)
     price = {trial.model: trial.runs for trial in named}  # a diagram shows what an error costs to be without
     assert all(trial.instead == price[trial.model] for trial in found.trials if trial.errors)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial, timed
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, timed
 from skincad.ladders.precision import front, power_law, slope
 
 
@@ -61,9 +61,9 @@ ALL = ErrorMeasure("all", "error", "1", "the truth", "")
 
 def test_times_of_different_models_compare_at_one_truth_alone() -> None:
     """A fast model that is exact in its own terms must not push a better model off its front."""
-    quick = Trial("quick", "a", 1, (1.0,), {"own": 0.01, "all": 0.5})
-    slow = Trial("slow", "a", 1, (2.0,), {"own": 0.02, "all": 0.6})
-    slower = Trial("slow", "b", 1, (3.0,), {"own": 0.03, "all": 0.1})
+    quick = Measurement("quick", "a", 1, (1.0,), {"own": 0.01, "all": 0.5})
+    slow = Measurement("slow", "a", 1, (2.0,), {"own": 0.02, "all": 0.6})
+    slower = Measurement("slow", "b", 1, (3.0,), {"own": 0.03, "all": 0.1})
     found = Ladder("x", "x", (quick, slow, slower), (MINE, ALL))
     assert found.best(MINE) == [quick, slow]
     assert found.best(ALL) == [quick, slower]
@@ -72,8 +72,10 @@ def test_times_of_different_models_compare_at_one_truth_alone() -> None:
 
 def test_times_compare_at_matched_error() -> None:
     """By the cheapest trial that is good enough; not below the reference's own error, not of one model."""
-    rough, fine = (Trial("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4)))
-    other = Trial("b", "", 1, (2.0,), {"all": 0.009})
+    rough, fine = (
+        Measurement("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4))
+    )
+    other = Measurement("b", "", 1, (2.0,), {"all": 0.009})
     found = Ladder("x", "x", (rough, fine, other), (MINE, ALL))
     assert found.matched(ALL) == {0.1: [rough, other], 0.01: [other, fine]}
     assert found.matched(replace(ALL, floor=0.01)) == {0.1: [rough, other]}
@@ -83,7 +85,7 @@ def test_times_compare_at_matched_error() -> None:
 
 
 def test_rows_carry_median_spread_and_the_first_measure() -> None:
-    trial = Trial("quick", "a", 7, (1.0, 5.0, 2.0), {"all": 0.5})
+    trial = Measurement("quick", "a", 7, (1.0, 5.0, 2.0), {"all": 0.5})
     row = Ladder("x", "x", (trial,), (MINE, ALL)).rows()[0]
     assert (row["seconds"], row["spread_s"], row["repeats"]) == (2.0, 4.0, 3)
     assert row["error"] is None
@@ -91,8 +93,8 @@ def test_rows_carry_median_spread_and_the_first_measure() -> None:
 
 
 def test_a_law_needs_three_sizes() -> None:
-    three = tuple(Trial("a", "", n, (1e-6 * n**1.2,), {}) for n in (1000, 2000, 4000))
-    two = tuple(Trial("b", "", n, (1.0,), {}) for n in (1000, 2000))
+    three = tuple(Measurement("a", "", n, (1e-6 * n**1.2,), {}) for n in (1000, 2000, 4000))
+    two = tuple(Measurement("b", "", n, (1.0,), {}) for n in (1000, 2000))
     laws = Ladder("x", "x", three + two, (ALL,)).laws()
     assert set(laws) == {"a"}
     assert laws["a"].exponent == pytest.approx(1.2)

@@ -60,7 +60,7 @@ def test_calculix_gives_the_same_shares_by_ogdens_law(law: Ogden) -> None:
 
 
 @cache
-def pressed(law: Ogden | None, *, large: bool) -> calculix.Pressed:
+def pressed(law: Ogden | None, *, large: bool) -> calculix.PressedPad:
     """CalculiX's contact, at small or at large strain."""
     pad = pad_of(filleted())
     start = SOFTER * own(pad, "linear", 0.5, 2).approach if large else None

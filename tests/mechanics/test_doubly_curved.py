@@ -13,7 +13,7 @@ from scipy import integrate
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
+from skincad.mechanics.bodies.meshed import PadMesh, meshed_piece
 from skincad.mechanics.bodies.prisms import Solid
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.threshold import all_touch_force
@@ -39,7 +39,7 @@ def bent(design: Design, radius: float) -> Design:
 
 
 @lru_cache(maxsize=1)
-def condensed(pad: Pad) -> tuple[Meshed, Solid, float]:
+def condensed(pad: Pad) -> tuple[PadMesh, Solid, float]:
     """The straight pad, which all radii share."""
     meshed = meshed_piece(pad, level.coarse_sizes(pad, 1.0))
     return meshed, *level.condensed_pad(meshed, level.forms_of(meshed, 3), level.Layers(0.4, 1.8, 4), {})

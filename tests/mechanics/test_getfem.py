@@ -23,20 +23,20 @@ from bench.bench_getfem import (
     section,
     used,
 )
-from bench.getfem import Dragged
+from bench.getfem import FrictionalPad
 from skincad.mechanics.contact.grip import Drive
 
 pytestmark = pytest.mark.xdist_group("getfem")  # dragged() is shared
 
 
 @cache
-def dragged(fineness: float) -> Dragged:
+def dragged(fineness: float) -> FrictionalPad:
     """GetFEM's."""
     return getfem.drag(section(), fineness, history(), FRICTION)
 
 
 @cache
-def ours() -> Dragged:
+def ours() -> FrictionalPad:
     """This program's."""
     return own(section(), 0.5, ORDER, history(), FRICTION)
 
@@ -72,7 +72,7 @@ def test_a_ridge_lets_go_between_two_steps() -> None:
     normal = np.array([[1.0, 1.0, 0.0]] * 3)
     tangential = np.array([[0.0, 0.0, 0.0], [0.4, 0.2, 1e-17], [0.6, 0.3, 1e-17]])
     drives = [Drive(2.0, travel=0.1 * i) for i in range(3)]
-    path = Dragged(normal, tangential, np.zeros(3), 0)
+    path = FrictionalPad(normal, tangential, np.zeros(3), 0)
     first, second, third = let_go(path, drives, 0.5)
     assert first == pytest.approx(0.1 + 0.1 * (WHOLE * 0.5 - 0.4) / 0.2, rel=1e-12)
     assert math.isnan(second)

@@ -19,7 +19,7 @@ from skincad.mechanics.bodies.large_field import strip_stress
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.contact.grip import Drive
-from skincad.mechanics.contact.newton import Pressed
+from skincad.mechanics.contact.newton import PressedPad
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
@@ -77,7 +77,7 @@ def test_a_scene_without_friction_is_the_tiers_state() -> None:
     approach = []
     for laws in (pad.laws, {"skin": law}, {}):
         body = neo_hooke.body(elements.curved(mesh, 2), 2, pad.materials, laws)
-        state = press_to(Pressed(body, pad.top / unit), 0.8 / (pad.young_modulus * unit * pad.length))
+        state = press_to(PressedPad(body, pad.top / unit), 0.8 / (pad.young_modulus * unit * pad.length))
         approach.append(state.approach * unit)
     assert depth == pytest.approx(approach[0], rel=1e-8)
     assert depth * 1.00003 < approach[1] < approach[2] * 0.999  # without the slots, without the law

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from skincad.ladders.contact_errors import measures_of
-from skincad.ladders.ladder import Ladder, Trial
+from skincad.ladders.ladder import Ladder, Measurement
 from skincad.outputs.accuracies import _ladder_lines
 
 
 def test_a_measure_has_a_readers_name_above_its_column() -> None:
-    point = Trial("linear", "fineness 1", 10, (1.0,), {"mesh F9": 0.12, "whole approach": 0.34})
+    point = Measurement("linear", "fineness 1", 10, (1.0,), {"mesh F9": 0.12, "whole approach": 0.34})
     text = list(_ladder_lines(Ladder("contact", "contact of a skin", (point,), measures_of({}, ""))))
     assert not [line for line in text if "F9" in line]
     for name, value in (("mesh all-touch force", "0.12"), ("whole approach", "0.34")):

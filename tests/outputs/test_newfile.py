@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.freshfile import fresh
-from skincad.base.tables import Ranged, table_of
+from skincad.base.tables import NumberWithRange, table_of
 from skincad.circuit.model import Circuit, load_circuit
 from skincad.effects import EFFECTS, effect
 from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
@@ -72,7 +72,7 @@ def keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, FieldInf
         inner = table_of(model, key)
         if key in ("printer", "silicones", "effects"):
             continue
-        if inner is None or inner is Ranged:
+        if inner is None or inner is NumberWithRange:
             yield path + key, field
         else:
             yield from keys(inner, f"{path}{key}.")

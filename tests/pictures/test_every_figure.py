@@ -20,7 +20,7 @@ from matplotlib.transforms import Bbox
 import skincad
 from skincad.base.result import Result
 from skincad.fabrication.meshes import mesh
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
+from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.mechanics.sensitivity import sensitivities
 from skincad.pictures.canvas import Axes, Picture, own_style, sheet
 from skincad.pictures.circuit_figures import gain_figure
@@ -116,7 +116,7 @@ def ladder() -> Picture:
     )
     models = {"winkler": 0.6, "linear": 0.02, "corrected": 0.004, "solid": 0.001}
     trials = tuple(
-        Trial(model, f"{k}", 10, (0.01 * 3**k / error, 0.02 * 3**k / error), {"force": error / 2**k})
+        Measurement(model, f"{k}", 10, (0.01 * 3**k / error, 0.02 * 3**k / error), {"force": error / 2**k})
         for model, error in models.items()
         for k in range(3)
     )

@@ -15,7 +15,7 @@ from skincad.base.tables import quantity
 from skincad.effects.friction import Friction
 from skincad.effects.kinds import Law, PadChange, Reader, Share, Step, Term
 from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.contact.grip import Drive, Grip
+from skincad.mechanics.contact.grip import ContactState, Drive
 from skincad.mechanics.film.sliding import ContactPad
 from skincad.mechanics.problem import ContactError
 from skincad.scenes.march import march
@@ -64,7 +64,7 @@ def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
 
 
 class _Failing(CondensedPad):
-    def advanced(self, state: Grip, step: Step, shares: Any) -> Grip:
+    def advanced(self, state: ContactState, step: Step, shares: Any) -> ContactState:
         if step.end > 0.6:
             raise self.failure
         return super().advanced(state, step, shares)

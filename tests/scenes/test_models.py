@@ -126,16 +126,16 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
 
 
 def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:
-    found = marched(scene_in(folder), tol=1 - 1e-9, beyond=True)
+    found = marched(scene_in(folder), tol=1 - 1e-9, further_models=True)
     assert models.model_of(found.on.scene) == "small_strain"
     light = ("history.normal_force_N=[0.0, 0.02, 0.02]", "history.tangential_force_N=[0.0, 0.0, 0.01]")
-    found = marched(scene_in(folder, *light), tol=0.1, beyond=True)
+    found = marched(scene_in(folder, *light), tol=0.1, further_models=True)
     assert models.model_of(found.on.scene) == "small_strain"
 
 
 def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> None:
     for override in ("effects.small_strain={}", "readout.ridges=[]"):
-        found = marched(scene_in(folder, override), tol=0.1, beyond=True)
+        found = marched(scene_in(folder, override), tol=0.1, further_models=True)
         assert models.model_of(found.on.scene) == "small_strain"
         assert not any("model beyond" in note for note in found.climbed.short)
 
@@ -162,7 +162,7 @@ def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
 def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
     """A scene that differs in its readers alone is read out of the same march, law and all."""
     scene = scene_in(folder)
-    found = marched(scene, tol=0.1, beyond=True)
+    found = marched(scene, tol=0.1, further_models=True)
     told = read_out(scene.with_(effects={"piezo": {"circuit": "transimpedance"}}), found)
     assert told.as_json()["tier"] == "corrected"
     assert "events" in told.read

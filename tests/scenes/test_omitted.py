@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from skincad.effects.omitted import Omitted, PlatePath, SceneOutline
+from skincad.effects.omitted import LeftOutEffect, PlatePath, SceneOutline
 from skincad.inputs.catalog import template_text
 from skincad.scenes import omitted
 from skincad.scenes.levels import LEVELS
@@ -26,11 +26,11 @@ def change(named: Simulation, without: Simulation) -> float:
     return max(np.abs(named.raw[r] - without.raw[r]).max() for r in named.raw) / largest
 
 
-def told(found: Simulation, effect: str) -> Omitted:
+def told(found: Simulation, effect: str) -> LeftOutEffect:
     return next(entry for entry in found.left_out if entry.effect == effect)
 
 
-def assert_told(entry: Omitted, change: float) -> None:
+def assert_told(entry: LeftOutEffect, change: float) -> None:
     assert entry.within is not None
     assert change / entry.within <= entry.change <= change * entry.within
 
@@ -88,7 +88,7 @@ def test_what_matters_is_warned_of(tmp_path: Path) -> None:
 
 def test_how_sure_an_estimate_is_stands_beside_it() -> None:
     known, roughly, guessed = (
-        Omitted("film", "strips", 0.2, *more) for more in ((True, 2.5), (True, None), ())
+        LeftOutEffect("film", "strips", 0.2, *more) for more in ((True, 2.5), (True, None), ())
     )
     assert known.warning.endswith("may change signals by 20%, to a factor of 2.5")
     assert roughly.warning.endswith("by 20%, calibrated")

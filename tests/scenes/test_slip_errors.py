@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from skincad.effects.kinds import Reading
-from skincad.mechanics.contact.grip import Cone
+from skincad.mechanics.contact.grip import FrictionCoefficients
 from skincad.mechanics.contact.held import Drift
 from skincad.outputs.simulations import lines
 from skincad.scenes import on_mesh
 from skincad.scenes.march import INTERRUPTED, March, march
-from skincad.scenes.refined import BySource, Refined
+from skincad.scenes.refined import BySource, ComparisonRuns
 from skincad.scenes.scene import load_scene
 from skincad.scenes.signals import slips_of
 from skincad.scenes.simulation import Simulation, simulate
 from skincad.scenes.slip_errors import in_steps, lead, slip_errors, slip_step, spread
 
-COULOMB = Cone(1.0, 1.0)
+COULOMB = FrictionCoefficients(1.0, 1.0)
 
 
 @pytest.mark.parametrize("change", [0.0, 0.1, 1.0])
@@ -46,7 +46,7 @@ def test_by_a_constant_shear_stress_the_area_counts() -> None:
     """A pull that stays while the area shrinks from 2 to 1 mm2 uses ever more of what the area bears."""
     time = np.linspace(0.0, 0.01, 101)
     loads = np.stack([np.full(101, 4.0), np.full(101, 0.1), np.linspace(2.0, 1.0, 101)], axis=1)
-    found = spread(time, loads, 100, 0.25, Cone(1.0, 1.0, ((0.1, 0.1),)))
+    found = spread(time, loads, 100, 0.25, FrictionCoefficients(1.0, 1.0, ((0.1, 0.1),)))
     assert found == pytest.approx(2.5, abs=0.11)  # from 1.25 mm2 on; a step of 0.1 ms
     assert spread(time, loads, 100, 0.25, COULOMB) == pytest.approx(10.0)  # never below
 
@@ -87,7 +87,7 @@ def two_ridges(first: int, gross: int, every: int = 1) -> March:
 def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
     """The mesh moves slip by 3 steps and gross slip by 1, fewer steps by 20 and 10; a lead by the rest."""
     found = two_ridges(40, 80)
-    refined = Refined(before=two_ridges(43, 81), every=two_ridges(30, 70), thin=two_ridges(50, 80, 5))
+    refined = ComparisonRuns(before=two_ridges(43, 81), every=two_ridges(30, 70), thin=two_ridges(50, 80, 5))
     errors = slip_errors(found, slips_of(found.readings, found.ridge, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0][:3] == pytest.approx((0.3, 0.5, 0.0))  # ms
     assert errors.slips[1][:3] == pytest.approx((0.1, 0.25, 0.0))
@@ -98,7 +98,7 @@ def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
 
 def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
     found, never = two_ridges(40, 80), 1000
-    refined = Refined(before=two_ridges(never, never))
+    refined = ComparisonRuns(before=two_ridges(never, never))
     errors = slip_errors(found, slips_of(found.readings, found.ridge, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0].mesh == pytest.approx(6.0)
     assert errors.gross.mesh == pytest.approx(2.0)
@@ -115,7 +115,7 @@ def test_drift_counts_by_what_it_is_of_each_force_at_the_slip() -> None:
     for each, of_slip in ((drift, 10.0 * (1 - 1 / 1.1)), (Drift(none, drift.films), 0.0)):
         readings = tuple(replace(reading, drift=each) for reading in found.readings)
         told = replace(found, readings=readings, loads=loads)
-        errors = slip_errors(told, slips_of(readings, found.ridge, 2), Refined(), 0.0, False, COULOMB)
+        errors = slip_errors(told, slips_of(readings, found.ridge, 2), ComparisonRuns(), 0.0, False, COULOMB)
         assert errors.slips[0].drift == pytest.approx(of_slip, abs=0.11)  # a step of 0.1 ms
         assert errors.slips[1].drift == 0.0
 

@@ -8,7 +8,7 @@ import pytest
 from skincad.base.arrays import Array
 from skincad.effects.kinds import Reading
 from skincad.scenes.march import March
-from skincad.scenes.refined import BySource, Refined
+from skincad.scenes.refined import BySource, ComparisonRuns
 from skincad.scenes.stress_errors import stress_errors
 
 
@@ -29,28 +29,28 @@ def stress(march: March) -> dict[int, Array]:
     return {1: march.column("films")[:, 0, 0]}
 
 
-def error(refined: Refined, change: float = 0.0, mesh: dict[int, float] | None = None) -> BySource:
+def error(refined: ComparisonRuns, change: float = 0.0, mesh: dict[int, float] | None = None) -> BySource:
     return stress_errors({1: np.array([0.0, -3.0, 2.0])}, mesh, refined, stress, change, {})[1]
 
 
 def test_the_time_steps_share_is_four_errors_of_first_order() -> None:
     every, thin = euler(20), euler(4)
     exact = np.abs(stress(every)[1] - every.time**2).max()
-    assert error(Refined(every=every, thin=thin)).time_step == pytest.approx(4 * float(exact))
+    assert error(ComparisonRuns(every=every, thin=thin)).time_step == pytest.approx(4 * float(exact))
 
 
 @pytest.mark.parametrize(("own", "other"), [(12.0, np.inf), (np.inf, 12.0), (15.0, 12.0)])
 def test_from_gross_slip_on_nothing_is_compared(own: float, other: float) -> None:
     """12 s: the march with steps of 5 s has it at 15 s. At 10 s steps of 1 s miss 10, of 5 s they miss 50."""
-    assert error(Refined(every=euler(20, own), thin=euler(4, other))).time_step == pytest.approx(40.0)
+    assert error(ComparisonRuns(every=euler(20, own), thin=euler(4, other))).time_step == pytest.approx(40.0)
 
 
 def test_of_two_marches_without_a_common_step_nothing_is_known() -> None:
-    assert error(Refined(every=euler(20, 3.0), thin=euler(4))).time_step is None
-    assert error(Refined(every=euler(20), thin=None)).time_step is None
+    assert error(ComparisonRuns(every=euler(20, 3.0), thin=euler(4))).time_step is None
+    assert error(ComparisonRuns(every=euler(20), thin=None)).time_step is None
 
 
 def test_what_is_left_out_is_a_share_of_the_largest() -> None:
-    found = error(Refined(), 0.2, {1: 0.1})
+    found = error(ComparisonRuns(), 0.2, {1: 0.1})
     assert found[:3] == (0.1, None, pytest.approx(0.6))
-    assert error(Refined())[:3] == (None, None, 0.0)
+    assert error(ComparisonRuns())[:3] == (None, None, 0.0)

@@ -14,11 +14,11 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.studies.log import NAME, Log, evaluation_of, line_of
-from skincad.studies.question import Evaluation, Question, evaluate
+from skincad.studies.question import Evaluation, Query, evaluate
 from tests.processes import started
 
 DESIGN = skincad.load_design("yamada-2002")
-FOUND = evaluate(DESIGN, {"skin.length": 12.0}, Question("check", "winkler"))
+FOUND = evaluate(DESIGN, {"skin.length": 12.0}, Query("check", "winkler"))
 
 
 def numbered(number: int) -> Evaluation:
@@ -27,7 +27,7 @@ def numbered(number: int) -> Evaluation:
 
 def test_a_line_tells_an_evaluation_whole() -> None:
     assert evaluation_of(json.loads(line_of(FOUND))) == FOUND
-    refused = evaluate(DESIGN, {"skin.length": -1.0}, Question("check", "winkler"))
+    refused = evaluate(DESIGN, {"skin.length": -1.0}, Query("check", "winkler"))
     assert refused.refused
     assert evaluation_of(json.loads(line_of(refused))) == refused
 

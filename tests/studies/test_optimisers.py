@@ -9,27 +9,27 @@ import pytest
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.studies.knobs import Knob
-from skincad.studies.optimisers import Name, Told, Tried, minimise, optimiser
+from skincad.studies.knobs import DesignVariable
+from skincad.studies.optimisers import Archive, Name, Outcome, minimise, optimiser
 
-UNIT = tuple(Knob(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
+UNIT = tuple(DesignVariable(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
 
 
-def sphere(places: list[Array]) -> list[Told]:
+def sphere(places: list[Array]) -> list[Outcome]:
     """The sphere around 0.3 with x0 + x1 at least 1: its least is at (0.5, 0.5, 0.3, ...), 0.08."""
-    return [Told(x, np.array([np.sum((x - 0.3) ** 2)]), np.array([1.0 - x[0] - x[1]])) for x in places]
+    return [Outcome(x, np.array([np.sum((x - 0.3) ** 2)]), np.array([1.0 - x[0] - x[1]])) for x in places]
 
 
-def zdt1(places: list[Array]) -> list[Told]:
+def zdt1(places: list[Array]) -> list[Outcome]:
     """Zitzler, Deb and Thiele 2000: its front is 1 - sqrt(x0), all other numbers 0."""
     found = []
     for x in places:
         g = 1 + 9 * np.mean(x[1:])
-        found.append(Told(x, np.array([x[0], g * (1 - np.sqrt(x[0] / g))]), np.zeros(0)))
+        found.append(Outcome(x, np.array([x[0], g * (1 - np.sqrt(x[0] / g))]), np.zeros(0)))
     return found
 
 
-def hypervolume(front: Tried) -> float:
+def hypervolume(front: Archive) -> float:
     """The area that a front of two losses beats, up to (1.1, 1.1)."""
     points = sorted(tuple(each.losses) for each in front.front)
     area, above = 0.0, 1.1
@@ -55,8 +55,8 @@ def test_a_sphere_with_a_limit_ends_on_the_limit(
 def test_a_start_that_is_known_is_gone_on_from() -> None:
     start = np.array([0.5, 0.52, 0.3, 0.3, 0.3])
 
-    def bare(places: list[Array]) -> list[Told]:
-        return [Told(told.place, told.losses, np.zeros(0)) for told in sphere(places)]
+    def bare(places: list[Array]) -> list[Outcome]:
+        return [Outcome(told.place, told.losses, np.zeros(0)) for told in sphere(places)]
 
     near, far = (
         minimise(bare, optimiser("cma", UNIT, 1, 1, begin), 60).front[0] for begin in (start, np.full(5, 0.9))
@@ -67,19 +67,19 @@ def test_a_start_that_is_known_is_gone_on_from() -> None:
 def test_whole_numbers_and_choices_are_optimised_too() -> None:
     """Least at 7 of 1 to 12, the third of five choices and 0.25: exactly found."""
     knobs = (
-        Knob("n", "", 3, 1.0, 12.0, whole=True),
-        Knob("c", "", "a", choices=("a", "b", "c", "d", "e")),
-        Knob("x", "", 0.5, 0.0, 1.0),
+        DesignVariable("n", "", 3, 1.0, 12.0, whole=True),
+        DesignVariable("c", "", "a", choices=("a", "b", "c", "d", "e")),
+        DesignVariable("x", "", 0.5, 0.0, 1.0),
     )
 
-    def mixed(places: list[Array]) -> list[Told]:
+    def mixed(places: list[Array]) -> list[Outcome]:
         found = []
         for place in places:
             n, c, x = (knob.at(float(u)) for knob, u in zip(knobs, place, strict=True))
             assert isinstance(n, int)
             assert not isinstance(x, str)
             loss = (n - 7) ** 2 + 3 * (c != "c") + (x - 0.25) ** 2
-            found.append(Told(place, np.array([loss]), np.zeros(0)))
+            found.append(Outcome(place, np.array([loss]), np.zeros(0)))
         return found
 
     best = minimise(mixed, optimiser("cma", knobs, 1, 4, None), 1200).front[0]
@@ -89,9 +89,9 @@ def test_whole_numbers_and_choices_are_optimised_too() -> None:
 
 
 def test_places_without_a_result_are_left() -> None:
-    def holed(places: list[Array]) -> list[Told]:
+    def holed(places: list[Array]) -> list[Outcome]:
         return [
-            t if t.place[2] > 0.2 else Told(t.place, np.array([np.nan]), t.limits) for t in sphere(places)
+            t if t.place[2] > 0.2 else Outcome(t.place, np.array([np.nan]), t.limits) for t in sphere(places)
         ]
 
     best = minimise(holed, optimiser("cma", UNIT, 1, 5, None), 1500).front[0]
@@ -114,16 +114,16 @@ def test_the_same_is_asked_for_again() -> None:
             minimise(function, optimiser(name, UNIT, losses, 7, None), 100)  # type: ignore[arg-type]
             for _ in range(2)
         )
-        for one, other in zip(first.found, again.found, strict=True):
+        for one, other in zip(first.evaluations, again.evaluations, strict=True):
             assert np.array_equal(one.place, other.place)
 
 
 def test_where_nothing_is_allowed_the_least_broken_is_told() -> None:
-    front = Tried(
+    front = Archive(
         [
-            Told(np.zeros(2), np.array([1.0]), np.array([2.0, -5.0])),
-            Told(np.ones(2), np.array([9.0]), np.array([0.5, 0.5])),
-            Told(np.ones(2), np.array([np.nan]), np.array([0.0, 0.0])),
+            Outcome(np.zeros(2), np.array([1.0]), np.array([2.0, -5.0])),
+            Outcome(np.ones(2), np.array([9.0]), np.array([0.5, 0.5])),
+            Outcome(np.ones(2), np.array([np.nan]), np.array([0.0, 0.0])),
         ]
     )
     assert front.front[0].broken == 1.0
@@ -147,11 +147,11 @@ def test_a_design_counts_once(known: tuple[tuple[int, int], ...]) -> None:
     def design(place: Array) -> tuple[int, int]:
         return (int(place[0] * 5), int(place[1] * 5))
 
-    def bare(places: list[Array]) -> list[Told]:
-        return [Told(x, np.array([x.sum()]), np.zeros(0)) for x in places]
+    def bare(places: list[Array]) -> list[Outcome]:
+        return [Outcome(x, np.array([x.sum()]), np.zeros(0)) for x in places]
 
     for most, least in ((16, 16), (99, 25 - len(known))):
         tried = minimise(bare, optimiser("sobol", UNIT[:2], 1, 1, None), most, design, known)
-        new = {design(told.place) for told in tried.found} - set(known)
+        new = {design(told.place) for told in tried.evaluations} - set(known)
         assert len(new) >= least
-        assert len(tried.found) == len({design(told.place) for told in tried.found})
+        assert len(tried.evaluations) == len({design(told.place) for told in tried.evaluations})

@@ -235,7 +235,7 @@ def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch
     assert found.feasible
     assert len(marches) == 1
     evaluate = question.evaluate
-    again = evaluate(found.subject, {"history.steps": 500}, question.Question("simulate"))
+    again = evaluate(found.subject, {"history.steps": 500}, question.Query("simulate"))
     assert again.results
     assert len(marches) == 2
 

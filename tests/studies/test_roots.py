@@ -180,8 +180,8 @@ def test_a_value_beside_an_end_that_is_apart_is_found() -> None:
     def apart(x: float) -> float:
         return 2.35 if x == 0 else 2.16 + 12 * x
 
-    assert search(apart, 2.25, 0.01, 40, step=STEP, apart=[0.0]).roots
-    denied = search(apart, 1.9, 0.01, 40, step=STEP, apart=[0.0])
+    assert search(apart, 2.25, 0.01, 40, step=STEP, cuts=[0.0]).roots
+    denied = search(apart, 1.9, 0.01, 40, step=STEP, cuts=[0.0])
     assert denied.complete
     assert not denied.roots
 

@@ -18,12 +18,12 @@ import skincad
 from skincad.base.errors import ExhaustedError, InputError
 from skincad.studies import running
 from skincad.studies.log import NAME, Log
-from skincad.studies.question import Evaluation, Question
+from skincad.studies.question import Evaluation, Query
 from skincad.studies.running import Run, Values, Workers, workers
 from tests.processes import LIMIT, started
 
 DESIGN = skincad.load_design("yamada-2002")
-QUESTION = Question("check", "winkler")
+QUESTION = Query("check", "winkler")
 POINTS: list[Values] = [{"skin.length": float(length)} for length in np.linspace(8, 16, 12)]
 
 
@@ -45,7 +45,7 @@ def test_rows_come_in_the_order_of_their_points(alone: list[tuple[str, float]]) 
 def test_a_point_named_twice_is_asked_once() -> None:
     run = Run(DESIGN, QUESTION)
     rows = run.at([*POINTS[:2], POINTS[0]], Workers())
-    assert (run.asked, run.reused) == (2, 1)
+    assert (run.evaluated, run.reused) == (2, 1)
     assert rows[0].results == rows[2].results
 
 
@@ -62,10 +62,10 @@ def test_a_log_is_gone_on_with(tmp_path: Path, alone: list[tuple[str, float]]) -
     first.at(POINTS[:5], Workers())
     second = Run(DESIGN, QUESTION, Log(tmp_path))
     assert told(second.at(POINTS, Workers())) == alone
-    assert (second.asked, second.reused) == (len(POINTS) - 5, 5)
-    third = Run(DESIGN, Question("check", "winkler", force=3.0), Log(tmp_path))
+    assert (second.evaluated, second.reused) == (len(POINTS) - 5, 5)
+    third = Run(DESIGN, Query("check", "winkler", force=3.0), Log(tmp_path))
     third.at(POINTS[:1], Workers())
-    assert third.asked == 1  # another question
+    assert third.evaluated == 1  # another question
 
 
 def test_an_interruption_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +83,7 @@ def test_an_interruption_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.undo()
     again = Run(DESIGN, QUESTION, Log(tmp_path))
     again.at(POINTS, Workers())
-    assert (again.reused, again.asked) == (4, len(POINTS) - 4)
+    assert (again.reused, again.evaluated) == (4, len(POINTS) - 4)
 
 
 def test_what_another_run_has_claimed_is_waited_for_not_repeated(
@@ -102,7 +102,7 @@ def test_what_another_run_has_claimed_is_waited_for_not_repeated(
     monkeypatch.setattr(running.time, "sleep", sleep)
     run = Run(DESIGN, QUESTION, ours)
     assert told(run.at(POINTS[:3], Workers())) == alone[:3]
-    assert (run.asked, run.reused, slept) == (2, 1, [1])
+    assert (run.evaluated, run.reused, slept) == (2, 1, [1])
 
 
 def test_refused_designs_are_rows() -> None:

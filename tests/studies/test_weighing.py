@@ -12,14 +12,14 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.studies.optimisation import Member
 from skincad.studies.study import Study
-from skincad.studies.weighing import Weighing
+from skincad.studies.weighing import RobustObjective
 
 HERE = np.array([0.5])
 CHEAP = {"all_touch_force_N": Estimate(2.0, 0.5, "N"), "margin_N": Estimate(1.0, None, "N")}
 JUDGED = {"all_touch_force_N": Estimate(1.5, 0.25, "N"), "margin_N": Estimate(2.25, None, "N")}
 
 
-def weighing(**changes: Any) -> Weighing:
+def weighing(**changes: Any) -> RobustObjective:
     plain = {
         "name": "try",
         "about": "lab-bench",
@@ -27,7 +27,7 @@ def weighing(**changes: Any) -> Weighing:
         "objectives": [{"key": "all_touch_force"}],
         "constraints": [{"key": "margin", "at_least": 2.0}],
     }
-    return Weighing(Study(**{**plain, **changes}))
+    return RobustObjective(Study(**{**plain, **changes}))
 
 
 def member(values: Mapping[str, float], loss: float, kept: bool = True) -> Member:
@@ -89,7 +89,7 @@ def test_members_that_keep_their_limits_come_first_and_one_objective_has_one_bes
     )
     one = weighing()
     assert one.ordered([broken, worse, best]) == [best, worse, broken]
-    assert one.unbeaten([best, worse]) == [best]
+    assert one.pareto_front([best, worse]) == [best]
 
 
 def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
@@ -100,8 +100,8 @@ def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
         return Member({}, told, {}, "linear")
 
     first, second, beaten = at(1.0, 3.0), at(2.0, 1.0), at(2.0, 3.5)
-    assert two.unbeaten([first, second, beaten]) == [first, second]
+    assert two.pareto_front([first, second, beaten]) == [first, second]
     middle = [
         at(1.0 + share, 3.0 - 2.0 * share) for share in (0.1, 0.4, 0.2)
     ]  # the first few cover the front
-    assert two.unbeaten([first, *middle, second]) == [first, second, middle[1], middle[2], middle[0]]
+    assert two.pareto_front([first, *middle, second]) == [first, second, middle[1], middle[2], middle[0]]

@@ -23,12 +23,14 @@ from scipy.sparse.linalg import spsolve_triangular
 
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.condense import fill_order, trailing
-from skincad.mechanics.bodies.dissect import NOT_DEFINITE, Factored, Front, factored
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.dissect import NOT_DEFINITE, Front, FrontFactors, factored
+from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.slabs import cut
 from skincad.mechanics.problem import ContactError
 
-Held = tuple[bytes, Array, Array, Array]  # the points, and with them held: root, side, and what it adds to T
+FrozenTangent = tuple[
+    bytes, Array, Array, Array
+]  # the points, and with them held: root, side, and what it adds to T
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,9 @@ class SlabChain:
 
     slabs: tuple[Slab, ...]
     fronts: list[Front]
-    free: Factored
+    free: FrontFactors
     size: int
-    known: dict[int, Held] = field(default_factory=dict, repr=False)
+    known: dict[int, FrozenTangent] = field(default_factory=dict, repr=False)
 
     def seen(self, rows: sparse.csr_matrix) -> SlabChain:
         """Return the flexibility of points that the contact unknowns move by `rows` `(m, m)`; each point is
@@ -101,10 +103,10 @@ class SlabChain:
     @cached_property
     def _places(self) -> Index:
         """Each point's slab and its place there `(2, m)`."""
-        found = np.empty((2, self.size), dtype=np.int64)
+        places = np.empty((2, self.size), dtype=np.int64)
         for number, slab in enumerate(self.slabs):
-            found[:, slab.points] = np.full(slab.points.size, number), np.arange(slab.points.size)
-        return found
+            places[:, slab.points] = np.full(slab.points.size, number), np.arange(slab.points.size)
+        return places
 
     @cached_property
     def _joints_flexibility(self) -> list[Array]:
@@ -113,40 +115,40 @@ class SlabChain:
         Takahashi, Fagan and Chin, Proc. 8th PICA Conf. (1973) 63.
         """
         after = self.free.flexibility
-        found = [after]
+        flexibilities = [after]
         for step in reversed(self.free.steps):
             if step.own.size:
                 side = blas.dtrsm(1.0, step.root, step.side.T, lower=1, trans_a=1)
                 root = blas.dtrsm(1.0, step.root, np.eye(step.own.size), lower=1)
-                own, across = root.T @ root + side @ after @ side.T, -side @ after
-                found.append(np.block([[own, across], [across.T, after]]))
-                after = own
-        return [after, *reversed(found)] if len(self.slabs) > 1 else found
+                inner, coupling = root.T @ root + side @ after @ side.T, -side @ after
+                flexibilities.append(np.block([[inner, coupling], [coupling.T, after]]))
+                after = inner
+        return [after, *reversed(flexibilities)] if len(self.slabs) > 1 else flexibilities
 
     def carried(self, inside: Index, sides: Array) -> Array:
         """Return the forces `(k, l)` that move the points `inside` `(k,)` by `sides` `(k, l)`, others free.
 
         Raises ContactError when the flexibility is not positive definite.
         """
-        found = np.zeros((self.size, sides.shape[1]))
-        found[inside] = sides
+        columns = np.zeros((self.size, sides.shape[1]))
+        columns[inside] = sides
         touching = np.zeros(self.size, dtype=bool)
         touching[inside] = True
-        held = [self._held(number, touching[slab.points]) for number, slab in enumerate(self.slabs)]
+        fixed = [self._held(number, touching[slab.points]) for number, slab in enumerate(self.slabs)]
         points = [slab.points[touching[slab.points]] for slab in self.slabs]
         load = np.zeros((self.slabs[-1].joints.stop, sides.shape[1]))
-        for slab, at, (_, root, side, _) in zip(self.slabs, points, held, strict=True):
+        for slab, at, (_, root, side, _) in zip(self.slabs, points, fixed, strict=True):
             if at.size:
-                found[at] = blas.dtrsm(1.0, root, found[at], lower=1)
-                load[slab.joints] += side.T @ found[at]
-        joints = _joined(self.slabs, self.fronts, [h[-1] for h in held]).solve(load)
-        for slab, at, (_, root, side, _) in zip(self.slabs, points, held, strict=True):
+                columns[at] = blas.dtrsm(1.0, root, columns[at], lower=1)
+                load[slab.joints] += side.T @ columns[at]
+        joints = _joined(self.slabs, self.fronts, [h[-1] for h in fixed]).solve(load)
+        for slab, at, (_, root, side, _) in zip(self.slabs, points, fixed, strict=True):
             if at.size:
-                rest = found[at] - side @ joints[slab.joints]
-                found[at] = blas.dtrsm(1.0, root, rest, lower=1, trans_a=1)
-        return found[inside]
+                rest = columns[at] - side @ joints[slab.joints]
+                columns[at] = blas.dtrsm(1.0, root, rest, lower=1, trans_a=1)
+        return columns[inside]
 
-    def _held(self, number: int, touching: Array) -> Held:
+    def _held(self, number: int, touching: Array) -> FrozenTangent:
         """A slab with its points `touching` held; remembered until others are asked for."""
         key, slab = touching.tobytes(), self.slabs[number]
         if number not in self.known or self.known[number][0] != key:
@@ -159,7 +161,7 @@ class SlabChain:
 
 
 @dataclass(frozen=True)
-class Chained:
+class ChainFactors:
     """A pad condensed to a chain: `flexibility` over the contact unknowns `contact`, and for each slab its
     unknowns' order, contact ones and joints' last, and the factor L of L D L^T.
 
@@ -184,25 +186,25 @@ class Chained:
         return moved
 
 
-def chained(system: Assembled) -> Chained:
+def chained(system: ContactStiffness) -> ChainFactors:
     """Return a pad condensed slab by slab; ContactError when its stiffness is not positive definite."""
     parts, none = cut(system), np.empty(0, dtype=np.int64)
     ends = np.cumsum([0, *(joint.size for joint in parts.joints)]).tolist()
     befores, afters = [none, *parts.joints], [*parts.joints, none]
     # slab after slab, so that each with its joints is a slice: to pick them from all costs all, slab by slab
     along = np.concatenate(
-        [u for each in zip(parts.interior, parts.contact, afters, strict=True) for u in each]
+        [u for slab_parts in zip(parts.interior, parts.contact, afters, strict=True) for u in slab_parts]
     )
     matrix, start = sparse.csr_matrix(system.matrix[along][:, along]), 0
     slabs, orders, lowers = [], [], []
     for i, (interior, contact) in enumerate(zip(parts.interior, parts.contact, strict=True)):
         b, n, c, a = befores[i].size, interior.size, contact.size, afters[i].size
         where = slice(start - b, start + n + c + a)
-        own, local = matrix[where, where], np.arange(b + n + c + a)
+        block, local = matrix[where, where], np.arange(b + n + c + a)
         order = np.concatenate(
-            [fill_order(own, local[b : b + n]), local[b + n : b + n + c], local[:b], local[b + n + c :]]
+            [fill_order(block, local[b : b + n]), local[b + n : b + n + c], local[:b], local[b + n + c :]]
         )
-        factor, pivots, lower = trailing(own, order, c + b + a)
+        factor, pivots, lower = trailing(block, order, c + b + a)
         if not (pivots > 0).all():
             raise ContactError(NOT_DEFINITE)
         orders.append(along[where][order])
@@ -210,7 +212,7 @@ def chained(system: Assembled) -> Chained:
         lower = lower * np.sqrt(pivots[-c - b - a :])
         root = blas.dtrsm(1.0, lower[:c, :c], np.eye(c), lower=1)
         stiffness = lower[c:, c:] @ lower[c:, c:].T
-        stiffness[:b, :b] -= own[:b, :b].toarray()  # counted once, by the slab before
+        stiffness[:b, :b] -= block[:b, :b].toarray()  # counted once, by the slab before
         at, follow = np.searchsorted(system.contact, contact), -root.T @ lower[c:, :c].T
         joints = slice(ends[max(i - 1, 0)], ends[min(i + 1, len(parts.joints))])
         slabs.append(Slab(at, joints, root.T @ root, follow, stiffness))
@@ -218,7 +220,7 @@ def chained(system: Assembled) -> Chained:
     fronts = _fronts([slab.joints for slab in slabs])
     free = _joined(slabs, fronts, [slab.stiffness for slab in slabs])
     chain = SlabChain(tuple(slabs), fronts, free, system.contact.size)
-    return Chained(chain, system.contact, tuple(orders), tuple(lowers))
+    return ChainFactors(chain, system.contact, tuple(orders), tuple(lowers))
 
 
 def _fronts(joints: list[slice]) -> list[Front]:
@@ -228,13 +230,13 @@ def _fronts(joints: list[slice]) -> list[Front]:
     numbers = [np.arange(a, b) for a, b in pairwise(ends)]
     numbers = [np.arange(0)] * (2 - len(numbers)) + numbers
     fronts = []
-    for i, (own, border) in enumerate(pairwise(numbers)):
+    for i, (unknowns, border) in enumerate(pairwise(numbers)):
         stop = i + 2 if i + 2 < len(numbers) else len(joints)
-        fronts.append(Front(own, border, (i - 1,) if i else (), np.arange(i + 1 if i else 0, stop)))
+        fronts.append(Front(unknowns, border, (i - 1,) if i else (), np.arange(i + 1 if i else 0, stop)))
     return fronts
 
 
-def _joined(slabs: Sequence[Slab], fronts: list[Front], blocks: list[Array]) -> Factored:
+def _joined(slabs: Sequence[Slab], fronts: list[Front], blocks: list[Array]) -> FrontFactors:
     """Return the sum of a block `(s, s)` over each slab's joints, factored; ContactError when it is not
     positive definite."""
 
@@ -242,7 +244,7 @@ def _joined(slabs: Sequence[Slab], fronts: list[Front], blocks: list[Array]) -> 
         joints = slabs[number].joints
         yield np.arange(joints.start, joints.stop), blocks[number]
 
-    found = factored(inside, fronts, lambda joints: joints, slabs[-1].joints.stop)
-    if found.falling:
+    factors = factored(inside, fronts, lambda joints: joints, slabs[-1].joints.stop)
+    if factors.negative_eigenvalues:
         raise ContactError(NOT_DEFINITE)
-    return found
+    return factors

@@ -16,7 +16,7 @@ MOST_CONTACT_UNKNOWNS = 6000  # dense blocks of 0.3 GB each
 
 
 @dataclass(frozen=True)
-class Condensed:
+class Condensation:
     """One factorisation: `flexibility` `(k, k)` is the inverse's block over the contact unknowns.
 
     `order` lists the unknowns as they were factorised, contact unknowns last. `pivots` `(n,)` in that order
@@ -60,19 +60,19 @@ def fill_order(matrix: sparse.csr_matrix, interior: Index) -> Index:
     return np.asarray(interior[np.argsort(dropped.perm_c)], dtype=np.int64)
 
 
-def condense(matrix: sparse.csr_matrix, interior: Index, contact: Index) -> Condensed:
+def condense(matrix: sparse.csr_matrix, interior: Index, contact: Index) -> Condensation:
     """Return the flexibility of the contact unknowns of a symmetric positive definite matrix.
 
     With the k contact unknowns last, the factors' trailing blocks multiply to the Schur complement
     (interior eliminated), whose inverse is the wanted block of the whole inverse: one factorisation
     instead of k solves. Golub and Van Loan, Matrix Computations, 4th ed., sec. 3.2.
     """
-    found = factorise(matrix, np.concatenate([fill_order(matrix, interior), contact]), contact.size)
-    if not (found.pivots[-contact.size :] > 0).all():
+    factorisation = factorise(matrix, np.concatenate([fill_order(matrix, interior), contact]), contact.size)
+    if not (factorisation.pivots[-contact.size :] > 0).all():
         raise ContactError(
             "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
         )
-    return found
+    return factorisation
 
 
 def factors(block: sparse.csc_matrix) -> Any:
@@ -98,7 +98,7 @@ def trailing(matrix: sparse.csr_matrix, order: Index, k: int) -> tuple[Any, Arra
     return factor, factor.U.diagonal(), factor.L[-k:, -k:].toarray(order="F")
 
 
-def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
+def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensation:
     """Return `condense` for a given order, whose last `k` are the contact unknowns, definite or not.
 
     Over a Newton run the pattern stays, and with it the order from `fill_order`.
@@ -113,4 +113,4 @@ def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensed:
         flexibility = (inverse.T / last) @ inverse
     if failed:
         raise ContactError(f"the condensed stiffness has no inverse (LAPACK {failed}); take a coarser mesh")
-    return Condensed(flexibility, order, factor, pivots)
+    return Condensation(flexibility, order, factor, pivots)

@@ -35,7 +35,7 @@ class Front:
 
 
 @dataclass(frozen=True)
-class Eliminated:
+class EliminatedFront:
     """A front's unknowns `own` `(k,)` and `border` `(m,)`, its Cholesky factors `root` `(k, k)`, lower, and
     `side` `(m, k)`, and the lower triangle `rest` `(m, m)` that it leaves."""
 
@@ -65,14 +65,14 @@ def dissection(functions: list[Index], centres: Array, last: Index) -> list[Fron
         here = all_of(triangles)
         children: tuple[int, ...] = ()
         if triangles.size <= LEAF:
-            own = np.setdiff1d(here, outside, assume_unique=True)
+            separator = np.setdiff1d(here, outside, assume_unique=True)
         else:
-            halves, own = _separator(triangles, centres, outside, all_of)
-            beyond = np.union1d(outside, own)
-            children = tuple(visit(half, beyond) for half in halves)
+            halves, separator = _separator(triangles, centres, outside, all_of)
+            known = np.union1d(outside, separator)
+            children = tuple(visit(half, known) for half in halves)
         border = np.intersect1d(here, outside, assume_unique=True)
         leaf = triangles[:0] if children else triangles
-        fronts.append(Front(own, border, children, leaf))
+        fronts.append(Front(separator, border, children, leaf))
         return len(fronts) - 1
 
     visit(np.arange(len(functions)), np.sort(last))
@@ -91,13 +91,13 @@ def _separator(
     triangles: Index, centres: Array, outside: Index, all_of: Callable[[Index], Index]
 ) -> tuple[tuple[Index, Index], Index]:
     """Halve the triangles across x or z, whichever leaves fewer shared functions."""
-    found = []
+    best = []
     for axis in (0, 1):
         ranked = triangles[np.argsort(centres[triangles, axis], kind="stable")]
         halves = ranked[: ranked.size // 2], ranked[ranked.size // 2 :]
         shared = np.intersect1d(all_of(halves[0]), all_of(halves[1]), assume_unique=True)
-        found.append((halves, np.setdiff1d(shared, outside, assume_unique=True)))
-    return min(found, key=lambda pair: pair[1].size)
+        best.append((halves, np.setdiff1d(shared, outside, assume_unique=True)))
+    return min(best, key=lambda pair: pair[1].size)
 
 
 def schur(inside: Inside, fronts: list[Front], unknowns: Unknowns, load: Array) -> tuple[Array, Array]:
@@ -111,7 +111,9 @@ def schur(inside: Inside, fronts: list[Front], unknowns: Unknowns, load: Array) 
     return np.tril(step.rest) + np.tril(step.rest, -1).T, load[step.border]
 
 
-def eliminated(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: int) -> Iterator[Eliminated]:
+def eliminated(
+    inside: Inside, fronts: list[Front], unknowns: Unknowns, size: int
+) -> Iterator[EliminatedFront]:
     """Yield front after front of a matrix `(size, size)`, eliminated; the last leaves the Schur complement.
 
     Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302; fronts hold their lower triangle only. Raises
@@ -120,8 +122,8 @@ def eliminated(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: in
     where = np.full(size, -1)
     left: dict[int, tuple[Index, Array]] = {}
     for number, front in enumerate(fronts):
-        own, border = unknowns(front.own), unknowns(front.border)
-        rows = np.concatenate([own, border])
+        unknowns_here, border = unknowns(front.own), unknowns(front.border)
+        rows = np.concatenate([unknowns_here, border])
         where[rows] = np.arange(rows.size)
         block = np.zeros((rows.size, rows.size), order="F")
         for triangle in front.triangles:
@@ -131,42 +133,42 @@ def eliminated(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: in
             theirs, rest = left.pop(child)
             _add_runs(block, rest, where[theirs])
         where[rows] = -1
-        step = _eliminate(block, own, border)
+        step = _eliminate(block, unknowns_here, border)
         left[number] = border, step.rest
         yield step
 
 
 @dataclass(frozen=True)
-class Factored:
-    """Kept fronts of a matrix that is positive definite with the root's border `(k,)` held; `flexibility`
-    `(k, k)` is the inverse's block there, `falling` how many of the matrix's eigenvalues are negative."""
+class FrontFactors:
+    """Fronts of a matrix that is positive definite with the root's border `(k,)` held. `flexibility` `(k, k)`
+    is the inverse's block there; `negative_eigenvalues` is their number in the matrix."""
 
-    steps: tuple[Eliminated, ...]
+    steps: tuple[EliminatedFront, ...]
     border: Index
     flexibility: Array
-    falling: int
+    negative_eigenvalues: int
 
     def solve(self, load: Array) -> Array:
         """Return the unknowns `(n,)` under a load `(n,)`, or under several `(n, l)`; 0 where not free."""
-        found, load = np.zeros_like(load), load.copy()
+        solution, load = np.zeros_like(load), load.copy()
         parts = [_forward(step, load) for step in self.steps]
-        found[self.border] = self.flexibility @ load[self.border]
+        solution[self.border] = self.flexibility @ load[self.border]
         for step, part in zip(reversed(self.steps), reversed(parts), strict=True):
-            side = part - step.side.T @ found[step.border]
-            found[step.own] = linalg.solve_triangular(
+            side = part - step.side.T @ solution[step.border]
+            solution[step.own] = linalg.solve_triangular(
                 step.root, side, trans=1, lower=True, check_finite=False
             )
-        return found
+        return solution
 
 
-def factored(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: int) -> Factored:
+def factored(inside: Inside, fronts: list[Front], unknowns: Unknowns, size: int) -> FrontFactors:
     """Return the matrix factored; ContactError when it is not positive definite with the border held."""
     steps = []
     for step in eliminated(inside, fronts, unknowns, size):
         steps.append(replace(step, rest=np.empty((0, 0))))  # the parent has it; only factors are kept
         rest = step.rest
-    flexibility, falling = _inverse(rest)
-    return Factored(tuple(steps), steps[-1].border, flexibility, falling)
+    flexibility, negative_eigenvalues = _inverse(rest)
+    return FrontFactors(tuple(steps), steps[-1].border, flexibility, negative_eigenvalues)
 
 
 def _inverse(lower: Array) -> tuple[Array, int]:
@@ -182,9 +184,9 @@ def _inverse(lower: Array) -> tuple[Array, int]:
 
 def _add_free(block: Array, rows: Index, stiffness: Array) -> None:
     """Add to a front's block what lies at its `rows`; unknowns that are held are at -1."""
-    kept = np.flatnonzero(rows >= 0)
-    rows = rows[kept]
-    block[rows[:, None], rows] += stiffness[kept[:, None], kept]
+    free = np.flatnonzero(rows >= 0)
+    rows = rows[free]
+    block[rows[:, None], rows] += stiffness[free[:, None], free]
 
 
 def _add_runs(block: Array, rest: Array, at: Index) -> None:
@@ -196,20 +198,20 @@ def _add_runs(block: Array, rest: Array, at: Index) -> None:
             block[row : row + b - a, column : column + d - c] += rest[a:b, c:d]
 
 
-def _eliminate(block: Array, own: Index, border: Index) -> Eliminated:
+def _eliminate(block: Array, pivots: Index, border: Index) -> EliminatedFront:
     """Eliminate the first unknowns of a front."""
-    k = own.size
+    k = pivots.size
     if k == 0:
-        return Eliminated(own, border, block[:0, :0], block[:, :0], block)
+        return EliminatedFront(pivots, border, block[:0, :0], block[:, :0], block)
     root, failed = lapack.dpotrf(block[:k, :k], lower=1, clean=0)
     if failed:
         raise ContactError(NOT_DEFINITE)
     side = blas.dtrsm(1.0, root, block[k:, :k], side=1, lower=1, trans_a=1)
     rest = np.asarray(blas.dsyrk(-1.0, side, beta=1.0, c=block[k:, k:], lower=1))
-    return Eliminated(own, border, root, side, rest)
+    return EliminatedFront(pivots, border, root, side, rest)
 
 
-def _forward(step: Eliminated, load: Array) -> Array:
+def _forward(step: EliminatedFront, load: Array) -> Array:
     """Return the load of a front's own unknowns behind its factor; its border's is updated in place."""
     if step.own.size == 0:
         return load[step.own]

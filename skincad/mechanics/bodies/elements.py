@@ -39,7 +39,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Assembled:
+class ContactStiffness:
     """A condensed stiffness and what the contact needs of it.
 
     `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the
@@ -76,7 +76,7 @@ def contact_unknowns(mesh: Any, order: int) -> int:
     return order * len([e for e in mesh.Elements(ng.BND) if e.mat.startswith("contact")])
 
 
-def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> Assembled:
+def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> ContactStiffness:
     """Return the condensed small-strain stiffness in plane strain, see `small_strain`."""
     form, both = small_strain(mesh, order, materials)
     return with_contact(fe.as_csr(form.mat), mesh, both, order)
@@ -106,7 +106,7 @@ def small_strain(
     return form, both
 
 
-def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) -> Assembled:
+def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) -> ContactStiffness:
     """Return a condensed stiffness with its unknowns sorted and its contact boundary sampled.
 
     `both` is the product of the displacements' space and the pressures'.
@@ -118,7 +118,7 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
     inside = free.copy()
     inside[contact] = False
     even = np.linspace(0.0, 1.0, FINE + 1)
-    return Assembled(
+    return ContactStiffness(
         matrix,
         np.flatnonzero(inside),
         contact,
@@ -130,17 +130,17 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
     )
 
 
-def even(system: Assembled) -> Assembled:
+def even(system: ContactStiffness) -> ContactStiffness:
     """Return the system for loads that are their own mirror image: on a half's cut x is held."""
-    held, _ = fe.held_on_cut(system.mesh, system.space.components[0])
-    return replace(system, interior=np.setdiff1d(system.interior, held))
+    fixed, _ = fe.held_on_cut(system.mesh, system.space.components[0])
+    return replace(system, interior=np.setdiff1d(system.interior, fixed))
 
 
-def odd(system: Assembled) -> tuple[Index, Index]:
+def odd(system: ContactStiffness) -> tuple[Index, Index]:
     """Return a half's interior and contact unknowns that are free under loads which the mirror turns round:
     on the cut z is held. `system` is not `even`'s."""
-    _, held = fe.held_on_cut(system.mesh, system.space.components[0])
-    return np.setdiff1d(system.interior, held), np.setdiff1d(system.contact, held)
+    _, fixed = fe.held_on_cut(system.mesh, system.space.components[0])
+    return np.setdiff1d(system.interior, fixed), np.setdiff1d(system.contact, fixed)
 
 
 def lobatto(order: int) -> tuple[Array, Array]:
@@ -229,7 +229,7 @@ class Outline:
     touches: Mask
 
 
-def outlines(system: Assembled, values: Array) -> list[Outline]:
+def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
     """Return the loops of the boundary under displacements `values` `(n,)`; strips are left out."""
     field = ng.GridFunction(system.space)
     field.vec.FV().NumPy()[:] = values

@@ -22,14 +22,18 @@ def shear_and_bulk(young: float, ratio: float) -> tuple[float, float]:
 
 def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
     """Return shear and bulk modulus as NGSolve's functions of a mesh's domains."""
-    found = {name: shear_and_bulk(*each) for name, each in materials.items()}
-    shear, bulk = ({name: both[i] for name, both in found.items()} for i in (0, 1))
+    by_domain = {name: shear_and_bulk(*constants) for name, constants in materials.items()}
+    shear, bulk = ({name: both[i] for name, both in by_domain.items()} for i in (0, 1))
     return mesh.MaterialCF(shear), mesh.MaterialCF(bulk)
 
 
-def assembled(form: Any, trial: Any, test: Any = None) -> sparse.csr_matrix:
+def assembled(form: Any, trial_function: Any, test: Any = None) -> sparse.csr_matrix:
     """Return the matrix of an integrand over a space, or over trial and test functions' spaces."""
-    whole = ng.BilinearForm(trial) if test is None else ng.BilinearForm(trialspace=trial, testspace=test)
+    whole = (
+        ng.BilinearForm(trial_function)
+        if test is None
+        else ng.BilinearForm(trialspace=trial_function, testspace=test)
+    )
     whole += form
     whole.Assemble()
     return as_csr(whole.mat)

@@ -44,7 +44,7 @@ def fault(
     return None
 
 
-def widest(loops: list[Outline]) -> float:
+def x_of_largest_displacement(loops: list[Outline]) -> float:
     """Return x at rest of the place that moves furthest."""
     moves = np.concatenate([loop.moved - loop.rest for loop in loops])
     return float(np.concatenate([loop.rest for loop in loops])[np.hypot(*moves.T).argmax(), 0])

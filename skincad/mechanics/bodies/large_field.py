@@ -18,7 +18,7 @@ from skincad.base.arrays import Array, Index
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.law_energy import NO_LAWS, excess
-from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, swelling
+from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, dilatation
 from skincad.mechanics.bodies.strip_field import strips_of
 from skincad.shape.cross_section import SlotPlace
 
@@ -105,17 +105,17 @@ def strip_stress(
     u, q = moved.components[0], moved.components[1].MakeVariable()
     shear, _ = fe.shear_and_bulk(*materials["film"])
     h = ng.Grad(u).MakeVariable()  # by which a law is derived, and the stress itself
-    swell = swelling(h)
+    swell = dilatation(h)
     stretch, mean = ng.Id(2) + h, q - 2 * shear / 3 * swell
     # J sigma, so that sums are over the present volume
     stress = shear * (stretch * stretch.trans - ng.Id(2)) + (1 + swell) * mean * ng.Id(2)
     if "film" in laws:
         stress += shear * (excess(laws["film"], h).Diff(h) * stretch.trans)
     along = stretch * _directions(mesh, elements, np.array([s.direction for s in slots])[strip])
-    across = ng.CF((-along[1], along[0]))  # Nanson's, of the faces that the strip's direction lies in
+    normal = ng.CF((-along[1], along[0]))  # Nanson's, of the faces that the strip's direction lies in
     parts = (
         1 + swell,
-        *((each * (stress * each)) / (each * each) for each in (across, along)),
+        *((direction * (stress * direction)) / (direction * direction) for direction in (normal, along)),
         (1 + swell) * mean,
     )
     compiled = tuple(part.Compile() for part in parts)  # a fifth of the time

@@ -46,23 +46,25 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     middle = 1 + trace + squares / 2  # of the two stretches' squares
     first = h[0, 0] - h[1, 1] + (h[0, 0] ** 2 + h[1, 0] ** 2 - h[0, 1] ** 2 - h[1, 1] ** 2) / 2
     second = h[0, 1] + h[1, 0] + h[0, 0] * h[0, 1] + h[1, 0] * h[1, 1]
-    apart = (first * first + second * second) / (middle * middle)  # (d / s)^2, squares are s + d and s - d
+    difference = (first * first + second * second) / (
+        middle * middle
+    )  # (d / s)^2, squares are s + d and s - d
     measure = 0
     for share, power in law.powers:
-        both = _both(middle, apart, volume, power / 2, of)
+        both = _both(middle, difference, volume, power / 2, of)
         measure = measure + share * (2 / power**2 * both - 2 / power * logarithm)
     return law.energy(measure, of) - plain
 
 
-def _both(middle: Any, apart: Any, volume: Any, half: float, of: Functions) -> Any:
+def _both(middle: Any, difference: Any, volume: Any, half: float, of: Functions) -> Any:
     """Return (s + d)^b + (s - d)^b - 2, with s - d as J^2 / (s + d), which keeps its digits."""
     series, chosen = 0.0, [1.0]  # binomials; scipy's are nan for negative integers
     for i in range(2 * TERMS - 2):
         chosen.append(chosen[-1] * (half - i) / (i + 1))
     for binomial in chosen[:0:-2]:
-        series = apart * (series + binomial)
+        series = difference * (series + binomial)
     near = 2 * (1 + series) * of.exp(half * of.log(middle))
-    root = of.sqrt(of.positive(apart - NEAR, apart, 1.0 + 0 * apart))
+    root = of.sqrt(of.positive(difference - NEAR, difference, 1.0 + 0 * difference))
     large = of.log(middle * (1 + root))
     far = of.exp(half * large) + of.exp(half * (2 * of.log(volume) - large))
-    return of.positive(apart - NEAR, far, near) - 2
+    return of.positive(difference - NEAR, far, near) - 2

@@ -126,9 +126,9 @@ def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit
 
 def _pieces(loop: Loop, shortest: float) -> Iterator[Segment]:
     """Yield the loop's segments, none shorter than `shortest`, cut as `_cuts` says."""
-    kept = [s for s in loop if s.length > shortest]
-    for i, s in enumerate(kept):
-        end = kept[(i + 1) % len(kept)].start
+    long_enough = [s for s in loop if s.length > shortest]
+    for i, s in enumerate(long_enough):
+        end = long_enough[(i + 1) % len(long_enough)].start
         cuts = _cuts(s)
         points = [s.start, *(s.point(f) for f in cuts[1:-1]), end]
         for a, b, share in zip(points, points[1:], np.diff(cuts), strict=False):
@@ -153,10 +153,10 @@ def _cuts(segment: Segment) -> list[float]:
 
 def _control(arc: Segment) -> Point:
     """Control point of the arc as a rational quadratic spline: where its end tangents meet."""
-    aside = 2 * arc.bulge / (1 - arc.bulge**2) / 2
+    rise = 2 * arc.bulge / (1 - arc.bulge**2) / 2
     return Point(
-        (arc.start.x + arc.end.x) / 2 + aside * (arc.end.z - arc.start.z),
-        (arc.start.z + arc.end.z) / 2 - aside * (arc.end.x - arc.start.x),
+        (arc.start.x + arc.end.x) / 2 + rise * (arc.end.z - arc.start.z),
+        (arc.start.z + arc.end.z) / 2 - rise * (arc.end.x - arc.start.x),
     )
 
 

@@ -14,7 +14,7 @@ from skincad.mechanics.problem import Pad
 
 
 @dataclass(frozen=True)
-class Meshed:
+class PadMesh:
     """The piece of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm.
 
     `unit` is the piece's, mm: another one than the pad's where a middle ridge is cut, which no number in mm
@@ -42,10 +42,10 @@ class Meshed:
 def on_whole(pad: Pad, half: Pad, shares: Array) -> Array:
     """Return the force on each ridge of a pad from what those of its half carry on both sides together."""
     numbers = pad.ridges
-    found = np.zeros(len(numbers))
+    values = np.zeros(len(numbers))
     for ridge, share in zip(half.ridges, shares, strict=True):
-        found[numbers.index(ridge)] += share / 2
-    return found + found[::-1]
+        values[numbers.index(ridge)] += share / 2
+    return values + values[::-1]
 
 
 def height_of(pad: Pad) -> float:
@@ -54,13 +54,13 @@ def height_of(pad: Pad) -> float:
     return max(heights) - min(heights)
 
 
-def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> Meshed:
+def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> PadMesh:
     """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
     half = None if whole else half_of(pad)
     piece = pad if half is None else half
-    return Meshed(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
+    return PadMesh(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
 
 
-def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> Meshed:
+def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadMesh:
     """Return `meshed_piece` in the default sizes of the plane; twice the fineness halves them all."""
     return meshed_piece(pad, replace(default_sizes(pad, fineness), smooth=True), whole=whole)

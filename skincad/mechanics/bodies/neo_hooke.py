@@ -22,9 +22,9 @@ from scipy import sparse
 from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import elements, fe
-from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
-from skincad.mechanics.bodies.elements import Assembled, outlines, with_contact
-from skincad.mechanics.bodies.folding import fault, widest
+from skincad.mechanics.bodies.condense import Condensation, factorise, fill_order
+from skincad.mechanics.bodies.elements import ContactStiffness, outlines, with_contact
+from skincad.mechanics.bodies.folding import fault, x_of_largest_displacement
 from skincad.mechanics.bodies.law_energy import NO_LAWS, excess
 from skincad.mechanics.problem import ContactError
 
@@ -47,7 +47,7 @@ class NeoHookeBody:
     mesh: Any
     space: Any
     form: Any
-    rest: Assembled
+    rest: ContactStiffness
     free: Mask
     order: Index
     odd: Index
@@ -56,9 +56,9 @@ class NeoHookeBody:
     def residual(self, state: Array) -> Array:
         """Return the energy's derivative `(n,)` by all unknowns, clamped ones included; not finite where
         there is no energy, as in an element that is turned inside out."""
-        found = _vector(self, state).CreateVector()
-        self.form.Apply(_vector(self, state), found)
-        return np.array(found.FV().NumPy())
+        vector = _vector(self, state).CreateVector()
+        self.form.Apply(_vector(self, state), vector)
+        return np.array(vector.FV().NumPy())
 
     def energy(self, state: Array) -> float:
         """Return the energy per length along y; infinite where a point of the elements is inside out."""
@@ -71,9 +71,9 @@ class NeoHookeBody:
         small = factorise(at.matrix, self.order, self.rest.contact.size)
         return PlaneLinearised(self, at, small, small.flexibility)
 
-    def widest(self, step: Array) -> float:
+    def x_of_largest_displacement(self, step: Array) -> float:
         """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
-        return widest(outlines(self.rest, step))
+        return x_of_largest_displacement(outlines(self.rest, step))
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
@@ -93,12 +93,12 @@ def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
     axes = range(h.shape[0])
     trace = reduce(add, [h[i, i] for i in axes])
     squares = reduce(add, [h[i, j] * h[i, j] for i in axes for j in axes])
-    swell = swelling(h)
+    swell = dilatation(h)
     shape = squares + 2 * trace - 2 * log(1 + swell)  # F:F - n - 2 ln J
     return shear / 2 * shape - shear / 3 * swell * swell + q * swell - q * q / (2 * bulk)
 
 
-def swelling(h: Any) -> Any:
+def dilatation(h: Any) -> Any:
     """Return J - 1 of a displacement gradient in two or three dimensions, without cancellation at rest."""
 
     def minor(i: int, j: int) -> Any:
@@ -153,8 +153,8 @@ def body(
     # either, which a logarithm's own derivative, 1 / J, would
     one = ng.Parameter(1.0)
     form = ng.BilinearForm(both, symmetric=True, condense=True)
-    for domain, each in materials.items():  # apart, as functions of place are dear to evaluate
-        shear, bulk = fe.shear_and_bulk(*each)
+    for domain, constants in materials.items():  # apart, as functions of place are dear to evaluate
+        shear, bulk = fe.shear_and_bulk(*constants)
         density = strain_energy(gradient, q, shear, bulk, ng.log)
         if domain in laws:
             density += shear * excess(laws[domain], gradient)
@@ -201,11 +201,11 @@ class PlaneLinearised:
 
     body: NeoHookeBody
     tangent: Tangent
-    small: Condensed
+    small: Condensation
     flexibility: Array
 
     @property
-    def falling(self) -> tuple[int, int]:
+    def negative_eigenvalues(self) -> tuple[int, int]:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
         negative = self.small.pivots < 0
         return int(negative[: -len(self.small.flexibility)].sum()), int(negative.sum())

@@ -26,9 +26,9 @@ def plain_mesh(pad: Pad, sizes: Sizes) -> PlainMesh:
     """Return the triangles of a pad's section in these sizes; boundaries are named as in `triangles`."""
     mesh = triangles(pad, sizes)
     points = np.array([[p[0], p[1]] for p in mesh.Points()]) * unit_of(pad)
-    found = list(mesh.Elements2D())
-    corners = np.array([[v.nr - 1 for v in each.vertices[:3]] for each in found], dtype=np.int64)
-    film = np.array([each.index == FILM for each in found])
+    elements = list(mesh.Elements2D())
+    corners = np.array([[v.nr - 1 for v in element.vertices[:3]] for element in elements], dtype=np.int64)
+    film = np.array([element.index == FILM for element in elements])
     edges: dict[str, list[list[int]]] = {}
     for edge in mesh.Elements1D():
         ends = [v.nr - 1 for v in edge.vertices[:2]]

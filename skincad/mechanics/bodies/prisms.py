@@ -20,7 +20,7 @@ from scipy import linalg, sparse
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.dissect import Front, Unknowns, dissection, schur
-from skincad.mechanics.bodies.elements import Assembled, Sample
+from skincad.mechanics.bodies.elements import ContactStiffness, Sample
 from skincad.mechanics.bodies.layers import AlongY
 from skincad.mechanics.bodies.section_points import SectionPoints, section_points
 from skincad.mechanics.problem import ContactError
@@ -41,21 +41,21 @@ class SectionForms:
     cut: Mask
     functions: Index
     centres: Array
-    plane: Assembled
+    plane: ContactStiffness
 
 
 @dataclass(frozen=True)
 class Solid:
     """The condensed solid: `flexibility` `(k, k)` of the contact unknowns, seen like a section's.
 
-    `lifted` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns by 1:
-    the factorisation's lost digits. `along` `(points,)` is y of the contact points.
+    `rigid_body_error` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns
+    by 1: the factorisation's rounding error. `along` `(points,)` is y of the contact points.
     """
 
-    seen: Assembled
+    seen: ContactStiffness
     flexibility: Array
     along: Array
-    lifted: float
+    rigid_body_error: float
     unknowns: int
 
 
@@ -105,15 +105,17 @@ def prisms(forms: SectionForms, line: AlongY) -> Prisms:
     basis = at.basis.reshape(*at.weight.shape, three * f)
     shear = np.swapaxes(basis * (at.weight * at.shear[:, None])[:, :, None], 1, 2) @ basis
     tested = np.swapaxes(at.test * at.weight[:, :, None], 1, 2)
-    own, coupled = tested @ at.test / at.bulk[:, None, None], tested @ basis
-    volume = np.swapaxes(coupled, 1, 2) @ np.linalg.solve(own, coupled)
+    volume_rows, coupled = tested @ at.test / at.bulk[:, None, None], tested @ basis
+    volume = np.swapaxes(coupled, 1, 2) @ np.linalg.solve(volume_rows, coupled)
     shear, volume = (m.reshape(count, three, f, three, f) for m in (shear, volume))
     section = np.zeros((count, 2, 2, 2, three, f, three, f))
     ways = [int(axis == "y") for axis in AXES]
     for a, b in product(range(three), repeat=2):
         terms = [(b, a, 1.0), (a, b, -2 / 3), *((c, c, 1.0) for c in range(three) if a == b)]
-        for test, trial, factor in terms:  # what runs alike along y is added up in the section
-            section[:, 0, ways[test], ways[trial], a, :, b] += factor * shear[:, test, :, trial]
+        for test, basis_of_trial, factor in terms:  # what runs alike along y is added up in the section
+            section[:, 0, ways[test], ways[basis_of_trial], a, :, b] += (
+                factor * shear[:, test, :, basis_of_trial]
+            )
         section[:, 1, ways[a], ways[b], a, :, b] = volume[:, a, :, b]
     strip = line.mean, line.rise
     along = [line.mass, line.slope, line.slope.T, line.stiff]
@@ -134,11 +136,11 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
     free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
     flat = forms.plane.contact
     fronts, unknowns = fronts_of(forms, free)
-    held, load = np.zeros((3, count, layers)), np.zeros(3 * count * layers)
-    held[1] = (forms.plane.lift[count : 2 * count] * forms.held)[:, None]
+    fixed, load = np.zeros((3, count, layers)), np.zeros(3 * count * layers)
+    fixed[1] = (forms.plane.lift[count : 2 * count] * forms.held)[:, None]
     for triangle in np.flatnonzero(forms.held[forms.functions].any(axis=1)).tolist():
-        own = solid.unknowns[triangle]
-        load[own] += solid.stiffness(triangle) @ held.ravel()[own]
+        corners = solid.unknowns[triangle]
+        load[corners] += solid.stiffness(triangle) @ fixed.ravel()[corners]
 
     def inside(triangle: int) -> Iterator[tuple[Index, Array]]:
         yield solid.unknowns[triangle], solid.stiffness(triangle)
@@ -152,10 +154,10 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
         ) from None
     flexibility = linalg.cho_solve(root, np.eye(load.size), check_finite=False)
     expected = np.repeat(forms.plane.lift[flat], layers)
-    lifted = float(np.abs(flexibility @ load + expected).max())
+    rigid_body_error = float(np.abs(flexibility @ load + expected).max())
     seen = seen_by_plate(forms.plane, line)
     along = np.repeat(line.at, forms.plane.nodes.weight.size)
-    return Solid(seen, (flexibility + flexibility.T) / 2, along, lifted, int(free.sum()))
+    return Solid(seen, (flexibility + flexibility.T) / 2, along, rigid_body_error, int(free.sum()))
 
 
 def free_unknowns(
@@ -190,7 +192,7 @@ def fronts_of(forms: SectionForms, free: Mask) -> tuple[list[Front], Unknowns]:
     return dissection(functions, forms.centres, forms.plane.contact), unknowns
 
 
-def seen_by_plate(plane: Assembled, line: AlongY) -> Assembled:
+def seen_by_plate(plane: ContactStiffness, line: AlongY) -> ContactStiffness:
     """The section's contact points repeated along y; the contact unknowns run along y first."""
     return replace(
         plane,

@@ -43,8 +43,8 @@ def section_points(
 
     def sampled(field: Any, of: str) -> Array:
         shapes = [field.GetFE(element) for element in alike]
-        found = np.array([[np.asarray(getattr(shape, of)(*p, 0.0)) for p in at] for shape in shapes])
-        return found[which.ravel()]
+        values = np.array([[np.asarray(getattr(shape, of)(*p, 0.0)) for p in at] for shape in shapes])
+        return values[which.ravel()]
 
     values = sampled(space, "CalcShape").reshape(len(elements), len(at), -1)
     slopes = sampled(space, "CalcDShape") @ np.linalg.inv(jacobian)

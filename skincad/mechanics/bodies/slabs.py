@@ -11,7 +11,7 @@ import numpy as np
 
 from skincad.base.arrays import Index, Mask
 from skincad.mechanics.bodies import fe
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.elements import ContactStiffness
 
 # Of a slab, about. Of 3 to 12 on 51 ridges, 5 to 7 carry cheapest, and condensing costs the same to 10 %
 RIDGES = 5
@@ -29,7 +29,7 @@ class Slabs:
     joints: list[Index]
 
 
-def cut(system: Assembled) -> Slabs:
+def cut(system: ContactStiffness) -> Slabs:
     """Return the slabs, cut midway between ridges where no contact unknown is shared and each triangle's
     unknowns are those of two slabs at most."""
     places, ridge = system.nodes.position[:, 0], system.nodes.ridge
@@ -59,9 +59,9 @@ def cut(system: Assembled) -> Slabs:
 
 def _sorted(which: Mask, slab: Index, count: int) -> list[Index]:
     """The unknowns `which` `(n,)` by their slab, ascending in each."""
-    found = np.flatnonzero(which)
-    found = found[np.argsort(slab[found], kind="stable")]
-    return np.split(found, np.searchsorted(slab[found], np.arange(1, count)))[:count]
+    indices = np.flatnonzero(which)
+    indices = indices[np.argsort(slab[indices], kind="stable")]
+    return np.split(indices, np.searchsorted(slab[indices], np.arange(1, count)))[:count]
 
 
 def _functions(mesh: Any, scalar: Any) -> Index:

@@ -15,9 +15,9 @@ import numpy as np
 from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import layers, solid_law
-from skincad.mechanics.bodies.dissect import Factored, Front, Unknowns, factored
-from skincad.mechanics.bodies.elements import Assembled, Outline, outlines
-from skincad.mechanics.bodies.folding import fault, widest
+from skincad.mechanics.bodies.dissect import Front, FrontFactors, Unknowns, factored
+from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
+from skincad.mechanics.bodies.folding import fault, x_of_largest_displacement
 from skincad.mechanics.bodies.law_energy import NO_LAWS
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.section_points import SectionPoints
@@ -37,7 +37,7 @@ class SolidBody:
     """
 
     forms: SectionForms
-    rest: Assembled
+    rest: ContactStiffness
     free: Mask
     even: tuple[list[Front], Unknowns]
     odd: tuple[list[Front], Unknowns] | None
@@ -97,10 +97,10 @@ class SolidBody:
         flexibility[np.ix_(free, free)] = small.flexibility
         return SolidLinearised(self, coupling, small, state, residual, flexibility)
 
-    def widest(self, step: Array) -> float:
+    def x_of_largest_displacement(self, step: Array) -> float:
         """Return x at rest of the place on the boundary, at the middle or the end, that a step `(n,)` moves
         furthest."""
-        return widest([loop for loops in self.outlines(step) for loop in loops])
+        return x_of_largest_displacement([loop for loops in self.outlines(step) for loop in loops])
 
     def fault(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None."""
@@ -111,12 +111,12 @@ class SolidBody:
     def outlines(self, state: Array) -> list[list[Outline]]:
         """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""
         plane, count = self.forms.plane, self.forms.held.size
-        found = []
+        loops = []
         for along in (0, -1):
             moved = np.zeros(plane.space.ndof)
             moved[: 2 * count] = state[: self.displacements].reshape(3, count, -1)[:2, :, along].ravel()
-            found.append(outlines(plane, moved))
-        return found
+            loops.append(outlines(plane, moved))
+        return loops
 
 
 @dataclass(frozen=True)
@@ -126,15 +126,15 @@ class SolidLinearised:
 
     body: SolidBody
     coupling: Array
-    small: Factored
+    small: FrontFactors
     state: Array
     residual: Array
     flexibility: Array
 
     @property
-    def falling(self) -> tuple[int, int]:
+    def negative_eigenvalues(self) -> tuple[int, int]:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
-        return 0, self.small.falling
+        return 0, self.small.negative_eigenvalues
 
     def odd(self) -> SolidLinearised | None:
         """Return the same tangent for what the mirror turns round: on a half's cut z and y are held."""
@@ -192,11 +192,13 @@ def _numbered(
 ) -> tuple[tuple[Rubber, Index], ...]:
     """The laws of domains with the numbers of their elements, `height` of them above each triangle."""
     domains = np.array([element.mat for element in forms.plane.mesh.Elements(ng.VOL)])
-    found = []
+    numbered = []
     for law in dict.fromkeys(laws.values()):
-        triangles = np.flatnonzero(np.isin(domains, [name for name, own in laws.items() if own == law]))
-        found.append((law, (triangles[:, None] * height + np.arange(height)).ravel()))
-    return tuple(found)
+        triangles = np.flatnonzero(
+            np.isin(domains, [name for name, law_of_domain in laws.items() if law_of_domain == law])
+        )
+        numbered.append((law, (triangles[:, None] * height + np.arange(height)).ravel()))
+    return tuple(numbered)
 
 
 def _extruded(

@@ -57,11 +57,11 @@ class Excess:
     def stiffness(self, cofactor: Array, basis: Array, weight: Array) -> Array:
         """Return the elements' stiffness `(e, 3 b, 3 b)`, ln J's apart, at points of `weight` `(e, g)`."""
         size = 3 * basis.shape[-1]
-        found = np.empty((len(self.own), size, size))
+        blocks = np.empty((len(self.own), size, size))
         for first in range(0, len(self.own), CHUNK):
             some = slice(first, first + CHUNK)
-            found[some] = self._stiffness(some, cofactor[some], basis[some], weight[some])
-        return found
+            blocks[some] = self._stiffness(some, cofactor[some], basis[some], weight[some])
+        return blocks
 
     def _stiffness(self, some: slice, cofactor: Array, basis: Array, weight: Array) -> Array:
         count, points, _, b = basis.shape
@@ -80,28 +80,28 @@ class Excess:
         factor[:, :, -1] = self.bend[some]
         flat = rows.reshape(count, -1, 3 * b)
         weighted = flat * (factor * weight[..., None]).reshape(count, -1, 1)
-        found = np.swapaxes(weighted, 1, 2) @ flat
+        product = np.swapaxes(weighted, 1, 2) @ flat
         turning = along * ((slope[..., None] * self.pull[some] - 1) * weight[..., None])[..., None]
         block = np.swapaxes(turning.reshape(count, -1, b), 1, 2) @ along.reshape(count, -1, b)
         for k in range(3):
-            found[:, k * b : (k + 1) * b, k * b : (k + 1) * b] += block
-        return np.asarray(found)
+            product[:, k * b : (k + 1) * b, k * b : (k + 1) * b] += block
+        return np.asarray(product)
 
     def _divided(self, some: slice, i: int, j: int) -> Array:
         """(f(Li) - f(Lj)) / (Li - Lj), and its limit."""
         one, other = self.square[some, :, i], self.square[some, :, j]
-        middle, apart = (one + other) / 2, one - other
-        near = np.abs(apart) < CLOSE * middle
-        series = _pull(self.law, middle, 1) + _pull(self.law, middle, 3) * apart**2 / 24
-        exact = (self.pull[some, :, i] - self.pull[some, :, j]) / np.where(near, 1.0, apart)
+        middle, difference = (one + other) / 2, one - other
+        near = np.abs(difference) < CLOSE * middle
+        series = _pull(self.law, middle, 1) + _pull(self.law, middle, 3) * difference**2 / 24
+        exact = (self.pull[some, :, i] - self.pull[some, :, j]) / np.where(near, 1.0, difference)
         return np.where(near, series, exact)
 
 
-def excess_at(law: Rubber, own: Index, deformed: Array, swell: Array) -> Excess:
+def excess_at(law: Rubber, points: Index, deformed: Array, swell: Array) -> Excess:
     """Return a law's excess at F `(e, g, 3, 3)` with J - 1 `(e, g)`."""
     square, axes = np.linalg.eigh(np.swapaxes(deformed, -1, -2) @ deformed)
     slope, bend = law.slopes(_measure(law, square, swell))
-    return Excess(law, own, slope, bend, square, axes, deformed @ axes, _pull(law, square), swell)
+    return Excess(law, points, slope, bend, square, axes, deformed @ axes, _pull(law, square), swell)
 
 
 def excess_density(law: Rubber, deformed: Array, swell: Array) -> Array:
@@ -109,27 +109,27 @@ def excess_density(law: Rubber, deformed: Array, swell: Array) -> Array:
     right = np.swapaxes(deformed, -1, -2) @ deformed
     plain = (np.trace(right, axis1=-2, axis2=-1) - 3) / 2 - np.log1p(swell)
     with np.errstate(all="ignore"):
-        found = (
+        energy = (
             law.energy(_measure(law, np.asarray(np.linalg.eigvalsh(right), np.float64), swell), np) - plain
         )
-    return np.where(np.isfinite(found), found, np.inf)
+    return np.where(np.isfinite(energy), energy, np.inf)
 
 
 def _measure(law: Rubber, square: Array, swell: Array) -> Array:
     """The strain's measure x by C's eigenvalues `(e, g, 3)`."""
-    found = np.zeros_like(swell)
+    strain = np.zeros_like(swell)
     for share, power in law.powers:
         both = (square ** (power / 2)).sum(axis=-1) - 3
-        found = found + share * (2 / power**2 * both - 2 / power * np.log1p(swell))
-    return found
+        strain = strain + share * (2 / power**2 * both - 2 / power * np.log1p(swell))
+    return strain
 
 
 def _pull(law: Rubber, square: Array, times: int = 0) -> Array:
     """The slope f at C's eigenvalues, derived so many times."""
-    found = np.zeros_like(square)
+    pull = np.zeros_like(square)
     for share, power in law.powers:
         factor, exponent = share * 2 / power, power / 2 - 1
         for _ in range(times):
             factor, exponent = factor * exponent, exponent - 1
-        found += factor * square**exponent
-    return found
+        pull += factor * square**exponent
+    return pull

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.laws.rubber import Rubber
-from skincad.mechanics.bodies.neo_hooke import strain_energy, swelling
+from skincad.mechanics.bodies.neo_hooke import dilatation, strain_energy
 from skincad.mechanics.bodies.solid_excess import Excess, excess_at, excess_density
 
 # Of the bulk modulus, what acts without the pressure: in G, so that Lame's constant there is G instead of
@@ -60,8 +60,8 @@ def elements_of(
     bulk = bulk - unseen
     pulled = _flat(basis) * np.repeat(weight * shear, 3, axis=1)[:, :, None]
     stretch = np.swapaxes(pulled, 1, 2) @ _flat(basis)
-    own = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
-    softening = np.linalg.inv(own).astype(np.float64)
+    volume_terms = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
+    softening = np.linalg.inv(volume_terms).astype(np.float64)
     return Elements(weight, basis, test, shear, unseen, bulk, stretch, softening, laws)
 
 
@@ -81,10 +81,10 @@ class Points:
     def volume_stress(self) -> Array:
         """Derivative of the energy by J `(e, g)`: what multiplies the cofactors in the stress."""
         of = self.of
-        found = self.pressure - of.shear / (1 + self.swell) + (of.unseen - 2 / 3 * of.shear) * self.swell
+        stress = self.pressure - of.shear / (1 + self.swell) + (of.unseen - 2 / 3 * of.shear) * self.swell
         for more in self.excess:
-            found[more.own] += of.shear[more.own] * more.volume / (1 + more.swell)
-        return found
+            stress[more.own] += of.shear[more.own] * more.volume / (1 + more.swell)
+        return stress
 
 
 def points(of: Elements, displacement: Array, pressure: Array) -> Points:
@@ -93,7 +93,9 @@ def points(of: Elements, displacement: Array, pressure: Array) -> Points:
     deformed = gradient + np.eye(3)
     cofactor = np.stack([np.cross(deformed[:, :, j], deformed[:, :, k]) for _, j, k in NEXT], axis=2)
     swell = _swelling(gradient)
-    excess = tuple(excess_at(law, own, deformed[own], swell[own]) for law, own in of.laws)
+    excess = tuple(
+        excess_at(law, excess_law, deformed[excess_law], swell[excess_law]) for law, excess_law in of.laws
+    )
     return Points(of, deformed, cofactor, swell, at_points, excess)
 
 
@@ -105,8 +107,10 @@ def energy(of: Elements, displacement: Array, pressure: Array) -> float:
         return np.inf
     h = np.moveaxis(gradient, (2, 3), (0, 1))
     density = strain_energy(h, _pressure(of, pressure), of.shear, of.bulk, np.log)
-    for law, own in of.laws:
-        density[own] += of.shear[own] * excess_density(law, gradient[own] + np.eye(3), swell[own])
+    for law, excess_law in of.laws:
+        density[excess_law] += of.shear[excess_law] * excess_density(
+            law, gradient[excess_law] + np.eye(3), swell[excess_law]
+        )
     return float((of.weight * (density + of.unseen / 2 * swell * swell)).sum())
 
 
@@ -132,12 +136,12 @@ def stiffness(at: Points, coupled: Array) -> Array:
     of, rows = at.of, _swelling_rows(at)
     bend = ((1 / (1 + at.swell) ** 2 - 2 / 3) * of.shear + of.unseen) * of.weight
     for more in at.excess:
-        own = more.own
-        bend[own] -= of.shear[own] * more.volume / (1 + more.swell) ** 2 * of.weight[own]
-    found = np.swapaxes(rows * bend[:, :, None], 1, 2) @ rows
-    found += np.swapaxes(coupled, 1, 2) @ (of.softening @ coupled)
+        points = more.own
+        bend[points] -= of.shear[points] * more.volume / (1 + more.swell) ** 2 * of.weight[points]
+    matrix = np.swapaxes(rows * bend[:, :, None], 1, 2) @ rows
+    matrix += np.swapaxes(coupled, 1, 2) @ (of.softening @ coupled)
     count, b = of.stretch.shape[:2]
-    blocks = found.reshape(count, 3, b, 3, b)
+    blocks = matrix.reshape(count, 3, b, 3, b)
     turn = (at.volume_stress * of.weight)[:, :, None]
     for k, i, j in NEXT:  # the second derivative of J couples components i and j by the third's row of F
         row = (at.deformed[:, :, k] * turn)[..., None]
@@ -147,9 +151,11 @@ def stiffness(at: Points, coupled: Array) -> Array:
         blocks[:, j, :, i] -= block
         blocks[:, k, :, k] += of.stretch
     for more in at.excess:
-        own = more.own
-        found[own] += more.stiffness(at.cofactor[own], of.basis[own], of.shear[own] * of.weight[own])
-    return found
+        points = more.own
+        matrix[points] += more.stiffness(
+            at.cofactor[points], of.basis[points], of.shear[points] * of.weight[points]
+        )
+    return matrix
 
 
 def _swelling_rows(at: Points) -> Array:
@@ -166,7 +172,7 @@ def _gradient(of: Elements, displacement: Array) -> Array:
 
 
 def _swelling(gradient: Array) -> Array:
-    return np.asarray(swelling(np.moveaxis(gradient, (2, 3), (0, 1))))
+    return np.asarray(dilatation(np.moveaxis(gradient, (2, 3), (0, 1))))
 
 
 def _pressure(of: Elements, pressure: Array) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, fe
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.problem import ContactError
 from skincad.shape.cross_section import SlotPlace
 
@@ -31,7 +31,7 @@ class StripBody:
     `along_x` numbers the contact unknowns in x in the order of `system.contact`, those in z.
     """
 
-    system: Assembled
+    system: ContactStiffness
     order: int
     form: Any
     stress: Any
@@ -141,10 +141,10 @@ def strips_of(mesh: Any, slots: Sequence[SlotPlace], thickness: float, unit: flo
 def nearest(points: Array, slots: Sequence[SlotPlace], thickness: float) -> Index:
     """Number of the strip that each point, mm, lies in."""
     centre = np.array([s.centre for s in slots])
-    along, across = np.array([s.direction for s in slots]), np.array([s.across for s in slots])
+    along, normal = np.array([s.direction for s in slots]), np.array([s.across for s in slots])
     away = points[:, None] - centre
     depth = np.array([s.depth for s in slots])
-    parts = np.abs((away * along).sum(2)) / depth, np.abs((away * across).sum(2)) / thickness
+    parts = np.abs((away * along).sum(2)) / depth, np.abs((away * normal).sum(2)) / thickness
     return np.asarray(np.maximum(*parts).argmin(axis=1))
 
 

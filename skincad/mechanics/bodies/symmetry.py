@@ -27,14 +27,14 @@ def half_of(pad: Pad) -> Pad | None:
         return None
     if any(_crosses(loop, SAME * extent) for loop in loops[1:]):
         return None
-    kept = _cut(pad.section.outline, SAME * extent)
-    if kept is None:
+    outline = _cut(pad.section.outline, SAME * extent)
+    if outline is None:
         return None
 
     def right(inner: tuple[Loop, ...]) -> tuple[Loop, ...]:
         return tuple(loop for loop in inner if loop[0].start.x > 0)
 
-    return replace(pad, section=Section(kept), strips=right(pad.strips), voids=right(pad.voids))
+    return replace(pad, section=Section(outline), strips=right(pad.strips), voids=right(pad.voids))
 
 
 def _groups(pad: Pad) -> list[list[Segment]]:

@@ -21,7 +21,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.mechanics.bodies import folding
 from skincad.mechanics.bodies.elements import Outline, outlines
-from skincad.mechanics.contact.dragged import Dragged, DraggedState
+from skincad.mechanics.contact.dragged import FrictionalPad, FrictionalState
 
 WRINKLES = 0.544
 CREASES = 0.646
@@ -41,7 +41,7 @@ class Pinch:
 def pinch(loops: list[Outline], plate: float) -> Pinch:
     """Return where loops are compressed most that do not touch the plate at the height `plate`."""
     top = max(loop.rest[:, 1].max() for loop in loops)
-    found = Pinch(np.inf, np.zeros(2), False)
+    tightest = Pinch(np.inf, np.zeros(2), False)
     for loop in loops:
         start, end = loop.rest, np.roll(loop.rest, -1, axis=0)
         moved = np.roll(loop.moved, -1, axis=0) - loop.moved
@@ -51,12 +51,12 @@ def pinch(loops: list[Outline], plate: float) -> Pinch:
         if not free.any():
             continue
         i = int(np.where(free, stretch, np.inf).argmin())
-        if stretch[i] < found.stretch:
-            found = Pinch(float(stretch[i]), (start[i] + end[i]) / 2, bool(loop.touches[i]))
-    return found
+        if stretch[i] < tightest.stretch:
+            tightest = Pinch(float(stretch[i]), (start[i] + end[i]) / 2, bool(loop.touches[i]))
+    return tightest
 
 
-def fault(pad: Dragged, state: DraggedState, creases: bool) -> str | None:
+def fault(pad: FrictionalPad, state: FrictionalState, creases: bool) -> str | None:
     """Return what a state has that the model does not know: contact of the skin with itself or, off its
     crests, with the plate; with `creases` a surface that folds too. None for a sound state."""
     plate = (pad.top - state.grip.approach) / pad.unit

@@ -19,11 +19,18 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import neo_hooke
-from skincad.mechanics.bodies.condense import Condensed, factorise, fill_order
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.condense import Condensation, factorise, fill_order
+from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, Tangent, under
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, at_rest
+from skincad.mechanics.contact.grip import (
+    Compliance,
+    ContactState,
+    Drive,
+    FrictionCoefficients,
+    GrossSlip,
+    at_rest,
+)
 from skincad.mechanics.contact.newton import RESIDUAL, ROUNDING, SHORTEST
 from skincad.mechanics.problem import ContactError
 
@@ -41,14 +48,14 @@ class Tangential:
     """
 
     matrix: sparse.csr_matrix
-    small: Condensed
+    small: Condensation
     compliance: Array
     values: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
-class Dragged:
+class FrictionalPad:
     """A meshed pad: m contact points in order of their x, `gap` `(m,)` mm from the plate when it first
     touches, `x`, `weight` mm, `ridge`; `top` mm is the highest one's z. `rows` `(2 m, k)`: displacements
     in x, then z, of the unknowns `contact` `(k,)`. A unit of length is `unit` mm, one of force `scale` N.
@@ -76,19 +83,19 @@ class Dragged:
         return self.weight * self.length
 
     @property
-    def rest(self) -> Assembled:
+    def rest(self) -> ContactStiffness:
         """The body at rest."""
         return self.body.rest
 
 
 @dataclass(frozen=True, eq=False)
-class DraggedState:
+class FrictionalState:
     """An equilibrium: the unknowns `values` `(n,)` in units, which the step changed by `change`, the contact,
     in mm and N, and what friction dissipated in the step, mJ. `residual` is relative to the contact forces'
     norm, `iterations` what it took; `moves` tells by what the plate's drive changed."""
 
     values: Array
-    grip: Grip
+    grip: ContactState
     change: Array
     dissipated: float = 0.0
     residual: float = 0.0
@@ -96,7 +103,7 @@ class DraggedState:
     moves: tuple[float, ...] = ()
 
 
-def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: float = 1.0) -> Dragged:
+def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: float = 1.0) -> FrictionalPad:
     """Return the pad of a body, `length` mm along y, under its plate; `top` mm is its highest point."""
     along_x, along_z = (body.space.components[0].Range(i).start for i in (0, 1))
     rest = body.rest
@@ -106,7 +113,7 @@ def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: f
     by_x = np.argsort(x, kind="stable")
     one = rest.nodes.rows[by_x]
     gap = (top - z)[by_x]
-    return Dragged(
+    return FrictionalPad(
         body,
         contact,
         elimination,
@@ -122,22 +129,22 @@ def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: f
     )
 
 
-def unloaded(pad: Dragged) -> DraggedState:
+def unloaded(pad: FrictionalPad) -> FrictionalState:
     """Return the start of a march, of which no tangent is known: the same march gives the same bits."""
     pad.kept.clear()
     zero = np.zeros(pad.body.free.size)
-    return DraggedState(zero, at_rest(pad.gap.size), zero)
+    return FrictionalState(zero, at_rest(pad.gap.size), zero)
 
 
-def linearised(pad: Dragged, values: Array, residual: Array) -> Tangential:
+def linearised(pad: FrictionalPad, values: Array, residual: Array) -> Tangential:
     """Return the tangent at a state whose `residual` is at hand, and keep it; ContactError without one."""
     pad.kept.clear()
     matrix = neo_hooke.tangent(pad.body, values, residual).matrix
     small = factorise(matrix, pad.order, pad.contact.size)
     compliance = pad.rows @ (pad.rows @ small.flexibility).T * (pad.unit / pad.scale)
-    found = Tangential(matrix, small, np.asarray(compliance), values)
-    pad.kept.append(found)
-    return found
+    tangential = Tangential(matrix, small, np.asarray(compliance), values)
+    pad.kept.append(tangential)
+    return tangential
 
 
 def moved(linear: Tangential, at: Tangent, push: Array) -> Array:
@@ -146,8 +153,12 @@ def moved(linear: Tangential, at: Tangent, push: Array) -> Array:
 
 
 def newton(
-    pad: Dragged, before: DraggedState, drive: Drive, cone: Cone, guess: Array | None = None
-) -> DraggedState:
+    pad: FrictionalPad,
+    before: FrictionalState,
+    drive: Drive,
+    cone: FrictionCoefficients,
+    guess: Array | None = None,
+) -> FrictionalState:
     """Return the equilibrium at a step's end, looked for from `guess` `(n,)`, or where that is None or turns
     an element inside out from where the step begins.
 
@@ -159,8 +170,8 @@ def newton(
     body, values = pad.body, before.values if guess is None else guess
     if drive.normal == 0.0 and drive.tangential in (None, 0.0):
         clear = np.zeros(2 * pad.gap.size)  # of any movement: nothing touches
-        lifted = grip(Compliant(np.diag(clear), pad.gap, clear, area=pad.area), before.grip, drive, cone)
-        return DraggedState(np.zeros_like(values), lifted, -before.values)
+        lifted = grip(Compliance(np.diag(clear), pad.gap, clear, area=pad.area), before.grip, drive, cone)
+        return FrictionalState(np.zeros_like(values), lifted, -before.values)
     unbalanced, last = body.residual(values), np.inf
     if not np.isfinite(unbalanced).all():
         if guess is not None:
@@ -178,10 +189,10 @@ def newton(
         if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
             whole = replace(contact, residual=max(contact.residual, size))
             spent = dissipated(before.grip, contact)
-            found = DraggedState(values, whole, values - before.values, spent, size, i + 1)
+            state = FrictionalState(values, whole, values - before.values, spent, size, i + 1)
             if slipping is not None:
-                raise GrossSlip(found, str(slipping))
-            return found
+                raise GrossSlip(state, str(slipping))
+            return state
         if size > SLOW * last or share < 1.0:
             if size > GROWN * max(last, 1e-3):
                 break
@@ -190,7 +201,7 @@ def newton(
     raise ContactError(f"Newton finds no equilibrium: the residual is {size:.1e} of the contact force")
 
 
-def dissipated(before: Grip, after: Grip) -> float:
+def dissipated(before: ContactState, after: ContactState) -> float:
     """Return what friction takes in a step, mJ; a force that turned round had done so before its point
     slipped."""
     mean = (before.tangential + after.tangential) / 2
@@ -198,7 +209,9 @@ def dissipated(before: Grip, after: Grip) -> float:
     return -float(mean @ after.slipped)
 
 
-def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[Grip, GrossSlip | None]:
+def _contact(
+    skin: Compliance, before: ContactState, drive: Drive, cone: FrictionCoefficients
+) -> tuple[ContactState, GrossSlip | None]:
     """The contact of the linearised body; where friction does not hold, as it just slips."""
     try:
         return grip(skin, before, drive, cone), None
@@ -206,14 +219,14 @@ def _contact(skin: Compliant, before: Grip, drive: Drive, cone: Cone) -> tuple[G
         return end.last, end
 
 
-def _seen(pad: Dragged, linear: Tangential, ahead: Array) -> Compliant:
+def _seen(pad: FrictionalPad, linear: Tangential, ahead: Array) -> Compliance:
     """The linearised body as the plate sees it; `ahead` `(k,)` is where its contact unknowns go without
     contact forces."""
     free = pad.rows @ ahead * pad.unit
-    return Compliant(linear.compliance, pad.gap, free, linear.solved, pad.area)
+    return Compliance(linear.compliance, pad.gap, free, linear.solved, pad.area)
 
 
-def pushed(pad: Dragged, contact: Grip) -> Array:
+def pushed(pad: FrictionalPad, contact: ContactState) -> Array:
     """Return what the contact adds to the residual `(n,)`, in units."""
     push = np.zeros(pad.body.free.size)
     force = np.concatenate([contact.tangential, -contact.normal]) / pad.scale
@@ -226,8 +239,8 @@ def _taken(body: NeoHookeBody, values: Array, move: Array) -> tuple[Array, Array
     quarter, ... that turns no element inside out, where the energy's logarithm has no value."""
     share = 1.0
     while share >= SHORTEST:
-        found = body.residual(values + share * move)
-        if np.isfinite(found).all():
-            return values + share * move, found, share
+        unbalanced = body.residual(values + share * move)
+        if np.isfinite(unbalanced).all():
+            return values + share * move, unbalanced, share
         share /= 2
     raise ContactError("an element turns inside out")

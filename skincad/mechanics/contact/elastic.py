@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from skincad.base.arrays import Array, Mask
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.elements import ContactStiffness
 
 
 class LinearisedBody(Protocol):
@@ -18,7 +18,7 @@ class LinearisedBody(Protocol):
     def flexibility(self) -> Array: ...  # noqa: D102
 
     @property
-    def falling(self) -> tuple[int, int]:
+    def negative_eigenvalues(self) -> tuple[int, int]:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
 
     def move(self, push: Array) -> Array:
@@ -36,7 +36,7 @@ class Elastic(Protocol):
     """
 
     @property
-    def rest(self) -> Assembled: ...  # noqa: D102
+    def rest(self) -> ContactStiffness: ...  # noqa: D102
 
     @property
     def free(self) -> Mask: ...  # noqa: D102
@@ -51,7 +51,7 @@ class Elastic(Protocol):
         """Return the body at a state whose `residual` is at hand; ContactError where it is singular, or
         not stable though its contact unknowns were held."""
 
-    def widest(self, step: Array) -> float:
+    def x_of_largest_displacement(self, step: Array) -> float:
         """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
 
     def fault(self, state: Array, plate: float) -> str | None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skincad.base.arrays import Array, Index
-from skincad.mechanics.contact.grip import Cone
+from skincad.mechanics.contact.grip import FrictionCoefficients
 from skincad.mechanics.problem import ContactError
 
 NONE = np.zeros(0)
@@ -57,11 +57,11 @@ class FrictionLaw:
         return along * slopes[line], along * offsets[line] * self.area
 
 
-def law_of(cone: Cone, area: Array | None) -> FrictionLaw:
+def law_of(cone: FrictionCoefficients, area: Array | None) -> FrictionLaw:
     """Return the law of points of `area` `(m,)` mm2, which Coulomb's does not ask for."""
-    if not cone.knees:
+    if not cone.breakpoints:
         return FrictionLaw(cone.static, cone.kinetic, False, NONE, NONE, NONE)
     if area is None:
         raise ContactError("friction by shear stress asks for the area of each contact point")
-    pressure, stress = np.array([(0.0, 0.0), *cone.knees]).T
+    pressure, stress = np.array([(0.0, 0.0), *cone.breakpoints]).T
     return FrictionLaw(1.0, cone.kinetic / cone.static, True, area, pressure, stress)

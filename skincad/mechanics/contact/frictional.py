@@ -25,10 +25,10 @@ from skincad.mechanics.contact.grip import (
     OPEN,
     RIGHT,
     STICK,
-    Compliant,
-    Cone,
+    Compliance,
+    ContactState,
     Drive,
-    Grip,
+    FrictionCoefficients,
     GrossSlip,
     Inert,
     Status,
@@ -44,7 +44,13 @@ ROUNDING = 1e-12  # relative; what counts as zero when the sets are updated
 ACCEPTED = 1e-10  # relative; a larger residual is never accepted
 
 
-def grip(skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None) -> Grip:
+def grip(
+    skin: Compliance,
+    before: ContactState,
+    drive: Drive,
+    cone: FrictionCoefficients,
+    inert: Inert | None = None,
+) -> ContactState:
     """Return the state at the end of a step; a plate with mass, `inert`, may leave the skin and may slide.
 
     Raises GrossSlip where friction cannot hold the tangential force, ContactError where the sets do not
@@ -58,13 +64,13 @@ def grip(skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert |
         return _lifted(skin, before, drive)
     step = _Step(skin, before, drive, cone)
     pull = abs(drive.tangential or 0.0)
-    if drive.travel is None and not cone.knees and pull > cone.static * drive.normal * (1 - ROUNDING):
-        held = step.settled(all_slip=float(np.sign(drive.tangential or 0.0)))
-        raise GrossSlip(held, f"{pull:g} N is all that friction holds at {drive.normal:g} N")
+    if drive.travel is None and not cone.breakpoints and pull > cone.static * drive.normal * (1 - ROUNDING):
+        sliding_state = step.settled(all_slip=float(np.sign(drive.tangential or 0.0)))
+        raise GrossSlip(sliding_state, f"{pull:g} N is all that friction holds at {drive.normal:g} N")
     return step.settled()
 
 
-def _lifted(skin: Compliant, before: Grip, drive: Drive) -> Grip:
+def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactState:
     """The state without a normal force: nothing touches, the plate is where it would just touch."""
     if drive.tangential:
         limit = replace(before, normal=0 * before.normal, tangential=0 * before.normal)
@@ -75,14 +81,14 @@ def _lifted(skin: Compliant, before: Grip, drive: Drive) -> Grip:
     approach = float((skin.gap - skin.free[m:]).min())
     zero = np.zeros(m)
     clear = np.zeros(m, dtype=np.int8)
-    return Grip(zero, zero, anchor, clear, zero, approach, travel, 0.0, angle=drive.angle)
+    return ContactState(zero, zero, anchor, clear, zero, approach, travel, 0.0, angle=drive.angle)
 
 
 @dataclass(frozen=True, eq=False)
-class _Trial:
-    """What one choice of sets leads to: forces, plate, gaps `w`, slips `moved` and displacements `x` by the
-    forces, all `(m,)`; `rounded` are the gaps with closed points' too, 0 but for rounding; `unborne` is what
-    the forces miss of a plate's with mass, relative."""
+class _TrialSolution:
+    """The solution for one choice of sets: forces, plate, gaps `w`, slips `moved` and displacements `x` by the
+    forces, all `(m,)`. `rounded` are the gaps of closed points too, 0 but for rounding. `plate_residual` is the
+    relative imbalance of the forces on a plate with mass."""
 
     p: Array
     t: Array
@@ -92,14 +98,19 @@ class _Trial:
     rounded: Array
     x: Array
     moved: Array
-    unborne: float
+    plate_residual: float
 
 
 class _Step:
     """One step's data and scales."""
 
     def __init__(
-        self, skin: Compliant, before: Grip, drive: Drive, cone: Cone, inert: Inert | None = None
+        self,
+        skin: Compliance,
+        before: ContactState,
+        drive: Drive,
+        cone: FrictionCoefficients,
+        inert: Inert | None = None,
     ) -> None:
         self.skin, self.before, self.drive, self.cone, self.inert = skin, before, drive, cone, inert
         m = self.m = skin.gap.size
@@ -117,7 +128,7 @@ class _Step:
         self.limit = np.where(before.status >= RIGHT, self.law.kinetic, self.law.static)
         self.line = self.law.line(before.normal)
 
-    def settled(self, all_slip: float = 0.0) -> Grip:
+    def settled(self, all_slip: float = 0.0) -> ContactState:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
 
         Much friction makes the sets cycle from where the last step left them, although an equilibrium is
@@ -126,11 +137,11 @@ class _Step:
         starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
         sweeps, slides = 0, 0.0
         for status in starts:
-            found, took = self._swept(status, all_slip)
+            result, took = self._swept(status, all_slip)
             sweeps += took
-            if isinstance(found, Grip):
-                return found
-            slides = found or slides
+            if isinstance(result, ContactState):
+                return result
+            slides = result or slides
         if slides:  # less than the static limit, but what has broken off holds the kinetic friction alone
             pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
             words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all points slip"
@@ -152,51 +163,51 @@ class _Step:
             except ContactError:
                 return
 
-    def _swept(self, status: Status, all_slip: float) -> tuple[Grip | float, int]:
+    def _swept(self, status: Status, all_slip: float) -> tuple[ContactState | float, int]:
         """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
         and does not hold the pull; and the sweeps that it took."""
         seen: set[bytes] = set()
         single, self.line = False, self.law.line(self.before.normal)
         for sweep in range(SWEEPS + SINGLE):
             safe_point()
-            trial = self._solve(status, all_slip)
-            wrong, wanted = self._violations(trial, status, all_slip)
-            missing = 0.0 if all_slip else self._missing(trial, status)
+            solution = self._solve(status, all_slip)
+            wrong, wanted = self._violations(solution, status, all_slip)
+            missing = 0.0 if all_slip else self._missing(solution, status)
             if missing:  # nothing sticks, so the travel is not solved for, and no halt is judged by it
                 halts = (status >= RIGHT) & (wanted == STICK)
-                wrong[halts] = self._off_line(trial, status)[halts]
+                wrong[halts] = self._off_line(solution, status)[halts]
                 wanted[halts] = status[halts]
                 if not wrong.any():
-                    status = self._carried_on(trial, status)
+                    status = self._carried_on(solution, status)
                     if not (status == STICK).any():
                         return float(np.sign(missing)), sweep + 1
                     continue
             if not wrong.any():
-                return self._accepted(trial, status, all_slip), sweep + 1
+                return self._accepted(solution, status, all_slip), sweep + 1
             key = status.tobytes() + self.line.tobytes()
             single = single or sweep >= SWEEPS or key in seen
             seen.add(key)
             status = status.copy()
             change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
             status[change] = wanted[change]
-            self._moved_to(trial, change)
+            self._moved_to(solution, change)
             if self.inert is None and not (status != OPEN).any():
-                status[int(np.argmin(trial.w))] = STICK if not all_slip else self._way(all_slip)
+                status[int(np.argmin(solution.w))] = STICK if not all_slip else self._way(all_slip)
         return 0.0, SWEEPS + SINGLE
 
-    def _missing(self, trial: _Trial, status: Status) -> float:
+    def _missing(self, solution: _TrialSolution, status: Status) -> float:
         """What of the pull, N, is not borne: without a sticking point `_solve` does not ask for it."""
         if self.inert is not None or self.drive.tangential is None or (status == STICK).any():
             return 0.0
-        missing = self.drive.tangential - float(trial.t.sum())
+        missing = self.drive.tangential - float(solution.t.sum())
         return missing if abs(missing) > ROUNDING * self.drive.normal else 0.0
 
-    def _carried_on(self, trial: _Trial, status: Status) -> Status:
+    def _carried_on(self, solution: _TrialSolution, status: Status) -> Status:
         """The sets of sliding points where the plate's travel bears the pull: points it has passed are
         dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
         closed = np.flatnonzero(status != OPEN)
-        closed = closed[np.argsort(trial.moved[closed], kind="stable")]
-        borne = self.law.borne(trial.p)
+        closed = closed[np.argsort(solution.moved[closed], kind="stable")]
+        borne = self.law.borne(solution.p)
         dragged = self.law.kinetic * (2 * np.cumsum(borne[closed]) - borne.sum())
         pull, whole = self.drive.tangential or 0.0, self.law.kinetic * float(borne.sum())
         at = int(np.searchsorted(dragged, pull)) if pull >= -whole else closed.size
@@ -220,7 +231,7 @@ class _Step:
         start = self._start()
         return np.where(start != OPEN, self._way(sign), OPEN).astype(np.int8)
 
-    def _solve(self, status: Status, all_slip: float) -> _Trial:
+    def _solve(self, status: Status, all_slip: float) -> _TrialSolution:
         """Forces and plate for given sets.
 
         Rows: closed points' gaps, sticking points' slips, sum of p, and sum of t or the travel. Without a
@@ -231,38 +242,38 @@ class _Step:
         closed, stuck = np.flatnonzero(status != OPEN), np.flatnonzero(status == STICK)
         drag, offset = self.law.sliding(self.line, (status == RIGHT).astype(float) - (status == LEFT))
         k, n = closed.size, stuck.size
-        given = self.drive.travel is not None or (n == 0 and inert is None)
+        travel_given = self.drive.travel is not None or (n == 0 and inert is None)
         # counted from here, so that a tiny force loses no digits
         first = float(self.gap[closed].min()) if inert is None else inert.approach
         start = self.before.travel if inert is None else inert.travel
         travel = start if self.drive.travel is None else self.drive.travel
         side = np.concatenate([first - self.gap[closed], self.home[stuck], [self.drive.normal]])
-        if given or inert is not None:
+        if travel_given or inert is not None:
             side[k : k + n] += travel
-        if not given:
+        if not travel_given:
             side = np.append(side, self.drive.tangential or 0.0)
         if offset is not None:
             side[:k] += (self.zx @ offset)[closed]
             side[k : k + n] -= (self.xx @ offset)[stuck]
-            side[-1] -= 0.0 if given else offset.sum()
-        found, _ = linalg.lapack.dgetrs(*self._factor(status, closed, stuck, drag, given), side)
+            side[-1] -= 0.0 if travel_given else offset.sum()
+        unknowns, _ = linalg.lapack.dgetrs(*self._factor(status, closed, stuck, drag, travel_given), side)
         p, t = np.zeros(self.m), np.zeros(self.m)
-        p[closed] = found[:k]
+        p[closed] = unknowns[:k]
         t[closed] = drag[closed] * p[closed]
-        t[stuck] += found[k : k + n]
+        t[stuck] += unknowns[k : k + n]
         t += 0.0 if offset is None else offset
-        d = first + float(found[k + n])
+        d = first + float(unknowns[k + n])
         rounded = self.gap - d + self.zz @ p - self.zx @ t
         w = rounded.copy()
         w[closed] = 0.0
         x = self.xx @ t - self.xz @ p
         place = x - self.home
-        if not given:
-            travel = float(found[-1]) if inert is None else travel + float(found[-1])
+        if not travel_given:
+            travel = float(unknowns[-1]) if inert is None else travel + float(unknowns[-1])
         elif self.drive.travel is None and inert is None:
             travel = self._least_travel(place, closed, all_slip)
         moved = place - travel
-        return _Trial(p, t, d, travel, w, rounded, x, moved, self._unborne(p, t, found[k + n :]))
+        return _TrialSolution(p, t, d, travel, w, rounded, x, moved, self._unborne(p, t, unknowns[k + n :]))
 
     def _unborne(self, p: Array, t: Array, ahead: Array) -> float:
         """What the plate's equations miss; `ahead` is what it is beyond its `inert` place."""
@@ -273,19 +284,19 @@ class _Step:
         return float(missing.max()) / self.load
 
     def _factor(
-        self, status: Status, closed: Index, stuck: Index, drag: Array, given: bool
+        self, status: Status, closed: Index, stuck: Index, drag: Array, travel_given: bool
     ) -> tuple[Array, Array]:
         """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
         slopes = drag if self.law.bends else np.float64(self.cone.kinetic)
-        key = status.tobytes() + bytes([given]) + slopes.tobytes()
+        key = status.tobytes() + bytes([travel_given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
         k, n = closed.size, stuck.size
         # by columns, as the factorisation wants it; a whole row is taken faster than the parts of it
-        matrix = np.zeros((k + n + (1 if given else 2),) * 2, order="F")
-        asked, slides = np.concatenate([self.m + closed, stuck]), np.flatnonzero(drag[closed])
-        rows, points = self.skin.compliance[asked], matrix[: k + n, : k + n]
-        points[...] = rows.take(asked, axis=1)
+        matrix = np.zeros((k + n + (1 if travel_given else 2),) * 2, order="F")
+        equations, slides = np.concatenate([self.m + closed, stuck]), np.flatnonzero(drag[closed])
+        rows, points = self.skin.compliance[equations], matrix[: k + n, : k + n]
+        points[...] = rows.take(equations, axis=1)
         points[:k, k:] *= -1  # np.negative in place is wrong on one strided row (numpy 2.4)
         points[k:, :k] *= -1
         if slides.size:
@@ -296,7 +307,7 @@ class _Step:
         matrix[k + n, :k] = 1.0
         if self.inert is not None:
             matrix[k + n, k + n] = self.inert.stiffness
-        if not given:
+        if not travel_given:
             matrix[k : k + n, -1] = -1.0
             matrix[-1, :k] = drag[closed]
             matrix[-1, k : k + n] = 1.0
@@ -316,9 +327,9 @@ class _Step:
             return float(place[closed].max() if all_slip > 0 else place[closed].min())
         return self.before.travel
 
-    def _violations(self, trial: _Trial, status: Status, all_slip: float) -> tuple[Array, Status]:
+    def _violations(self, solution: _TrialSolution, status: Status, all_slip: float) -> tuple[Array, Status]:
         """How wrong each point's set is, relative to scale (0: not at all), and the set it should have."""
-        p, t, w, moved = trial.p, trial.t, trial.w, trial.moved
+        p, t, w, moved = solution.p, solution.t, solution.w, solution.moved
         small = ROUNDING * max(float(np.abs(p).max()), 1e-300)
         short = ROUNDING * self.length
         wrong, wanted = np.zeros(self.m), status.copy()
@@ -329,12 +340,12 @@ class _Step:
 
         closed = status != OPEN
         if self.law.bends:
-            off = self._off_line(trial, status)
+            off = self._off_line(solution, status)
             mark(off > 0, off, 1.0, status)
         if not all_slip:
-            beyond = np.abs(t) - self.limit * self.law.borne(p)
-            if (breaks := (status == STICK) & (beyond > small)).any():
-                mark(breaks, beyond, self.force, np.where(t > 0, RIGHT, LEFT))
+            excess = np.abs(t) - self.limit * self.law.borne(p)
+            if (breaks := (status == STICK) & (excess > small)).any():
+                mark(breaks, excess, self.force, np.where(t > 0, RIGHT, LEFT))
             way = np.where(status == RIGHT, 1.0, -1.0)
             if (halts := (status >= RIGHT) & (way * moved > short)).any():
                 mark(halts, np.abs(moved), self.length, STICK)
@@ -348,50 +359,50 @@ class _Step:
             mark(closes, -w, self.length, to)
         return wrong, wanted
 
-    def _off_line(self, trial: _Trial, status: Status) -> Array:
+    def _off_line(self, solution: _TrialSolution, status: Status) -> Array:
         """How wrong sliding points' lines are `(m,)`, relative to the forces: by Coulomb's law never."""
         if not self.law.bends:
             return np.zeros(self.m)
-        off = np.abs(np.abs(trial.t) - self.law.kinetic * self.law.borne(trial.p))
-        off[(status < RIGHT) | (off <= ROUNDING * np.abs(trial.p).max())] = 0.0
+        off = np.abs(np.abs(solution.t) - self.law.kinetic * self.law.borne(solution.p))
+        off[(status < RIGHT) | (off <= ROUNDING * np.abs(solution.p).max())] = 0.0
         return np.asarray(off / self.force)
 
-    def _moved_to(self, trial: _Trial, change: Index | list[int]) -> None:
+    def _moved_to(self, solution: _TrialSolution, change: Index | list[int]) -> None:
         """Put points on the lines on which their pressures lie."""
         if self.law.bends:
             self.line = self.line.copy()
-            self.line[change] = self.law.line(trial.p)[change]
+            self.line[change] = self.law.line(solution.p)[change]
 
-    def _accepted(self, trial: _Trial, status: Status, all_slip: float) -> Grip:
+    def _accepted(self, solution: _TrialSolution, status: Status, all_slip: float) -> ContactState:
         """Measure every condition against its scale; refuse what is not met."""
-        residual = self._residual(trial, status, all_slip)
+        residual = self._residual(solution, status, all_slip)
         if not residual <= ACCEPTED:
             raise ContactError(
                 f"contact and friction are satisfied only to {residual:.1e}, not to {ACCEPTED:g}"
             )
         stuck = status == STICK
         # what does not stick sits where it is now; counted from its last anchor, rounding would add up
-        anchor = np.where(stuck, self.before.anchor, trial.x + self.skin.free[: self.m] - trial.s)
-        slipped = np.where(status >= RIGHT, trial.moved, 0.0)
-        p, t = np.maximum(trial.p, 0.0), trial.t
+        anchor = np.where(stuck, self.before.anchor, solution.x + self.skin.free[: self.m] - solution.s)
+        slipped = np.where(status >= RIGHT, solution.moved, 0.0)
+        p, t = np.maximum(solution.p, 0.0), solution.t
         gross, angle = bool(all_slip), self.drive.angle
-        return Grip(p, t, anchor, status, slipped, trial.d, trial.s, residual, gross, angle)
+        return ContactState(p, t, anchor, status, slipped, solution.d, solution.s, residual, gross, angle)
 
-    def _residual(self, trial: _Trial, status: Status, all_slip: float) -> float:
-        p, t, w = trial.p, trial.t, trial.rounded
+    def _residual(self, solution: _TrialSolution, status: Status, all_slip: float) -> float:
+        p, t, w = solution.p, solution.t, solution.rounded
         closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
-        beyond = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
+        excess = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
         if self.law.bends:
-            beyond[slides] = np.abs(beyond[slides])  # what slides bears neither more nor less
-        largest, length = float(np.abs(p).max()), self.length + abs(trial.d)
+            excess[slides] = np.abs(excess[slides])  # what slides bears neither more nor less
+        largest, length = float(np.abs(p).max()), self.length + abs(solution.d)
         largest = largest or self.force  # nothing touches a plate with mass
         terms: list[float] = [
             float(-w.min()) / length,
             float(np.abs(w[closed]).max(initial=0.0)) / length,
             float(-p.min()) / largest,
-            float(beyond.max()) / largest,
-            float(np.abs(trial.moved[stuck]).max(initial=0.0)) / length,
-            trial.unborne,
+            float(excess.max()) / largest,
+            float(np.abs(solution.moved[stuck]).max(initial=0.0)) / length,
+            solution.plate_residual,
         ]
         if self.inert is None:
             terms.append(abs(float(p.sum()) / self.drive.normal - 1))
@@ -399,5 +410,5 @@ class _Step:
             terms.append(abs(float(t.sum()) - self.drive.tangential) / self.drive.normal)
         way = np.where(status == RIGHT, 1.0, -1.0)[slides]
         if not all_slip:
-            terms.append(float((way * trial.moved[slides]).max(initial=0.0)) / length)
+            terms.append(float((way * solution.moved[slides]).max(initial=0.0)) / length)
         return max(0.0, *terms)

@@ -37,7 +37,9 @@ class NodalContact:
 
 
 Flexibility = Array | SlabChain
-Solved = dict[bytes, tuple[Array, Array]]  # of one pad: active points to what they carry by gaps and by one
+SolutionPoint = dict[
+    bytes, tuple[Array, Array]
+]  # of one pad: active points to what they carry by gaps and by one
 
 
 def seen_by(rows: sparse.csr_matrix, flexibility: Flexibility) -> Flexibility:
@@ -53,7 +55,7 @@ def press(
     gap: Array,
     force: float,
     start: Mask | None = None,
-    solved: Solved | None = None,
+    solved: SolutionPoint | None = None,
     *,
     definite: bool = True,
     may: Mask | None = None,
@@ -107,7 +109,12 @@ def _length(gap: Array, approach: float) -> float:
 
 
 def _equilibrium(
-    flexibility: Flexibility, gap: Array, force: float, active: Mask, solved: Solved, definite: bool = True
+    flexibility: Flexibility,
+    gap: Array,
+    force: float,
+    active: Mask,
+    solved: SolutionPoint,
+    definite: bool = True,
 ) -> tuple[Array, float]:
     """Forces and approach that close exactly the active points under the total force."""
     inside, key = np.flatnonzero(active), active.tobytes()
@@ -115,10 +122,10 @@ def _equilibrium(
     if key not in solved:
         solved[key] = _carried(flexibility, inside, gap[inside] - first, definite)
     by_gap, by_one = solved[key]
-    beyond = (force + by_gap.sum()) / by_one.sum()
+    approach = (force + by_gap.sum()) / by_one.sum()
     nodal = np.zeros_like(gap)
-    nodal[inside] = beyond * by_one - by_gap
-    return nodal, float(first + beyond)
+    nodal[inside] = approach * by_one - by_gap
+    return nodal, float(first + approach)
 
 
 def _carried(flexibility: Flexibility, inside: Index, gap: Array, definite: bool) -> tuple[Array, Array]:
@@ -130,12 +137,12 @@ def _carried(flexibility: Flexibility, inside: Index, gap: Array, definite: bool
     try:
         if definite:
             root = linalg.cho_factor(block, check_finite=False)
-            found = linalg.cho_solve(root, sides, check_finite=False)
+            columns = linalg.cho_solve(root, sides, check_finite=False)
         else:
-            found = linalg.solve(block, sides, assume_a="sym", check_finite=False)
+            columns = linalg.solve(block, sides, assume_a="sym", check_finite=False)
     except linalg.LinAlgError:
         raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
-    return found[:, 0], found[:, 1]
+    return columns[:, 0], columns[:, 1]
 
 
 def _descend(flexibility: Flexibility, gap: Array, force: float, may: Mask) -> NodalContact:
@@ -159,8 +166,8 @@ def _descend(flexibility: Flexibility, gap: Array, force: float, may: Mask) -> N
             active[worst] = True
             continue
         step = target - nodal
-        falling = active & (target < 0)
-        ratio = np.where(falling, nodal / np.where(falling, -step, 1.0), np.inf)
+        negative_eigenvalues = active & (target < 0)
+        ratio = np.where(negative_eigenvalues, nodal / np.where(negative_eigenvalues, -step, 1.0), np.inf)
         blocked = int(np.argmin(ratio))
         nodal = np.maximum(nodal + min(1.0, float(ratio[blocked])) * step, 0.0)
         nodal[blocked], active[blocked] = 0.0, False

@@ -18,32 +18,32 @@ MOVES = 1e-9  # of the approach; less is no slip but rounding
 
 
 @dataclass(frozen=True)
-class Cone:
+class FrictionCoefficients:
     """Coefficients of friction: `static` holds a point that sticks, `kinetic` drags one that slips.
 
-    `knees` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
+    `breakpoints` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
     rising: straight from 0 on, by `static`, from knee to knee, and constant beyond the last. Without any the
     law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
     """
 
     static: float
     kinetic: float
-    knees: tuple[tuple[float, float], ...] = ()
+    breakpoints: tuple[tuple[float, float], ...] = ()
 
-    def capped(self, share: float) -> Cone:
+    def capped(self, share: float) -> FrictionCoefficients:
         """Return the law that bears no more than this share of `static` times the pressure, else as much."""
-        slope, last, knees = share * self.static, (0.0, 0.0), list[tuple[float, float]]()
-        for pressure, stress in self.knees:
+        slope, last, breakpoints = share * self.static, (0.0, 0.0), list[tuple[float, float]]()
+        for pressure, stress in self.breakpoints:
             if stress < slope * pressure:
-                if not knees:
+                if not breakpoints:
                     rise = (stress - last[1]) / (pressure - last[0])
                     meets = (last[1] - rise * last[0]) / (slope - rise)
-                    knees.append((meets, slope * meets))
-                knees.append((pressure, stress))
+                    breakpoints.append((meets, slope * meets))
+                breakpoints.append((pressure, stress))
             last = pressure, stress
-        if self.knees and not knees:
-            knees.append((last[1] / slope, last[1]))
-        return Cone(slope, share * self.kinetic, tuple(knees))
+        if self.breakpoints and not breakpoints:
+            breakpoints.append((last[1] / slope, last[1]))
+        return FrictionCoefficients(slope, share * self.kinetic, tuple(breakpoints))
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Inert:
 
 
 @dataclass(frozen=True, eq=False)
-class Grip:
+class ContactState:
     """A contact state: forces `normal`, `tangential` `(m,)` N on the skin (compression, to +x), `anchor`
     `(m,)` mm and `status` `(m,)`, the plate's `approach` and `travel`, mm. `slipped` `(m,)` is what each
     point slid in the step, mm; `residual` the largest relative violation.
@@ -108,7 +108,7 @@ class GrossSlip(ContactError):  # noqa: N818
 
 
 @dataclass(frozen=True, eq=False)
-class Compliant:
+class Compliance:
     """The elastic side of a step: u = compliance @ (t, -p) + free, `(2 m,)` mm, and the gaps `(m,)`, mm.
 
     `solved` remembers the last sets' factorisations, for the steps in which the sets stay. `area` `(m,)` mm2
@@ -122,7 +122,7 @@ class Compliant:
     area: Array | None = None
 
 
-def at_rest(points: int) -> Grip:
+def at_rest(points: int) -> ContactState:
     """Return the unloaded start of `points` points."""
     zero = np.zeros(points)
-    return Grip(zero, zero, zero, np.zeros(points, dtype=np.int8), zero, 0.0, 0.0, 0.0)
+    return ContactState(zero, zero, zero, np.zeros(points, dtype=np.int8), zero, 0.0, 0.0, 0.0)

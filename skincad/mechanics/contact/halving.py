@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip
+from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 State = TypeVar("State")
@@ -43,17 +43,22 @@ def in_halves(
 
 
 def halved(
-    skin: Callable[[Drive], Compliant], before: Grip, start: Drive, end: Drive, cone: Cone, deepest: int = 4
-) -> Grip:
+    skin: Callable[[Drive], Compliance],
+    before: ContactState,
+    start: Drive,
+    end: Drive,
+    cone: FrictionCoefficients,
+    deepest: int = 4,
+) -> ContactState:
     """Return `grip` at `end`, in halves where need be; what the parts slipped is added up."""
 
-    def advance(before: Grip, _start: Drive, end: Drive, _share: float) -> Grip:
+    def advance(before: ContactState, _start: Drive, end: Drive, _share: float) -> ContactState:
         return grip(skin(end), before, end, cone)
 
     return in_halves(advance, before, start, end, joined, deepest)
 
 
-def joined(first: Grip, second: Grip) -> Grip:
+def joined(first: ContactState, second: ContactState) -> ContactState:
     """Return the state at the end of two steps as that of one."""
     slipped, residual = first.slipped + second.slipped, max(first.residual, second.residual)
     return replace(second, slipped=slipped, residual=residual)

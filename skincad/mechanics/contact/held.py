@@ -24,8 +24,8 @@ from skincad.base.arrays import Array
 from skincad.mechanics.bodies.neo_hooke import under
 from skincad.mechanics.contact.creasing import fault
 from skincad.mechanics.contact.dragged import (
-    Dragged,
-    DraggedState,
+    FrictionalPad,
+    FrictionalState,
     Tangential,
     dissipated,
     linearised,
@@ -34,7 +34,7 @@ from skincad.mechanics.contact.dragged import (
     pushed,
     unloaded,
 )
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip
+from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.problem import ContactError
 
@@ -64,16 +64,16 @@ class Drift(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class FrozenTangent:
     """The tangent held from a chosen step on: the pad as the plate sees it, `skin`; in that step the contact
     points' forces and places `(2 m,)`, N and mm, the state, and the strips' `films` with what they change by
     `per_force`. `late` `(2 m,)` mm and `films_late` are what is made up for; `drift` what was missed before;
     `cut` why no later step could be chosen, at the forces `at`, N."""
 
-    skin: Compliant
+    skin: Compliance
     force: Array
     place: Array
-    state: DraggedState
+    state: FrictionalState
     linear: Tangential
     films: Array
     per_force: Array
@@ -85,63 +85,67 @@ class Held:
 
 
 @dataclass(frozen=True, eq=False)
-class HeldState:
+class FrozenTangentState:
     """A state: the contact, the points' places `(2 m,)` mm, the strips' stresses, the energy mJ that the
     contact has put in, and what friction dissipated in the step; `gone` in strides, how far a point that
     touches has moved since the chosen step of `held`, at most so far; `chosen` whether this is one."""
 
-    grip: Grip
+    grip: ContactState
     place: Array
     films: Array
     elastic: float
     dissipated: float
-    held: Held
+    held: FrozenTangent
     gone: float = 0.0
     chosen: bool = True
 
 
 @dataclass(frozen=True, eq=False)
-class HeldPad:
+class FrozenTangentPad:
     """A pad with its strips' stresses; a stride is so many mm, `folds` whether it may fold."""
 
-    pad: Dragged
+    pad: FrictionalPad
     stresses: Stresses
     stride: float
     folds: bool
 
-    def start(self) -> HeldState:
+    def start(self) -> FrozenTangentState:
         """Return the unloaded pad, its tangent held."""
         state = unloaded(self.pad)
         linear = linearised(self.pad, state.values, self.pad.body.residual(state.values))
         zero = np.zeros(2 * self.pad.gap.size)
         films, per_force = self.stresses(state.values, linear)
         drift = Drift(np.zeros((2, self.pad.ridge.max(initial=0))), np.zeros_like(films))
-        skin = Compliant(linear.compliance, self.pad.gap, zero, linear.solved, self.pad.area)
-        held = Held(skin, zero, zero, state, linear, films, per_force, zero, np.zeros_like(films), drift)
-        return HeldState(state.grip, zero, films, 0.0, 0.0, held)
+        skin = Compliance(linear.compliance, self.pad.gap, zero, linear.solved, self.pad.area)
+        tangent = FrozenTangent(
+            skin, zero, zero, state, linear, films, per_force, zero, np.zeros_like(films), drift
+        )
+        return FrozenTangentState(state.grip, zero, films, 0.0, 0.0, tangent)
 
-    def advanced(self, before: HeldState, start: Drive, end: Drive, cone: Cone) -> HeldState:
+    def advanced(
+        self, before: FrozenTangentState, start: Drive, end: Drive, cone: FrictionCoefficients
+    ) -> FrozenTangentState:
         """Return the state at a step's end. Raises GrossSlip, with the last state, and ContactError."""
         if end.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
-        held, late = before.held, 1 - min(1.0, before.gone)
-        skin = replace(held.skin, free=held.skin.free + late * held.late)
+        tangent, late = before.held, 1 - min(1.0, before.gone)
+        skin = replace(tangent.skin, free=tangent.skin.free + late * tangent.late)
         try:
             after = self._seen(before, halved(lambda _: skin, before.grip, start, end, cone), skin, late)
         except GrossSlip as limit:
             limit.last = self._seen(before, limit.last, skin, late)
             raise
         forces = end.normal, abs(float(after.grip.tangential.sum()))
-        if after.gone < 1.0 or not self._worth(held, forces):
+        if after.gone < 1.0 or not self._worth(tangent, forces):
             return after
         try:
             return self._chosen(before, after, end, cone)
         except GrossSlip:
             raise
         except ContactError as failure:
-            return replace(after, held=replace(held, cut=str(failure), at=forces))
+            return replace(after, held=replace(tangent, cut=str(failure), at=forces))
 
-    def drift(self, state: HeldState) -> Drift:
+    def drift(self, state: FrozenTangentState) -> Drift:
         """Return what the linear pad has missed by a state, as of the second order in the stride.
 
         Before the first chosen step nothing is known of it: assumed is as much as points have moved, by a
@@ -155,25 +159,31 @@ class HeldPad:
         return Drift(missed.forces * grown, missed.films * grown, state.chosen, cut)
 
     @staticmethod
-    def _worth(held: Held, forces: tuple[float, float]) -> bool:
+    def _worth(tangent: FrozenTangent, forces: tuple[float, float]) -> bool:
         """Whether an equilibrium is to be looked for, after it was not found under larger forces."""
         normal, pull = forces
-        return not held.cut or (normal < AGAIN * held.at[0] and pull < AGAIN * held.at[1])
+        return not tangent.cut or (normal < AGAIN * tangent.at[0] and pull < AGAIN * tangent.at[1])
 
-    def _seen(self, before: HeldState, grip: Grip, skin: Compliant, late: float) -> HeldState:
+    def _seen(
+        self, before: FrozenTangentState, contact: ContactState, skin: Compliance, late: float
+    ) -> FrozenTangentState:
         """The state that a contact leads to while the tangent is held."""
-        held, force = before.held, _on_skin(grip)
+        tangent, force = before.held, _on_skin(contact)
         place = skin.compliance @ force + skin.free
-        films = held.films + held.per_force @ (force - held.force) + late * held.films_late
+        films = tangent.films + tangent.per_force @ (force - tangent.force) + late * tangent.films_late
         stored = before.elastic + float((force + _on_skin(before.grip)) @ (place - before.place)) / 2
-        far = np.hypot(*(place - held.place).reshape(2, -1))[grip.touches].max(initial=0.0) / self.stride
-        gone, spent = max(before.gone, float(far)), dissipated(before.grip, grip)
-        return HeldState(grip, place, films, stored, spent, held, gone, chosen=False)
+        far = (
+            np.hypot(*(place - tangent.place).reshape(2, -1))[contact.touches].max(initial=0.0) / self.stride
+        )
+        distance, spent = max(before.gone, float(far)), dissipated(before.grip, contact)
+        return FrozenTangentState(contact, place, films, stored, spent, tangent, distance, chosen=False)
 
-    def _chosen(self, before: HeldState, after: HeldState, end: Drive, cone: Cone) -> HeldState:
+    def _chosen(
+        self, before: FrozenTangentState, after: FrozenTangentState, end: Drive, cone: FrictionCoefficients
+    ) -> FrozenTangentState:
         """The same state, the tangent of the equilibrium under this drive held from here on."""
-        pad, held = self.pad, after.held
-        start = DraggedState(held.state.values, before.grip, np.zeros_like(held.state.values))
+        pad, tangent = self.pad, after.held
+        start = FrictionalState(tangent.state.values, before.grip, np.zeros_like(tangent.state.values))
         guess = self._guess(after)
         pad.kept.clear()
         try:
@@ -191,24 +201,24 @@ class HeldPad:
         films_late = after.films - films - per_force @ (force - true)
         late = after.place - (linear.compliance @ force + free)
         drift = Drift(STAYS * np.abs(self._of_ridges(force - true)), np.abs(films_late))
-        skin = Compliant(linear.compliance, pad.gap, free, linear.solved, pad.area)
-        now = Held(skin, true, place, state, linear, films, per_force, late, films_late, drift)
+        skin = Compliance(linear.compliance, pad.gap, free, linear.solved, pad.area)
+        now = FrozenTangent(skin, true, place, state, linear, films, per_force, late, films_late, drift)
         return replace(after, held=now, gone=0.0, chosen=True)
 
-    def _guess(self, after: HeldState) -> Array | None:
+    def _guess(self, after: FrozenTangentState) -> Array | None:
         """Where the held tangent says the pad is, while it is the body's latest and there is an energy."""
-        pad, held = self.pad, after.held
-        if not (pad.kept and pad.kept[0] is held.linear and held.state.values.any()):
+        pad, tangent = self.pad, after.held
+        if not (pad.kept and pad.kept[0] is tangent.linear and tangent.state.values.any()):
             return None
         # of an equilibrium, all that does not balance is the contact's
-        at = under(pad.body, held.linear.matrix, -pushed(pad, held.state.grip))
-        return held.state.values + moved(held.linear, at, pushed(pad, after.grip))
+        at = under(pad.body, tangent.linear.matrix, -pushed(pad, tangent.state.grip))
+        return tangent.state.values + moved(tangent.linear, at, pushed(pad, after.grip))
 
     def _of_ridges(self, force: Array) -> Array:
         """The sums of both forces on each ridge `(2, ridges)`."""
         return np.array([np.bincount(self.pad.ridge, part)[1:] for part in force.reshape(2, -1)])
 
 
-def _on_skin(grip: Grip) -> Array:
+def _on_skin(contact: ContactState) -> Array:
     """The contact's forces on the skin `(2 m,)`, N, in x, then in z."""
-    return np.concatenate([grip.tangential, -grip.normal])
+    return np.concatenate([contact.tangential, -contact.normal])

@@ -13,7 +13,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.chain import chained
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.contact.frictionless import Flexibility
 from skincad.mechanics.contact.threshold import Ridges
 
@@ -68,7 +68,7 @@ class MirroredRidges:
     of_point: Index
 
 
-def on_both_sides(even: Ridges, half: Assembled, ridges: tuple[int, ...]) -> MirroredRidges:
+def on_both_sides(even: Ridges, half: ContactStiffness, ridges: tuple[int, ...]) -> MirroredRidges:
     """Return the contact of a whole pad with these `ridges`, those of its half under even loads at hand.
 
     `half` is the half's stiffness for loads of either parity, in whose units the whole is too. Costs one

@@ -49,7 +49,7 @@ AnyBody_co = TypeVar("AnyBody_co", bound=Elastic, covariant=True)
 
 
 @dataclass(frozen=True)
-class Pressed(Generic[AnyBody_co]):
+class PressedPad(Generic[AnyBody_co]):
     """What is pressed: a body, its highest point `top`.
 
     `drops` `(ridges,)` is how much lower each crest is than meshed. Lengths in units.
@@ -77,7 +77,7 @@ class PressedState:
     history: tuple[float, ...]
 
 
-def newton(pad: Pressed[Elastic], start: Array, load: Load, active: Mask | None = None) -> PressedState:
+def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | None = None) -> PressedState:
     """Return the equilibrium near `start` `(n,)`, where `active` `(m,)` touches, at the force that `load`
     asks for.
 
@@ -140,14 +140,16 @@ def linearised(body: Elastic, values: Array, unbalanced: Array) -> LinearisedBod
         raise UnstableError(UNSTABLE) from None
 
 
-def seen_by_plate(pad: Pressed[Elastic], values: Array, linear: LinearisedBody) -> tuple[Ridges, float]:
+def seen_by_plate(pad: PressedPad[Elastic], values: Array, linear: LinearisedBody) -> tuple[Ridges, float]:
     """Return the contact as the plate sees it, its gaps those of the linearised body without contact forces.
 
     Gaps count from the lowest one, which is returned too.
     """
     rest = pad.body.rest
     unloaded = (values + linear.move(np.zeros_like(values)))[rest.contact]
-    ridges = replace(Ridges.of(rest, linear.flexibility, pad.top), definite=not any(linear.falling))
+    ridges = replace(
+        Ridges.of(rest, linear.flexibility, pad.top), definite=not any(linear.negative_eigenvalues)
+    )
     if pad.drops is not None:
         ridges = ridges.lowered(pad.drops)
     gap = ridges.gap - rest.nodes.rows @ unloaded

@@ -15,8 +15,8 @@ from scipy import optimize
 
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.elements import Assembled
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, at_rest
+from skincad.mechanics.bodies.elements import ContactStiffness
+from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.contact.under_plate import seen_by_plate
@@ -27,7 +27,7 @@ FURTHEST = 3.0  # times F9 without friction and the force, up to which F9 with f
 
 
 @dataclass(frozen=True)
-class Gripped:
+class StickingPad:
     """A condensed pad in its own units, both directions: `ridges` as the plate sees them without friction,
     `compliance` `(2 m, 2 m)` in x, then in z, and `fine` `(p, 2 m)`: how far the fine samples rise under
     these forces."""
@@ -36,12 +36,12 @@ class Gripped:
     compliance: Array
     fine: Array
 
-    def lowered(self, drops: Array) -> Gripped:
+    def lowered(self, drops: Array) -> StickingPad:
         """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`."""
         return replace(self, ridges=self.ridges.lowered(drops))
 
 
-def gripped(pad: Pad, system: Assembled, unit: float) -> Gripped:
+def gripped(pad: Pad, system: ContactStiffness, unit: float) -> StickingPad:
     """Return the pad of an assembled mesh; `unit` is the pad's, mm."""
     space = system.space.components[0]
     along_x = system.contact - space.Range(1).start + space.Range(0).start
@@ -51,11 +51,11 @@ def gripped(pad: Pad, system: Assembled, unit: float) -> Gripped:
     moved = np.hstack([(rows @ by_unknown[:k]).T, (rows @ by_unknown[k:]).T])
     whole = np.vstack([rows @ moved[:k], rows @ moved[k:]])
     ridges = seen_by_plate(pad, system, by_unknown[k:, k:], unit)
-    return Gripped(ridges, (whole + whole.T) / 2, np.asarray(fine @ moved[k:]))
+    return StickingPad(ridges, (whole + whole.T) / 2, np.asarray(fine @ moved[k:]))
 
 
 @dataclass(frozen=True)
-class Reached:
+class PressResult:
     """Where a press ends: F9, None where there is none without friction either, the approach and each
     ridge's force `(ridges,)` at the asked force, in the pad's units, and the largest residual of a step."""
 
@@ -65,36 +65,38 @@ class Reached:
     residual: float
 
 
-def pressed(pad: Gripped, coefficient: float, force: float, first: float | None, steps: int) -> Reached:
+def pressed(
+    pad: StickingPad, coefficient: float, force: float, first: float | None, steps: int
+) -> PressResult:
     """Press to `force` and until all ridges touch; `first` is F9 without friction.
 
     Up to the smaller of both, and from there to the larger, the force rises in so many even `steps`. Raises
     ContactError where a step's sets do not settle, halved or not, or all do not touch up to FURTHEST.
     """
-    path = _Path(pad, Cone(coefficient, coefficient))
+    path = _Path(pad, FrictionCoefficients(coefficient, coefficient))
     state, load, residual = at_rest(pad.ridges.gap.size), 0.0, 0.0
-    held: Grip | None = None
-    found = None if path.waiting and first is not None else first
-    searching = found is None and first is not None
+    at_force: ContactState | None = None
+    all_touch = None if path.waiting and first is not None else first
+    searching = all_touch is None and first is not None
     for following in _forces(force, first, steps):
-        if held is not None and not searching:
+        if at_force is not None and not searching:
             break
         after = path.step(state, load, following)
         residual = max(residual, after.residual)
         if searching:
             still = path.clear(after)
             if not still:
-                found = max(path.closing(ridge, state, load, following) for ridge in path.waiting)
+                all_touch = max(path.closing(ridge, state, load, following) for ridge in path.waiting)
                 searching = False
             else:
                 path.waiting = still
         state, load = after, following
-        held = state if load == force else held
-    if searching or held is None:
+        at_force = state if load == force else at_force
+    if searching or at_force is None:
         raise ContactError(f"not all ridges touch at up to {FURTHEST:g} times the force without friction")
     of_point = pad.ridges.of_point
-    shares = np.array([held.normal[of_point == r].sum() for r in pad.ridges.numbers])
-    return Reached(found, held.approach, shares, residual)
+    shares = np.array([at_force.normal[of_point == r].sum() for r in pad.ridges.numbers])
+    return PressResult(all_touch, at_force.approach, shares, residual)
 
 
 def _forces(force: float, first: float | None, steps: int) -> list[float]:
@@ -104,29 +106,29 @@ def _forces(force: float, first: float | None, steps: int) -> list[float]:
     forces = [*(low * even[:-1]), low]
     if high > low:
         forces += [*(low + (high - low) * even[:-1]), high]
-    beyond = high * (1 + even)
-    return [float(each) for each in (*forces, *beyond, *(high + beyond))]
+    further = high * (1 + even)
+    return [float(level) for level in (*forces, *further, *(high + further))]
 
 
 class _Path:
     """A press under way; `waiting` are the ridges that do not touch yet."""
 
-    def __init__(self, pad: Gripped, cone: Cone) -> None:
+    def __init__(self, pad: StickingPad, cone: FrictionCoefficients) -> None:
         self.pad, self.cone = pad, cone
         self.points = np.arange(pad.ridges.gap.size)
         self.skin = self._compliant(self.points)
         self.waiting = [r for r in pad.ridges.numbers.tolist() if self._least(r, pad.ridges.fine_gap) > 0]
 
-    def step(self, before: Grip, start: float, end: float) -> Grip:
+    def step(self, before: ContactState, start: float, end: float) -> ContactState:
         """The state at a force from the one before."""
         return self._stepped(self.skin, before, start, end)
 
-    def clear(self, state: Grip) -> list[int]:
+    def clear(self, state: ContactState) -> list[int]:
         """Those of the waiting ridges that still do not touch; the gap of a point that does is rounding."""
         gaps, touched = self._gaps(state, self.points), self.pad.ridges.of_point[state.touches]
         return [r for r in self.waiting if r not in touched and self._least(r, gaps) > 0]
 
-    def closing(self, ridge: int, before: Grip, start: float, end: float) -> float:
+    def closing(self, ridge: int, before: ContactState, start: float, end: float) -> float:
         """The force between two at which a ridge begins to touch that is clear at the first."""
         points = np.flatnonzero(self.pad.ridges.of_point != ridge)
         skin, others = self._compliant(points), _of_points(before, points)
@@ -139,18 +141,18 @@ class _Path:
             return end
         return float(optimize.brentq(gap, start, end, xtol=ROOT * end, rtol=ROOT))
 
-    def _stepped(self, skin: Compliant, before: Grip, start: float, end: float) -> Grip:
+    def _stepped(self, skin: Compliance, before: ContactState, start: float, end: float) -> ContactState:
         return halved(lambda _: skin, before, Drive(start, 0.0), Drive(end, 0.0), self.cone)
 
-    def _compliant(self, points: Index) -> Compliant:
+    def _compliant(self, points: Index) -> Compliance:
         both = self._both(points)
         gap = self.pad.ridges.gap[points]
-        return Compliant(self.pad.compliance[np.ix_(both, both)], gap, np.zeros(both.size))
+        return Compliance(self.pad.compliance[np.ix_(both, both)], gap, np.zeros(both.size))
 
     def _both(self, points: Index) -> Index:
         return np.concatenate([points, points + self.points.size])
 
-    def _gaps(self, state: Grip, points: Index) -> Array:
+    def _gaps(self, state: ContactState, points: Index) -> Array:
         """Fine gaps `(p,)` in a state of these points alone."""
         force = np.concatenate([state.tangential, -state.normal])
         risen = self.pad.fine[:, self._both(points)] @ force
@@ -158,8 +160,8 @@ class _Path:
 
     def _least(self, ridge: int, gaps: Array) -> float:
         """Smallest of a ridge's gaps `(p,)`, by a parabola through three of an edge (threshold.py)."""
-        own = self.pad.ridges.fine_of_point == ridge
-        gaps, edge = gaps[own], self.pad.ridges.fine_edge[own]
+        points = self.pad.ridges.fine_of_point == ridge
+        gaps, edge = gaps[points], self.pad.ridges.fine_edge[points]
         i = int(np.argmin(gaps))
         if not 0 < i < gaps.size - 1 or not edge[i - 1] == edge[i] == edge[i + 1]:
             return float(gaps[i])
@@ -168,7 +170,7 @@ class _Path:
         return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
 
 
-def _of_points(state: Grip, points: Index) -> Grip:
+def _of_points(state: ContactState, points: Index) -> ContactState:
     """A state of some points; the others carry nothing."""
     per_point = ("normal", "tangential", "anchor", "status", "slipped")
     return replace(state, **{name: getattr(state, name)[points] for name in per_point})

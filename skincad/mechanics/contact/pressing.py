@@ -9,7 +9,7 @@ from skincad.mechanics.contact.elastic import Elastic
 from skincad.mechanics.contact.newton import (
     DivergedError,
     Load,
-    Pressed,
+    PressedPad,
     PressedState,
     UnstableError,
     contact_under,
@@ -28,7 +28,7 @@ def _given(force: float) -> Load:
     return lambda *_: force
 
 
-def press_to(pad: Pressed[Elastic], force: float, guess: Array | None = None) -> PressedState:
+def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None) -> PressedState:
     """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes.
 
     From rest the first step is the small-strain solution. Raises DivergedError with the largest force
@@ -40,29 +40,29 @@ def press_to(pad: Pressed[Elastic], force: float, guess: Array | None = None) ->
         except DivergedError:
             pass
     last: PressedState | None = None
-    done, step = 0.0, 1.0
+    reached, step = 0.0, 1.0
     while True:
-        target = min(1.0, done + step)
+        target = min(1.0, reached + step)
         try:
             state = _further(pad, last, target * force)
         except DivergedError as failure:
-            step = (target - done) / 2
+            step = (target - reached) / 2
             if step < SMALLEST:
                 raise _ended(pad, last, failure) from None
             continue
         if target == 1.0:
             return state
-        last, done = state, target
+        last, reached = state, target
 
 
-def _further(pad: Pressed[Elastic], last: PressedState | None, force: float) -> PressedState:
+def _further(pad: PressedPad[Elastic], last: PressedState | None, force: float) -> PressedState:
     """The state under `force`, looked for from another one, or from rest."""
     if last is None:
         return newton(pad, np.zeros(pad.body.free.size), _given(force))
     return newton(pad, last.values, _given(force), last.contact.active)
 
 
-def _ended(pad: Pressed[Elastic], last: PressedState | None, failure: DivergedError) -> DivergedError:
+def _ended(pad: PressedPad[Elastic], last: PressedState | None, failure: DivergedError) -> DivergedError:
     """The failure beyond the last state, with that state's force and, where the next is not stable, what
     gives way there."""
     if last is None or not isinstance(failure, UnstableError):
@@ -73,7 +73,7 @@ def _ended(pad: Pressed[Elastic], last: PressedState | None, failure: DivergedEr
 
 
 def press_until_all_touch(
-    pad: Pressed[Elastic], near: PressedState, guess: Array | None = None
+    pad: PressedPad[Elastic], near: PressedState, guess: Array | None = None
 ) -> PressedState:
     """Return the state at the smallest force at which every ridge touches, found from a state nearby.
 
@@ -84,10 +84,10 @@ def press_until_all_touch(
     """
 
     def load(ridges: Ridges, active: Mask | None) -> float:
-        found = all_touch_force(ridges, near.force, None if ridges.definite else active)
-        if found is None:
+        force = all_touch_force(ridges, near.force, None if ridges.definite else active)
+        if force is None:
             raise DivergedError("no force makes the last ridge touch")
-        return found
+        return force
 
     try:
         return _walked(pad, near, load, guess)
@@ -102,7 +102,7 @@ def press_until_all_touch(
 
 
 def _walked(
-    pad: Pressed[Elastic], state: PressedState, load: Load, guess: Array | None = None
+    pad: PressedPad[Elastic], state: PressedState, load: Load, guess: Array | None = None
 ) -> PressedState:
     """The state at the force that `load` asks for, from a state in steps halfway to what it asks there."""
     start = state.values if guess is None else guess

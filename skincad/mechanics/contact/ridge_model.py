@@ -66,11 +66,11 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
     low = model.gap + drop
     low -= low.min(axis=1, keepdims=True)  # the first touch is 0: a light force loses no digits to the datum
     rounding = ROUNDING * float(by_one.sum()) * float(np.ptp(low))
-    found = np.empty_like(low)
+    forces = np.empty_like(low)
     for first in range(0, len(low), BATCH):
         some = slice(first, first + BATCH)
-        found[some] = _settled(model, by_one, low[some].T, force[some], rounding).T
-    return found
+        forces[some] = _settled(model, by_one, low[some].T, force[some], rounding).T
+    return forces
 
 
 def _settled(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding: float) -> Array:
@@ -79,7 +79,7 @@ def _settled(model: RidgeModel, by_one: Array, low: Array, force: Array, roundin
     A ridge's parts lie together in memory; parts that have settled are swept no further.
     """
     together = float(by_one.sum())
-    low, found, waiting = low.copy(), np.empty_like(low), np.arange(force.size)
+    low, forces, waiting = low.copy(), np.empty_like(low), np.arange(force.size)
     carried = np.outer(np.maximum(by_one, 0) / together, force)
     approach = low.mean(axis=0) + force / together
     for _ in range(SWEEPS):
@@ -90,9 +90,9 @@ def _settled(model: RidgeModel, by_one: Array, low: Array, force: Array, roundin
         approach = approach + 0.7 * missing / together
         moved = np.abs(carried - before).max(axis=0) + np.abs(missing)
         still = ~(moved <= SETTLED * force + rounding)
-        found[:, waiting[~still]] = carried[:, ~still]
+        forces[:, waiting[~still]] = carried[:, ~still]
         if not still.any():
-            return found
+            return forces
         if not still.all():
             low, carried, waiting = low[:, still], carried[:, still], waiting[still]
             approach, force, moved = approach[still], force[still], moved[still]

@@ -27,10 +27,10 @@ def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: Nodal
 
     Of a half both kinds of movements are looked at.
     """
-    held, free = linear.falling
+    fixed_count, free = linear.negative_eigenvalues
     points = np.flatnonzero(contact.active)
     flexibility = ridges.flexibility[np.ix_(points, points)]
-    if not _held_up(held, free, flexibility):
+    if not _held_up(fixed_count, free, flexibility):
         return False
     if free and not linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0:
         return False  # the plate's own stiffness
@@ -38,18 +38,18 @@ def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: Nodal
         odd = linear.odd()
     except ContactError:  # it has no such tangent
         return False
-    return odd is None or _held_up(*odd.falling, _at_points(body, odd, contact)[0])
+    return odd is None or _held_up(*odd.negative_eigenvalues, _at_points(body, odd, contact)[0])
 
 
-def _held_up(held: int, free: int, flexibility: Array) -> bool:
+def _held_up(fixed_count: int, free: int, flexibility: Array) -> bool:
     """Whether a tangent is positive definite while points of a `flexibility` `(k, k)` are held; it has so
     many negative eigenvalues with the contact unknowns `held`, and `free`.
 
     With these points held the tangent has as many negative eigenvalues as it has free, less those of the
     points' flexibility (Haynsworth, Linear Algebra Appl. 1 (1968) 73).
     """
-    if held or not free:
-        return not held
+    if fixed_count or not free:
+        return not fixed_count
     return int((linalg.eigvalsh(flexibility) < 0).sum()) == free
 
 
@@ -58,9 +58,9 @@ def _at_points(
 ) -> tuple[Array, sparse.csr_matrix]:
     """The flexibility `(k, k)` and the rows `(k, contact unknowns)` of touching points that can move up."""
     rows = body.rest.nodes.rows[contact.active]
-    found = np.asarray(rows @ np.asarray(rows @ linear.flexibility).T)
-    able = np.flatnonzero(found.any(axis=1))  # on a half's cut some cannot
-    return (found + found.T)[np.ix_(able, able)] / 2, rows[able]
+    flexibility = np.asarray(rows @ np.asarray(rows @ linear.flexibility).T)
+    able = np.flatnonzero(flexibility.any(axis=1))  # on a half's cut some cannot
+    return (flexibility + flexibility.T)[np.ix_(able, able)] / 2, rows[able]
 
 
 def tipping_ridge(body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact) -> int:
@@ -72,7 +72,7 @@ def tipping_ridge(body: Elastic, state: Array, linear: LinearisedBody, contact: 
     kinds = [_weakest(body, state, kind, contact) for kind in (linear, odd) if kind is not None]
     step, _ = max(kinds, key=lambda found: found[1])
     nodes = body.rest.nodes
-    nearest = np.abs(nodes.position[:, 0] - body.widest(step)).argmin()
+    nearest = np.abs(nodes.position[:, 0] - body.x_of_largest_displacement(step)).argmin()
     return int(nodes.ridge[nearest])
 
 
@@ -81,13 +81,13 @@ def _weakest(
 ) -> tuple[Array, float]:
     """The weakest movement `(n,)` with the touching points held, and how far a load of 1 moves it."""
     rest = body.rest
-    held, rows = _at_points(body, linear, contact)
+    flexibility, rows = _at_points(body, linear, contact)
     balanced = _at_contact(body, -(rest.nodes.rows.T @ contact.force))
     still = linear.move(-balanced)
 
     def moved(load: Array) -> Array:
         free = linear.move(-balanced - load) - still
-        force = linalg.solve(held, rows @ free[rest.contact], assume_a="sym")
+        force = linalg.solve(flexibility, rows @ free[rest.contact], assume_a="sym")
         return free - (linear.move(-balanced - _at_contact(body, rows.T @ force)) - still)
 
     step, growth = np.random.default_rng(0).standard_normal(state.size) * body.free, 0.0

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from skincad.mechanics.contact.dragged import Dragged, DraggedState, newton
-from skincad.mechanics.contact.grip import Cone, Drive, GrossSlip
+from skincad.mechanics.contact.dragged import FrictionalPad, FrictionalState, newton
+from skincad.mechanics.contact.grip import Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.contact.halving import in_halves, joined
 from skincad.mechanics.problem import ContactError
 
@@ -22,14 +22,19 @@ SAME_FORCE = 1e-9  # of the normal force
 
 
 def to(
-    pad: Dragged, before: DraggedState, start: Drive, end: Drive, cone: Cone, deepest: int = DEEPEST
-) -> DraggedState:
+    pad: FrictionalPad,
+    before: FrictionalState,
+    start: Drive,
+    end: Drive,
+    cone: FrictionCoefficients,
+    deepest: int = DEEPEST,
+) -> FrictionalState:
     """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most, a pull
     that does not is driven by travel. What the parts slipped and dissipated is added up. Raises as `newton`
     does.
     """
 
-    def advance(before: DraggedState, start: Drive, end: Drive, _share: float) -> DraggedState:
+    def advance(before: FrictionalState, start: Drive, end: Drive, _share: float) -> FrictionalState:
         return _whole(pad, before, start, end, cone)
 
     if end.tangential in (None, start.tangential) or not before.grip.touches.any():
@@ -42,7 +47,9 @@ def to(
         return _driven(pad, before, end, cone)
 
 
-def _whole(pad: Dragged, before: DraggedState, start: Drive, end: Drive, cone: Cone) -> DraggedState:
+def _whole(
+    pad: FrictionalPad, before: FrictionalState, start: Drive, end: Drive, cone: FrictionCoefficients
+) -> FrictionalState:
     """The state at one step's end, looked for where the last equal one leads, then from its own start."""
     steady = _moves(start, end)
     guesses = (before.values + before.change, None) if steady == before.moves else (None,)
@@ -67,19 +74,21 @@ def _moves(start: Drive, end: Drive) -> tuple[float, ...]:
     return tuple(change(a, b) for a, b in pairs if b is not None)
 
 
-def _driven(pad: Dragged, before: DraggedState, end: Drive, cone: Cone) -> DraggedState:
+def _driven(
+    pad: FrictionalPad, before: FrictionalState, end: Drive, cone: FrictionCoefficients
+) -> FrictionalState:
     """Return the state at the end's forces, the plate driven there by its travel; the last stride is cut."""
     wanted, state, total = float(end.tangential or 0.0), before, None
     here = float(before.grip.tangential.sum())
     way = 1.0 if wanted > here else -1.0
     soft = abs(before.grip.travel) / max(abs(here), 1e-3 * end.normal) or before.grip.approach / end.normal
-    stride = LONGER * soft * (wanted - here)
+    length = LONGER * soft * (wanted - here)
     for _ in range(STRIDES):
-        last = _by_travel(pad, state, end.normal, state.grip.travel + stride, cone)
+        last = _by_travel(pad, state, end.normal, state.grip.travel + length, cone)
         passed = float(last.grip.tangential.sum())
         if way * (passed - wanted) >= 0:
-            found = _cut(pad, state, last, end.normal, wanted, cone)
-            return found if total is None else _joined(total, found)
+            state_reached = _cut(pad, state, last, end.normal, wanted, cone)
+            return state_reached if total is None else _joined(total, state_reached)
         if way * (passed - here) < 0:
             break
         total = last if total is None else _joined(total, last)
@@ -89,24 +98,31 @@ def _driven(pad: Dragged, before: DraggedState, end: Drive, cone: Cone) -> Dragg
     )
 
 
-def _by_travel(pad: Dragged, before: DraggedState, normal: float, travel: float, cone: Cone) -> DraggedState:
+def _by_travel(
+    pad: FrictionalPad, before: FrictionalState, normal: float, travel: float, cone: FrictionCoefficients
+) -> FrictionalState:
     start = Drive(normal, travel=before.grip.travel)
     return to(pad, before, start, Drive(normal, travel=travel), cone, STEADY)
 
 
 def _cut(
-    pad: Dragged, before: DraggedState, after: DraggedState, normal: float, wanted: float, cone: Cone
-) -> DraggedState:
+    pad: FrictionalPad,
+    before: FrictionalState,
+    after: FrictionalState,
+    normal: float,
+    wanted: float,
+    cone: FrictionCoefficients,
+) -> FrictionalState:
     """Return the state between two at which the tangential force is the wanted one, by the Illinois rule."""
     ends = [before.grip.travel, after.grip.travel]
     missing = [float(s.grip.tangential.sum()) - wanted for s in (before, after)]
     side = 0
     for _ in range(CUTS):
         travel = (ends[0] * missing[1] - ends[1] * missing[0]) / (missing[1] - missing[0])
-        found = _by_travel(pad, before, normal, travel, cone)
-        off = float(found.grip.tangential.sum()) - wanted
+        state_reached = _by_travel(pad, before, normal, travel, cone)
+        off = float(state_reached.grip.tangential.sum()) - wanted
         if abs(off) <= SAME_FORCE * normal:
-            return found
+            return state_reached
         new = int(off * missing[1] > 0)
         ends[new], missing[new] = travel, off
         if new == side:
@@ -117,7 +133,7 @@ def _cut(
     )
 
 
-def _joined(first: DraggedState, second: DraggedState) -> DraggedState:
+def _joined(first: FrictionalState, second: FrictionalState) -> FrictionalState:
     return replace(
         second,
         grip=joined(first.grip, second.grip),

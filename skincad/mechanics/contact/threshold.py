@@ -14,8 +14,8 @@ from scipy import optimize, sparse
 from scipy.sparse.linalg import splu
 
 from skincad.base.arrays import Array, Index, Mask
-from skincad.mechanics.bodies.elements import Assembled
-from skincad.mechanics.contact.frictionless import Flexibility, NodalContact, Solved, press, seen_by
+from skincad.mechanics.bodies.elements import ContactStiffness
+from skincad.mechanics.contact.frictionless import Flexibility, NodalContact, SolutionPoint, press, seen_by
 
 LARGEST_FORCE = 1e4  # in units of E times the unit length; far beyond any small strain
 ROOT = 1e-12  # relative, of the force
@@ -44,7 +44,7 @@ class Ridges:
     @classmethod
     def of(
         cls,
-        system: Assembled,
+        system: ContactStiffness,
         flexibility: Flexibility,
         top: float,
         rise: Callable[[Array], Array] = np.zeros_like,
@@ -96,21 +96,21 @@ def all_touch_force(ridges: Ridges, guess: float, active: Mask | None = None) ->
         return 0.0
     first_gap = {int(r): float(ridges.fine_gap[ridges.fine_of_point == r].min()) for r in numbers}
     candidate = max(first_gap, key=lambda r: first_gap[r])
-    found = 0.0
+    largest = 0.0
     waiting = set(first_gap)
     touching = np.zeros(ridges.gap.size, dtype=bool) if active is None else active.copy()
     while True:
         waiting.remove(candidate)
         outsider = _Outsider(ridges, candidate, touching)
         # a mirror ridge touches a rounding error later: look close above the last one's force
-        force = outsider.touch_force(found, guess if found == 0.0 else 1e-3 * found)
+        force = outsider.touch_force(largest, guess if largest == 0.0 else 1e-3 * largest)
         if force is None:
             return None
-        found = max(found, force)
-        late = waiting.intersection(outsider.not_touching(found))
+        largest = max(largest, force)
+        late = waiting.intersection(outsider.not_touching(largest))
         touching[outsider.others] = outsider.start[outsider.others]
         if not late:
-            return found
+            return largest
         candidate = max(late, key=lambda r: first_gap[r])
 
 
@@ -124,7 +124,7 @@ class _Outsider:
         self.rows = ridges.fine_rows[self.points]
         self.unknowns = splu(ridges.rows.tocsc())
         self.start = touching
-        self.solved: Solved = {}
+        self.solved: SolutionPoint = {}
         self.at_rest = self._least(ridges.fine_gap[self.points])
 
     def press(self, force: float) -> NodalContact:

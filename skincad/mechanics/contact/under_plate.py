@@ -7,14 +7,14 @@ from collections.abc import Callable
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.contact.frictionless import Flexibility
 from skincad.mechanics.contact.threshold import Ridges
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Pad
 
 
-def seen_by_plate(pad: Pad, system: Assembled, flexibility: Flexibility, unit: float) -> Ridges:
+def seen_by_plate(pad: Pad, system: ContactStiffness, flexibility: Flexibility, unit: float) -> Ridges:
     """Return the contact points as the pad's plate sees them; `unit` is the pad's, mm."""
     if pad.plate.shape == "flat":
         return Ridges.of(system, flexibility, pad.top / unit)
@@ -22,7 +22,7 @@ def seen_by_plate(pad: Pad, system: Assembled, flexibility: Flexibility, unit: f
 
 
 def height_above(
-    pad: Pad, ridges: Ridges, system: Assembled, approach: float, unit: float
+    pad: Pad, ridges: Ridges, system: ContactStiffness, approach: float, unit: float
 ) -> Callable[[Array], Array]:
     """Return the plate's height over x, in units, at an approach; gaps count from the first touch.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.contact.grip import Drive, Grip, Inert
+from skincad.mechanics.contact.grip import ContactState, Drive, Inert
 from skincad.mechanics.dynamics.state import DynamicState
 from skincad.mechanics.dynamics.time_scheme import Scheme
 
@@ -28,7 +28,7 @@ def plate_inertia(state: DynamicState, drive: Drive, s: Scheme) -> tuple[Inert |
 
 
 def plate_state(
-    state: DynamicState, drive: Drive, contact: Grip, s: Scheme, pushing: tuple[Inert | None, Drive]
+    state: DynamicState, drive: Drive, contact: ContactState, s: Scheme, pushing: tuple[Inert | None, Drive]
 ) -> Array:
     """The plate's place, speed and acceleration `(3, 2)` after a step, from its unbalanced force."""
     inert, force = pushing
@@ -45,7 +45,7 @@ def plate_state(
     return np.stack([place, speed, rate])
 
 
-def friction_work(before: Grip, after: Grip) -> float:
+def friction_work(before: ContactState, after: ContactState) -> float:
     """Friction's dissipation in a step, mJ: the mean force times the slip of the points on the plate. Without
     damping of high modes it closes the energy balance to rounding, open points included."""
     return -float((before.tangential + after.tangential) / 2 @ (after.anchor - before.anchor))

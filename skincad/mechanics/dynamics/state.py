@@ -11,7 +11,7 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.strip_field import StripBody
-from skincad.mechanics.contact.grip import Drive, Grip, at_rest
+from skincad.mechanics.contact.grip import ContactState, Drive, at_rest
 from skincad.mechanics.dynamics.time_scheme import Matter
 
 AT_REST = Matter()
@@ -62,7 +62,7 @@ class DynamicState:
     `viscous` and `work` mJ were dissipated and done in the step.
     """
 
-    contact: Grip
+    contact: ContactState
     u: Array
     v: Array
     a: Array

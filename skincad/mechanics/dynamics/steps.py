@@ -19,9 +19,16 @@ import numpy as np
 from scipy import sparse
 
 from skincad.base.arrays import Array
-from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import Compliant, Cone, Drive, Grip, GrossSlip, Inert
+from skincad.mechanics.contact.grip import (
+    Compliance,
+    ContactState,
+    Drive,
+    FrictionCoefficients,
+    GrossSlip,
+    Inert,
+)
 from skincad.mechanics.contact.halving import in_halves, joined
 from skincad.mechanics.dynamics.plate import TONNE, friction_work, plate_inertia, plate_state, plate_work
 from skincad.mechanics.dynamics.state import DynamicState, PadEquations, sum_of, unrelaxed
@@ -38,8 +45,8 @@ class Operators:
     displacement, `decay` the share that stays."""
 
     scheme: Scheme
-    small: tuple[Condensed, ...]
-    skin: Compliant
+    small: tuple[Condensation, ...]
+    skin: Compliance
     gained: tuple[float, ...]
     decay: tuple[float, ...]
 
@@ -51,7 +58,9 @@ class Dynamics:
     pad: PadEquations
     operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
 
-    def step(self, state: DynamicState, drive: Drive, dt: float, cone: Cone, matter: Matter) -> DynamicState:
+    def step(
+        self, state: DynamicState, drive: Drive, dt: float, cone: FrictionCoefficients, matter: Matter
+    ) -> DynamicState:
         """Return the state after `dt` s; a step that does not converge is cut in two.
 
         Raises GrossSlip, whose `last` is a Moved, where the plate has no mass, and ContactError.
@@ -66,7 +75,7 @@ class Dynamics:
 
         return in_halves(advance, start, start.drive, drive, _joined, MAX_HALVINGS)
 
-    def _one(self, state: DynamicState, drive: Drive, dt: float, cone: Cone) -> DynamicState:
+    def _one(self, state: DynamicState, drive: Drive, dt: float, cone: FrictionCoefficients) -> DynamicState:
         pad, ops = self.pad, self.factorised(dt, state.matter)
         past, slower = self._history(state, ops)
         free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(pad.halves))], axis=1)
@@ -74,7 +83,7 @@ class Dynamics:
         skin = replace(ops.skin, free=at_points)
         inert, pushing = plate_inertia(state, drive, ops.scheme)
 
-        def after(contact: Grip) -> DynamicState:
+        def after(contact: ContactState) -> DynamicState:
             return self._after(state, drive, contact, free, slower, ops, (inert, pushing))
 
         try:
@@ -103,7 +112,7 @@ class Dynamics:
             points = half.points[:, condensed.order[-half.contact.size :]]
             half_compliance = points @ np.asarray(points @ condensed.flexibility).T
             compliance += pad.share * (half_compliance + half_compliance.T) / 2
-        skin = Compliant(compliance, pad.gap, np.zeros(size), area=pad.area)
+        skin = Compliance(compliance, pad.gap, np.zeros(size), area=pad.area)
         operators = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
         return operators
 
@@ -129,7 +138,7 @@ class Dynamics:
             force = force + pad.soft @ (past - s.before * unrelaxed(state))
         return force, slower
 
-    def contact_force(self, state: Grip) -> Array:
+    def contact_force(self, state: ContactState) -> Array:
         """Forces `(n, halves)` on the unknowns of the part, N."""
         force = self.pad.share * np.concatenate([state.tangential, -state.normal])
         return np.stack([half.points.T @ force for half in self.pad.halves], axis=1)
@@ -138,7 +147,7 @@ class Dynamics:
         self,
         state: DynamicState,
         drive: Drive,
-        contact: Grip,
+        contact: ContactState,
         free: Array,
         slower: Array,
         ops: Operators,

@@ -23,7 +23,7 @@ from skincad.base.errors import RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, strip_field
-from skincad.mechanics.bodies.condense import Condensed
+from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.film.contact_edges import with_fine_edges
@@ -157,7 +157,7 @@ def _of_state(piece: PadPiece, loads: Sequence[_ContactLoad], unknowns: int) -> 
 class _ContactLoad:
     """The distribution of the plate's force over the crowns at one normal force, N."""
 
-    def __init__(self, piece: PadPiece, body: StripBody, small: Condensed, force: float) -> None:
+    def __init__(self, piece: PadPiece, body: StripBody, small: Condensation, force: float) -> None:
         self.piece, self.body, self.small, self.force = piece, body, small, force
         self.rows, self.ridge = contact_rows(body, small), body.system.nodes.ridge
         state, bonded, _ = press_state(piece, body, small, force)

@@ -16,7 +16,7 @@ from scipy import sparse
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
-from skincad.mechanics.bodies.condense import Condensed
+from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.film.stick import PadPiece, condensed_piece, contact_rows, in_strip_axes, on_whole
 from skincad.mechanics.film.whole_state import Parity, WholeState
@@ -174,7 +174,7 @@ def layout(x: Array, mirrored: bool, tolerance: float) -> WholePoints:
 
 
 def _stress_rows(
-    piece: PadPiece, functionals: Array, small: Condensed, rows: sparse.csr_matrix, parity: int
+    piece: PadPiece, functionals: Array, small: Condensation, rows: sparse.csr_matrix, parity: int
 ) -> Array:
     """Stresses `(strips of the whole, 3, 2 meshed)` across, along and lengthwise per force on the piece."""
     last = small.order[-small.flexibility.shape[0] :]

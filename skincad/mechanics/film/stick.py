@@ -20,7 +20,7 @@ from scipy import linalg, sparse
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, strip_field
-from skincad.mechanics.bodies.condense import Condensed, condense
+from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.mesh import unit_of
 from skincad.mechanics.bodies.strip_field import StripBody
 from skincad.mechanics.bodies.symmetry import half_of
@@ -114,7 +114,7 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
     return StickSolution(push_state, pull_state, bonded, body.system.unknowns, residual, stages, body)
 
 
-def condensed_piece(body: StripBody, fixed: Index) -> Condensed:
+def condensed_piece(body: StripBody, fixed: Index) -> Condensation:
     """Factorise with the contact unknowns of both directions last, those in `fixed` left out."""
     system = body.system
     contact = np.setdiff1d(_contact(body), fixed)
@@ -126,7 +126,7 @@ def _contact(body: StripBody) -> Index:
     return np.concatenate([body.along_x, body.system.contact])
 
 
-def contact_rows(body: StripBody, small: Condensed) -> sparse.csr_matrix:
+def contact_rows(body: StripBody, small: Condensation) -> sparse.csr_matrix:
     """Rows `(2 m, k)`: contact points' displacements in x, then in z, of the condensed contact unknowns."""
     rows = body.system.nodes.rows
     both = sparse.csr_matrix(sparse.block_diag([rows, rows]))
@@ -146,7 +146,7 @@ def load_scale(piece: PadPiece) -> tuple[float, float]:
 
 
 def press_state(
-    piece: PadPiece, body: StripBody, small: Condensed, force: float
+    piece: PadPiece, body: StripBody, small: Condensation, force: float
 ) -> tuple[LoadState, Mask, float]:
     """Return the state under a frictionless plate's force, N, which points bear load, and the residual."""
     rows = contact_rows(body, small)
@@ -165,7 +165,7 @@ def press_state(
     return state, contact.force > 0, max(contact.residual, balance)
 
 
-def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> tuple[LoadState, float]:
+def _pull(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> tuple[LoadState, float]:
     """State and residual of the bonded points moved as one until the plate's tangential force is 1 N."""
     rows = contact_rows(body, small)
     load = pull_load(piece, rows, small, bonded)
@@ -175,7 +175,7 @@ def _pull(piece: PadPiece, body: StripBody, small: Condensed, bonded: Mask) -> t
     return load_state(piece, body, moved, load, -1), balance
 
 
-def pull_load(piece: PadPiece, rows: sparse.csr_matrix, small: Condensed, bonded: Mask) -> Array:
+def pull_load(piece: PadPiece, rows: sparse.csr_matrix, small: Condensation, bonded: Mask) -> Array:
     """Return forces `(2 m,)`, in x then in z, that move the bonded points as one until the plate's tangential
     force is 1 N, its normal one unchanged.
 
@@ -196,7 +196,7 @@ def pull_load(piece: PadPiece, rows: sparse.csr_matrix, small: Condensed, bonded
     return load
 
 
-def displacements_under(body: StripBody, small: Condensed, rows: sparse.csr_matrix, load: Array) -> Array:
+def displacements_under(body: StripBody, small: Condensation, rows: sparse.csr_matrix, load: Array) -> Array:
     """Return displacements `(n,)` under forces `(2 m,)` at the contact points."""
     whole = np.zeros(body.system.lift.size)
     whole[small.order[-small.flexibility.shape[0] :]] = rows.T @ load

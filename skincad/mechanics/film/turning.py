@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.contact.grip import Compliant, Grip
+from skincad.mechanics.contact.grip import Compliance, ContactState
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.sliding import ContactPad
 
 
-def rotated_pad(pad: ContactPad, angle: float) -> Compliant:
+def rotated_pad(pad: ContactPad, angle: float) -> Compliance:
     """Return the pad as a plate at `angle` rad sees it, positive where the plate rises towards +x."""
     m, gap = pad.gap.size, _gap(pad, angle)
     cos, sin = math.cos(angle), math.sin(angle)
@@ -37,7 +37,7 @@ def rotated_pad(pad: ContactPad, angle: float) -> Compliant:
         ]
     )
     free = np.concatenate([_along(pad, angle) - pad.x, np.zeros(m)])
-    return Compliant((compliance + compliance.T) / 2, gap - gap.min(), free, area=pad.area)
+    return Compliance((compliance + compliance.T) / 2, gap - gap.min(), free, area=pad.area)
 
 
 def in_skin_axes(force: Array, angle: float) -> Array:
@@ -47,7 +47,7 @@ def in_skin_axes(force: Array, angle: float) -> Array:
     return np.concatenate([cos * along - sin * up, sin * along + cos * up])
 
 
-def work(pad: ContactPad, before: Grip, after: Grip) -> float:
+def work(pad: ContactPad, before: ContactState, after: ContactState) -> float:
     """Return what the plate does in a step in which it may turn, mJ: forces, and their moment, by what they
     move, both at their mean over the step."""
     moment = [_moment(pad, state) for state in (before, after)]
@@ -59,12 +59,12 @@ def work(pad: ContactPad, before: Grip, after: Grip) -> float:
     )
 
 
-def depth(pad: ContactPad, state: Grip) -> float:
+def depth(pad: ContactPad, state: ContactState) -> float:
     """Return how far the plate is, along its normal, below the line of first touch at x = 0, mm."""
     return state.approach + float(_gap(pad, state.angle).min())
 
 
-def _moment(pad: ContactPad, state: Grip) -> float:
+def _moment(pad: ContactPad, state: ContactState) -> float:
     """What the plate does, N mm, when it turns: forces at their places along it and at its height."""
     force = in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
     moved_x, moved_z = np.split(pad.compliance @ force, 2)

@@ -13,7 +13,7 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, strip_field
-from skincad.mechanics.bodies.condense import Condensed
+from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.folding import fault
 from skincad.mechanics.bodies.strip_field import Patch, StripBody
 from skincad.mechanics.film.ridge_field import as_image, joined
@@ -40,7 +40,7 @@ class Parity:
     """A factorisation for even or odd loads: forces `(2 m,)` of the whole pad are put on the piece by
     `spread` and on its contact unknowns by `rows`."""
 
-    small: Condensed
+    small: Condensation
     rows: sparse.csr_matrix
     spread: sparse.csr_matrix
 

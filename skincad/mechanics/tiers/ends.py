@@ -16,7 +16,7 @@ from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
-from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
+from skincad.mechanics.bodies.meshed import PadMesh, meshed_piece
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.tiers.corrected import LAYERS, ORDER, plain_pad
@@ -44,7 +44,7 @@ def added_compliance(design: Design, along: Layers = LAYERS) -> Array:
 
 
 def _by_ridge(
-    meshed: Meshed, forms: prisms.SectionForms, along: Layers | None, seconds: dict[str, float]
+    meshed: PadMesh, forms: prisms.SectionForms, along: Layers | None, seconds: dict[str, float]
 ) -> Array:
     """How far each ridge goes down as one, mm, per N on another `(ridges, ridges)`."""
     small, scale = condensed_pad(meshed, forms, along, seconds)

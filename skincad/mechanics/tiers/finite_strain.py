@@ -25,12 +25,12 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
-from skincad.mechanics.bodies.meshed import Meshed
+from skincad.mechanics.bodies.meshed import PadMesh
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, transferred
 from skincad.mechanics.contact.elastic import Elastic
 from skincad.mechanics.contact.newton import (
     DivergedError,
-    Pressed,
+    PressedPad,
     PressedState,
 )
 from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
@@ -69,9 +69,9 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 class _LevelStates:
     """A level's two states, for the next order to start from."""
 
-    meshed: Meshed
+    meshed: PadMesh
     mesh: Any
-    pad: Pressed[NeoHookeBody]
+    pad: PressedPad[NeoHookeBody]
     at_force: PressedState
     touching: PressedState | None
     out_of_range: str
@@ -84,7 +84,7 @@ class Levels:
         self.last: _LevelStates | None = None
 
     def __call__(
-        self, meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...] = ()
+        self, meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...] = ()
     ) -> PlaneSolution:
         """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm.
         Those need a mesh of the whole pad."""
@@ -99,14 +99,14 @@ class Levels:
 
 
 def _level(
-    meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...], before: _LevelStates | None
+    meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...], before: _LevelStates | None
 ) -> tuple[_LevelStates, PlaneSolution]:
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
     mesh = elements.curved(meshed.mesh, order) if before is None else before.mesh
     mesh.Curve(max(3, order))
     low = np.array(crest_offsets) / unit if crest_offsets else None
-    problem = Pressed(neo_hooke.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
+    problem = PressedPad(neo_hooke.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
     clock.append(perf_counter())
     guess = None if before is None else transferred(before.pad.body, before.at_force.values, problem.body)
     state = at_force(problem, force / scale, scale, guess)
@@ -119,7 +119,7 @@ def _level(
 
 
 def at_force(
-    problem: Pressed[Elastic], force: float, scale: float, guess: Array | None = None
+    problem: PressedPad[Elastic], force: float, scale: float, guess: Array | None = None
 ) -> PressedState:
     """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
     reached = 0.0
@@ -140,7 +140,7 @@ def at_force(
 
 
 def _all_touch(
-    problem: Pressed[NeoHookeBody], state: PressedState, scale: float, before: _LevelStates | None
+    problem: PressedPad[NeoHookeBody], state: PressedState, scale: float, before: _LevelStates | None
 ) -> tuple[PressedState | None, str]:
     """`all_touch`, guessed from the order before."""
     if before is not None and before.out_of_range:
@@ -154,7 +154,7 @@ def _all_touch(
 
 
 def all_touch(
-    problem: Pressed[Elastic], state: PressedState, scale: float, guess: Array | None = None
+    problem: PressedPad[Elastic], state: PressedState, scale: float, guess: Array | None = None
 ) -> tuple[PressedState | None, str]:
     """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
     none. `state` is one nearby."""

@@ -21,7 +21,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.bodies.meshed import Meshed, plane_piece
+from skincad.mechanics.bodies.meshed import PadMesh, plane_piece
 from skincad.mechanics.contact.mirrored import on_both_sides
 from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.problem import (
@@ -169,7 +169,7 @@ class _Levels:
     most: int
     began: float
     seconds: dict[str, float] = field(default_factory=dict)
-    meshes: dict[float, Meshed] = field(default_factory=dict)
+    meshes: dict[float, PadMesh] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
     def solved(self, refinement: PlaneRung, before: object) -> PlaneSolution:

@@ -11,9 +11,9 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.chain import Chained, chained
+from skincad.mechanics.bodies.chain import ChainFactors, chained
 from skincad.mechanics.bodies.folding import fault
-from skincad.mechanics.bodies.meshed import Meshed
+from skincad.mechanics.bodies.meshed import PadMesh
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.contact.under_plate import height_above, seen_by_plate
@@ -47,31 +47,31 @@ class PlaneSolution:
     unit: float  # of the piece, mm
     scale: float  # N on the whole pad for a force of 1 on the piece, in its units
     fault: str = ""  # undetected contact of the skin with itself or the plate
-    half: elements.Assembled | None = None
+    half: elements.ContactStiffness | None = None
     outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
 
 
-LevelSolver = Callable[[Meshed, int, float, tuple[float, ...]], PlaneSolution]
+LevelSolver = Callable[[PadMesh, int, float, tuple[float, ...]], PlaneSolution]
 
 
-def level(meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...] = ()) -> PlaneSolution:
+def level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...] = ()) -> PlaneSolution:
     """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm. Those
     need a mesh of the whole pad."""
     with one_blas_thread():
         return _level(meshed, order, force, crest_offsets)
 
 
-def scale_of(meshed: Meshed) -> float:
+def scale_of(meshed: PadMesh) -> float:
     """Return the force on the whole pad, N, for a force of 1 on the piece, in its units."""
     return meshed.whole.young_modulus * meshed.unit * meshed.whole.length * meshed.sides
 
 
-def contact_unknowns(meshed: Meshed, order: int) -> int:
+def contact_unknowns(meshed: PadMesh, order: int) -> int:
     """Return how many contact unknowns the whole pad has at this order: the yield asks for all of them."""
     return elements.contact_unknowns(elements.curved(meshed.mesh, 1), order) * meshed.sides
 
 
-def _level(meshed: Meshed, order: int, force: float, crest_offsets: tuple[float, ...]) -> PlaneSolution:
+def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...]) -> PlaneSolution:
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
     curved = elements.curved(meshed.mesh, order)
@@ -124,14 +124,14 @@ def too_large(contact: int, most: int, tier: str) -> SizeError:
     )
 
 
-def _moved(system: elements.Assembled, small: Chained, state: NodalContact) -> Array:
+def _moved(system: elements.ContactStiffness, small: ChainFactors, state: NodalContact) -> Array:
     """Displacements `(n,)` under the contact forces."""
     load = np.zeros(system.lift.size)
     load[system.contact] = -(system.nodes.rows.T @ state.force)
     return small.solve(load)
 
 
-def _balance(system: elements.Assembled, moved: Array, force: float) -> float:
+def _balance(system: elements.ContactStiffness, moved: Array, force: float) -> float:
     """Relative difference between the plate's force and what the clamped back carries."""
     clamped = system.lift.copy()
     clamped[system.interior] = clamped[system.contact] = 0.0

@@ -18,10 +18,10 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import layers
-from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
+from skincad.mechanics.bodies.meshed import PadMesh, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
 from skincad.mechanics.contact.frictionless import NodalContact, press
-from skincad.mechanics.contact.newton import Pressed
+from skincad.mechanics.contact.newton import PressedPad
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad
 from skincad.mechanics.tiers import solid
@@ -92,7 +92,7 @@ def solve(
         return _strains(meshed, body, force, seconds)
 
 
-def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
+def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
     """Return the body of a meshed piece, of `order` in the section."""
     forms = forms_of(meshed, order)
     borders = layers.graded(
@@ -109,8 +109,8 @@ def body_of(meshed: Meshed, along: Layers, order: int = ORDER, *, clamped_end: b
     return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=meshed.piece.laws)
 
 
-def _strains(meshed: Meshed, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
-    problem = Pressed(body, meshed.whole.top / meshed.unit)
+def _strains(meshed: PadMesh, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
+    problem = PressedPad(body, meshed.whole.top / meshed.unit)
     # force on the whole pad, N, for a force of 1 on the piece
     scale = meshed.whole.young_modulus * meshed.unit**2 * 2 * meshed.sides
 

@@ -13,7 +13,7 @@ from skincad.base.arrays import Array
 from skincad.base.blas import one_blas_thread
 from skincad.mechanics.bodies import elements, layers, prisms
 from skincad.mechanics.bodies.mesh import Sizes, unit_of
-from skincad.mechanics.bodies.meshed import Meshed, height_of
+from skincad.mechanics.bodies.meshed import PadMesh, height_of
 from skincad.mechanics.contact.frictionless import NodalContact, press
 from skincad.mechanics.contact.threshold import all_touch_force
 from skincad.mechanics.contact.under_plate import seen_by_plate
@@ -70,13 +70,13 @@ def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
     )
 
 
-def forms_of(meshed: Meshed, order: int) -> prisms.SectionForms:
+def forms_of(meshed: PadMesh, order: int) -> prisms.SectionForms:
     """Return the section's integrals at an order."""
     return prisms.section_forms(elements.curved(meshed.mesh, order), order, meshed.piece.materials)
 
 
 def solve_level(
-    meshed: Meshed,
+    meshed: PadMesh,
     forms: prisms.SectionForms,
     along: Layers | None,
     force: float,
@@ -98,7 +98,7 @@ def solve_level(
 
 
 def condensed_pad(
-    meshed: Meshed,
+    meshed: PadMesh,
     forms: prisms.SectionForms,
     along: Layers | None,
     seconds: dict[str, float],
@@ -115,16 +115,17 @@ def condensed_pad(
             "condense",
             lambda: prisms.condensed(forms, line, plane=along is None, clamped_end=clamped_end),
         )
-    if not small.lifted <= BALANCE:
+    if not small.rigid_body_error <= BALANCE:
         raise ContactError(
-            f"the clamped back carries the force to {small.lifted:.1e} only; take a smaller poisson_ratio"
+            f"the clamped back carries the force to {small.rigid_body_error:.1e} only; "
+            "take a smaller poisson_ratio"
         )
     length = 2 * half if along is None else 2.0
     return small, meshed.whole.young_modulus * meshed.unit**2 * length * meshed.sides
 
 
 def _level(
-    meshed: Meshed, small: prisms.Solid, force: float, scale: float, crest_offsets: tuple[float, ...]
+    meshed: PadMesh, small: prisms.Solid, force: float, scale: float, crest_offsets: tuple[float, ...]
 ) -> SolidSolution:
     """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the piece, in its units."""
     unit = meshed.unit
@@ -133,7 +134,7 @@ def _level(
         ridges = ridges.lowered(np.array(crest_offsets) / unit)
     state = press(ridges.flexibility, ridges.gap, force / scale)
     threshold = all_touch_force(ridges, force / scale)
-    residual = max(state.residual, small.lifted)
+    residual = max(state.residual, small.rigid_body_error)
     return level_of(
         meshed,
         small.seen.nodes,
@@ -148,7 +149,7 @@ def _level(
 
 
 def level_of(
-    meshed: Meshed,
+    meshed: PadMesh,
     nodes: elements.Sample,
     along: Array,
     state: NodalContact,
@@ -173,7 +174,7 @@ def level_of(
     )
 
 
-def layers_of(meshed: Meshed, along: Layers) -> layers.AlongY:
+def layers_of(meshed: PadMesh, along: Layers) -> layers.AlongY:
     """Return the functions along y of these layers, on half of the pad's length."""
     half = meshed.whole.length / 2 / meshed.unit
     return layers.line(

@@ -13,9 +13,9 @@ from scipy import sparse
 from skincad import load
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import elements, slabs
-from skincad.mechanics.bodies.chain import Chained, SlabChain, chained
-from skincad.mechanics.bodies.condense import Condensed, condense
-from skincad.mechanics.bodies.elements import Assembled
+from skincad.mechanics.bodies.chain import ChainFactors, SlabChain, chained
+from skincad.mechanics.bodies.condense import Condensation, condense
+from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.contact.ridge_model import ridge_model
@@ -30,18 +30,18 @@ LARGE = ("yamada-2002", "milled-pad")
 
 
 @cache
-def system_of(name: str, order: int = 2, ridges: int = 0) -> Assembled:
+def system_of(name: str, order: int = 2, ridges: int = 0) -> ContactStiffness:
     pad = pad_of(wide(ridges) if ridges else load(name))
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.5)), order)
     return elements.assemble(mesh, order, pad.materials)
 
 
-def at_once(system: Assembled) -> Condensed:
+def at_once(system: ContactStiffness) -> Condensation:
     return condense(system.matrix, system.interior, system.contact)
 
 
 @cache
-def nine_at_once(name: str) -> Condensed:
+def nine_at_once(name: str) -> Condensation:
     return at_once(system_of(name))
 
 
@@ -97,7 +97,7 @@ def test_a_chain_gives_no_block_across_slabs() -> None:
             chain[where]
 
 
-def stored(small: Chained) -> int:
+def stored(small: ChainFactors) -> int:
     """Numbers that a chain keeps."""
     own = sum(s.own.size + s.follow.size + s.stiffness.size for s in small.flexibility.slabs)
     joints = sum(s.root.size + s.side.size for s in small.flexibility.free.steps)

@@ -48,7 +48,7 @@ def test_fronts_of_an_indefinite_matrix_solve_it_and_count_its_signs(seed: int) 
     found = dissect.factored(lambda _: [(np.arange(12), whole)], [one], lambda functions: functions, 12)
     assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
     assert found.solve(np.arange(12.0)) == pytest.approx(np.linalg.solve(whole, np.arange(12.0)), rel=1e-9)
-    assert found.falling == 2
+    assert found.negative_eigenvalues == 2
 
 
 def test_another_failure_of_the_factorisation_is_not_called_singular(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,11 +98,15 @@ def test_netgen_without_memory_is_no_bad_section(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize(
-    ("springs", "falling"), [([2, 0.5, 3], (0, 0)), ([2, -0.5, 3], (1, 1)), ([2, 0.5, -3], (0, 1))]
+    ("springs", "negative_eigenvalues"),
+    [([2, 0.5, 3], (0, 0)), ([2, -0.5, 3], (1, 1)), ([2, 0.5, -3], (0, 1))],
 )
 def test_negative_stiffnesses_are_counted_inside_and_in_all(
-    springs: list[float], falling: tuple[int, int]
+    springs: list[float], negative_eigenvalues: tuple[int, int]
 ) -> None:
     """Of three springs the last is the contact's."""
     small = condense.factorise(sparse.csr_matrix(np.diag(springs)), np.arange(3), 1)
-    assert neo_hooke.PlaneLinearised(None, None, small, small.flexibility).falling == falling  # type: ignore
+    assert (
+        neo_hooke.PlaneLinearised(None, None, small, small.flexibility).negative_eigenvalues
+        == negative_eigenvalues
+    )  # type: ignore

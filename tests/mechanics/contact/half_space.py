@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.mechanics.contact.grip import Compliant
+from skincad.mechanics.contact.grip import Compliance
 
 MODULUS, RADIUS = 0.8, 10.0  # MPa, mm
 
 
-def sphere(reach: float, size: float) -> Compliant:
+def sphere(reach: float, size: float) -> Compliance:
     """Return the square patches of `size` mm within `reach` mm of the axis."""
     count = int(reach / size)
     line = size * np.arange(-count, count + 1)
@@ -34,7 +34,7 @@ def sphere(reach: float, size: float) -> Compliant:
     along = (0.5 * (by_x + by_y) + 0.5 * by_y) / (2 * np.pi * shear)
     none = np.zeros((m, m))
     compliance = np.block([[along, none], [none, down]]) / size**2
-    return Compliant(compliance, (x**2 + y**2) / (2 * RADIUS), np.zeros(2 * m), area=np.full(m, size**2))
+    return Compliance(compliance, (x**2 + y**2) / (2 * RADIUS), np.zeros(2 * m), area=np.full(m, size**2))
 
 
 def hertz_area(load: float) -> float:

@@ -11,10 +11,17 @@ import pytest
 from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.large_field import strip_stress
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
-from skincad.mechanics.contact.dragged import Dragged, DraggedState, dragged, linearised, newton, unloaded
+from skincad.mechanics.contact.dragged import (
+    FrictionalPad,
+    FrictionalState,
+    dragged,
+    linearised,
+    newton,
+    unloaded,
+)
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, GrossSlip
-from skincad.mechanics.contact.newton import RESIDUAL, Pressed
+from skincad.mechanics.contact.grip import STICK, Compliance, Drive, FrictionCoefficients, GrossSlip
+from skincad.mechanics.contact.newton import RESIDUAL, PressedPad
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stride import to
 from skincad.mechanics.film.sliding import sliding
@@ -25,11 +32,11 @@ from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import filleted, yamada
 
-STICKY = Cone(20.0, 20.0)
-SMOOTH = Cone(0.0, 0.0)
+STICKY = FrictionCoefficients(20.0, 20.0)
+SMOOTH = FrictionCoefficients(0.0, 0.0)
 
 
-def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None = None) -> Dragged:
+def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None = None) -> FrictionalPad:
     unit = unit_of(pad)
     mesh = elements.curved(triangles(pad, sizes or default_sizes(pad, fineness)), order)
     scale = pad.young_modulus * unit * pad.length
@@ -38,15 +45,15 @@ def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None =
 
 
 @cache
-def three() -> tuple[Pad, Dragged]:
+def three() -> tuple[Pad, FrictionalPad]:
     """Three ridges, coarse: 0.1 s a step."""
     pad = pad_of(filleted().with_(ridge={"count": 3}, skin={"width": 5.0}))
     return pad, whole(pad, 0.35)
 
 
 def march(
-    pad: Dragged, drives: list[Drive], cone: Cone, start: DraggedState | None = None
-) -> list[DraggedState]:
+    pad: FrictionalPad, drives: list[Drive], cone: FrictionCoefficients, start: FrictionalState | None = None
+) -> list[FrictionalState]:
     found = [start or unloaded(pad)]
     for before, after in pairwise([Drive(0.0, 0.0), *drives] if start is None else drives):
         found.append(to(pad, found[-1], before, after, cone))
@@ -54,10 +61,10 @@ def march(
 
 
 @cache
-def pulled() -> list[DraggedState]:
+def pulled() -> list[FrictionalState]:
     """Pressed by 1.2 N in three steps, pulled to 0.54 N of 0.6 in six."""
     drives = [Drive(0.4 * i, 0.0) for i in (1, 2, 3)] + [Drive(1.2, 0.09 * i) for i in range(1, 7)]
-    return march(three()[1], drives, Cone(0.5, 0.5))
+    return march(three()[1], drives, FrictionCoefficients(0.5, 0.5))
 
 
 def test_a_block_sheared_with_stick_is_simple_shear() -> None:
@@ -85,7 +92,8 @@ def test_without_friction_it_is_the_finite_strain_tier() -> None:
     unit = unit_of(pad)
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.35)), 2)
     wanted = press_to(
-        Pressed(neo_hooke.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit), 1.2 / what.scale
+        PressedPad(neo_hooke.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit),
+        1.2 / what.scale,
     )
     found = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
     assert found.values == pytest.approx(wanted.values, abs=10 * RESIDUAL * np.abs(wanted.values).max())
@@ -108,7 +116,7 @@ def test_small_loads_are_small_strain_to_first_order() -> None:
         # one touching point moves on to the next as it grows: bonded points make the contact the same
         drives = [Drive(force, travel=0.0), Drive(force, 0.3 * force)]
         found = march(what, drives, STICKY)[-1]
-        skin = Compliant(small.compliance, small.gap, np.zeros(2 * small.gap.size))
+        skin = Compliance(small.compliance, small.gap, np.zeros(2 * small.gap.size))
         linear = grip(skin, unloaded(what).grip, drives[0], STICKY)
         linear = grip(skin, linear, drives[1], STICKY)
         assert (linear.status == found.grip.status).all()
@@ -129,7 +137,7 @@ def test_tangent_is_the_derivative(drives: tuple[float | None, float | None]) ->
     of 1e-9 and the change's second order leave of the difference.
     """
     what, (pull, travel) = three()[1], drives
-    cone = STICKY if pull else Cone(0.3, 0.3)
+    cone = STICKY if pull else FrictionCoefficients(0.3, 0.3)
     steps = [Drive(1.0, travel=0.0), Drive(1.0, travel=(travel or 0.1) / 2)]
     start = march(what, [*steps, Drive(1.0, pull, travel)], cone)[-1]
     change = 1e-5
@@ -151,12 +159,12 @@ def test_tangent_is_the_derivative(drives: tuple[float | None, float | None]) ->
         assert getattr(guess, name) - getattr(here.grip, name) == pytest.approx(slope, abs=1e-3 * largest)
 
 
-def predicted(what: Dragged, here: DraggedState) -> Compliant:
+def predicted(what: FrictionalPad, here: FrictionalState) -> Compliance:
     """The linearised contact at a state, which is in balance with its contact forces."""
     linear = what.kept[0]
     force = np.concatenate([here.grip.tangential, -here.grip.normal])
     place = what.rows @ here.values[what.contact] * what.unit
-    return Compliant(linear.compliance, what.gap, place - linear.compliance @ force)
+    return Compliance(linear.compliance, what.gap, place - linear.compliance @ force)
 
 
 def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
@@ -183,7 +191,7 @@ def test_what_the_plate_does_is_stored_or_dissipated() -> None:
     for count in (3, 6, 12):
         drives = [Drive(1.2 * i / count, 0.0) for i in range(1, count + 1)]
         drives += [Drive(1.2, 0.54 * i / count) for i in range(1, count + 1)]
-        found = march(what, drives, Cone(0.5, 0.5))
+        found = march(what, drives, FrictionCoefficients(0.5, 0.5))
         work = 0.0
         for a, b in pairwise([unloaded(what), *found]):
             force = [(x.grip.normal.sum(), x.grip.tangential.sum()) for x in (a, b)]
@@ -200,7 +208,7 @@ def test_a_held_load_does_not_creep() -> None:
     first = state = pulled()[-2]
     drive = Drive(1.2, 0.45)
     for _ in range(20):
-        state = newton(what, state, drive, Cone(0.5, 0.5))
+        state = newton(what, state, drive, FrictionCoefficients(0.5, 0.5))
         assert state.iterations == 1
         assert np.abs(state.change).max() <= 10 * RESIDUAL * np.abs(state.values).max()
     stuck = first.grip.status == STICK
@@ -212,7 +220,7 @@ def test_a_held_load_does_not_creep() -> None:
 def test_same_march_same_bits() -> None:
     """Whatever the pad was used for before."""
     drives = [Drive(0.4, 0.0), Drive(0.8, 0.0), Drive(0.8, 0.1)]
-    one, other = (march(three()[1], drives, Cone(0.5, 0.5))[-1] for _ in range(2))
+    one, other = (march(three()[1], drives, FrictionCoefficients(0.5, 0.5))[-1] for _ in range(2))
     assert (one.values == other.values).all()
     assert (one.grip.tangential == other.grip.tangential).all()
 
@@ -221,7 +229,7 @@ def test_more_friction_than_sticks_changes_nothing() -> None:
     """Where all sticks the cone is not felt."""
     what = three()[1]
     drives = [Drive(0.8, travel=0.0), Drive(0.8, travel=0.1)]
-    one, other = (march(what, drives, Cone(mu, mu))[-1] for mu in (20.0, 15.0))
+    one, other = (march(what, drives, FrictionCoefficients(mu, mu))[-1] for mu in (20.0, 15.0))
     assert one.grip.tangential == pytest.approx(other.grip.tangential, abs=1e-8)
 
 
@@ -230,7 +238,7 @@ def test_pulling_back_mirrors_everything() -> None:
     what = three()[1]
     back = [Drive(0.6, 0.0), Drive(1.2, 0.0), *(Drive(1.2, -0.15 * i) for i in (1, 2, 3))]
     ahead = [Drive(d.normal, -(d.tangential or 0.0)) for d in back]
-    one, other = (march(what, d, Cone(0.5, 0.5))[-1].grip for d in (ahead, back))
+    one, other = (march(what, d, FrictionCoefficients(0.5, 0.5))[-1].grip for d in (ahead, back))
     assert one.travel == pytest.approx(-other.travel, rel=0.01)
     of = [np.array([g.normal[what.ridge == r].sum() for r in (1, 2, 3)]) for g in (one, other)]
     assert of[0] == pytest.approx(of[1][::-1], rel=0.01)
@@ -238,9 +246,9 @@ def test_pulling_back_mirrors_everything() -> None:
 
 def test_gross_slip_tells_the_state_that_slips() -> None:
     with pytest.raises(GrossSlip) as end:
-        to(three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), Cone(0.5, 0.5))
+        to(three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), FrictionCoefficients(0.5, 0.5))
     last = end.value.last
-    assert isinstance(last, DraggedState)
+    assert isinstance(last, FrictionalState)
     assert last.grip.slips.all() or last.grip.gross
     assert last.grip.tangential.sum() == pytest.approx(0.6, rel=1e-9)
     assert last.residual <= RESIDUAL
@@ -248,7 +256,7 @@ def test_gross_slip_tells_the_state_that_slips() -> None:
 
 def test_lifting_the_plate_forgets_it() -> None:
     what = three()[1]
-    lifted = to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), Cone(0.5, 0.5))
+    lifted = to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), FrictionCoefficients(0.5, 0.5))
     assert not lifted.values.any()
     assert not lifted.grip.normal.any()
 
@@ -282,7 +290,7 @@ def test_strips_stress_turns_with_the_strip() -> None:
             assert strips.at(values)[i] == pytest.approx(wanted, abs=1e-9)
 
 
-def affine(what: Dragged, gradient: np.ndarray, pressure: float) -> np.ndarray:
+def affine(what: FrictionalPad, gradient: np.ndarray, pressure: float) -> np.ndarray:
     """The state of one displacement gradient and pressure, the clamped back along with it."""
     import ngsolve as ng
 

@@ -15,10 +15,10 @@ from skincad.mechanics.contact.grip import (
     OPEN,
     RIGHT,
     STICK,
-    Compliant,
-    Cone,
+    Compliance,
+    ContactState,
     Drive,
-    Grip,
+    FrictionCoefficients,
     GrossSlip,
     at_rest,
 )
@@ -32,15 +32,15 @@ AREA = 2.0  # mm2
 TABLE = ((0.1, 0.1), (0.5, 0.3), (1.0, 0.4))  # MPa: coefficients 1, 0.6 and 0.4
 
 
-def capped(mu: float, stress: float = STRESS, kinetic: float | None = None) -> Cone:
-    return Cone(mu, mu if kinetic is None else kinetic, ((stress / mu, stress),))
+def capped(mu: float, stress: float = STRESS, kinetic: float | None = None) -> FrictionCoefficients:
+    return FrictionCoefficients(mu, mu if kinetic is None else kinetic, ((stress / mu, stress),))
 
 
-def sticky_block() -> Compliant:
+def sticky_block() -> Compliance:
     return replace(block(), area=np.array([AREA]))
 
 
-def rough_skin() -> Compliant:
+def rough_skin() -> Compliance:
     """The yamada skin's points, of 0.1 mm2 each: by Coulomb and by area both within a ridge."""
     here = skin()
     return replace(here, area=np.full(here.gap.size, 0.05))
@@ -60,7 +60,7 @@ def dragged_by(load: float, travel: float) -> list[Drive]:
 def test_a_block_bears_what_the_table_says(normal: float, borne: float) -> None:
     """By hand: shear stresses of 0.1, 0.3 and 0.4 MPa at 0.1, 0.5 and 1 MPa, straight between and constant
     beyond, times 2 mm2. Driven by travel, and pulled."""
-    cone = Cone(1.0, 1.0, TABLE)
+    cone = FrictionCoefficients(1.0, 1.0, TABLE)
     driven = march(sticky_block(), dragged_by(normal, 1.0), cone)[-1]
     assert driven.tangential[0] == pytest.approx(borne, rel=1e-12)
     assert driven.status[0] == RIGHT
@@ -99,7 +99,7 @@ def test_friction_by_area_of_a_sphere_follows_the_load_to_two_thirds() -> None:
 def test_friction_by_area_of_a_cylinder_follows_the_square_root_of_the_load() -> None:
     """Exponent within 0.01 over a factor of 16 in load, as of the sphere."""
     pad = round_pad()
-    here = Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size), area=pad.area)
+    here = Compliance(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size), area=pad.area)
     widest = 0.19  # mm, half; the mesh is fine up to 0.2
     highest = 10.0 * np.pi * 0.8 / (1 - 0.49999**2) * widest**2 / (4 * 50.0)
     loads = highest * np.geomspace(1 / 16, 1.0, 9)
@@ -114,7 +114,8 @@ def test_coulomb_is_the_limit_of_a_large_shear_stress(kinetic: float) -> None:
     """1e-10 of the normal force, the issue's."""
     drives = [*press_and_pull(1.2, 0.5), Drive(1.2, -0.3), Drive(0.6, 0.1)]
     plain, limit = (
-        march(rough_skin(), drives, cone) for cone in (Cone(0.7, kinetic), capped(0.7, 1e6, kinetic))
+        march(rough_skin(), drives, cone)
+        for cone in (FrictionCoefficients(0.7, kinetic), capped(0.7, 1e6, kinetic))
     )
     assert {int(each) for state in plain for each in state.status} == {OPEN, STICK, RIGHT, LEFT}
     for one, other in zip(plain, limit, strict=True):
@@ -125,7 +126,7 @@ def test_coulomb_is_the_limit_of_a_large_shear_stress(kinetic: float) -> None:
 
 def test_every_accepted_step_meets_contact_and_the_law() -> None:
     """Checked apart from the solver's own measure, to its 1e-10; points of all kinds occur."""
-    here, cone = rough_skin(), Cone(1.5, 1.2, ((0.1, 0.15), (1.1, 0.45)))
+    here, cone = rough_skin(), FrictionCoefficients(1.5, 1.2, ((0.1, 0.15), (1.1, 0.45)))
     m, kinds = here.gap.size, set[tuple[int, bool]]()
     for state in march(here, press_and_pull(1.2, 0.5), cone)[1:]:
         moved = here.compliance @ np.concatenate([state.tangential, -state.normal])
@@ -154,7 +155,7 @@ def test_a_held_load_does_not_creep() -> None:
     assert stuck.any()
     assert (first.anchor[stuck] == once.anchor[stuck]).all()
     again = grip(here, once, drive, BY_AREA)
-    assert all(np.array_equal(getattr(once, f.name), getattr(again, f.name)) for f in fields(Grip))
+    assert all(np.array_equal(getattr(once, f.name), getattr(again, f.name)) for f in fields(ContactState))
 
 
 def test_pulling_back_mirrors_everything() -> None:
@@ -184,11 +185,13 @@ def test_a_skin_without_areas_is_refused() -> None:
 
 
 @pytest.mark.parametrize("share", [0.95, 0.8, 0.5, 0.45, 0.2])
-@pytest.mark.parametrize("knees", [TABLE, TABLE[:1], ()])
-def test_a_capped_law_bears_the_smaller_of_both(share: float, knees: tuple[tuple[float, float], ...]) -> None:
+@pytest.mark.parametrize("breakpoints", [TABLE, TABLE[:1], ()])
+def test_a_capped_law_bears_the_smaller_of_both(
+    share: float, breakpoints: tuple[tuple[float, float], ...]
+) -> None:
     """The sets that it leads to are where the search for a steep law's goes on."""
     area, normal = np.full(40, 2.0), np.linspace(0.0, 8.0, 40)
-    cone = Cone(1.0, 0.5, knees)
+    cone = FrictionCoefficients(1.0, 0.5, breakpoints)
     whole, part = law_of(cone, area), law_of(cone.capped(share), area)
     wanted = np.minimum(share * normal, whole.static * whole.borne(normal))
     assert part.static * part.borne(normal) == pytest.approx(wanted, rel=1e-13)

@@ -18,10 +18,10 @@ from skincad.mechanics.contact.grip import (
     OPEN,
     RIGHT,
     STICK,
-    Compliant,
-    Cone,
+    Compliance,
+    ContactState,
     Drive,
-    Grip,
+    FrictionCoefficients,
     GrossSlip,
     at_rest,
 )
@@ -39,17 +39,17 @@ from tests.mechanics.film.test_sliding import meshed
 SPRING = 0.25  # mm/N
 
 
-def block() -> Compliant:
+def block() -> Compliance:
     """One point on a spring in x and one in z: a block that a plate drags."""
-    return Compliant(np.diag([SPRING, 0.1]), np.zeros(1), np.zeros(2))
+    return Compliance(np.diag([SPRING, 0.1]), np.zeros(1), np.zeros(2))
 
 
-def skin() -> Compliant:
+def skin() -> Compliance:
     pad = meshed()[2]
-    return Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    return Compliance(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
 
 
-def march(skin: Compliant, drives: list[Drive], cone: Cone) -> list[Grip]:
+def march(skin: Compliance, drives: list[Drive], cone: FrictionCoefficients) -> list[ContactState]:
     found = [at_rest(skin.gap.size)]
     for before, after in pairwise(drives):
         found.append(halved(lambda _: skin, found[-1], before, after, cone))
@@ -63,7 +63,7 @@ def press_and_pull(force: float, pull: float, steps: int = 10) -> list[Drive]:
 
 def test_a_block_sticks_then_slips_exactly() -> None:
     """By hand: t = s / c up to mu N, and what the plate goes on is slip. 1e-12: rounding."""
-    cone, normal = Cone(0.5, 0.5), 2.0
+    cone, normal = FrictionCoefficients(0.5, 0.5), 2.0
     drives = [Drive(0.0, travel=0.0), Drive(normal, travel=0.0)]
     drives += [Drive(normal, travel=0.05 * i) for i in range(1, 11)] + [Drive(normal, travel=0.4)]
     found = march(block(), drives, cone)[2:]
@@ -80,15 +80,17 @@ def test_a_block_sticks_then_slips_exactly() -> None:
 def test_a_block_breaks_off_at_the_static_and_slides_at_the_kinetic_coefficient() -> None:
     drives = [Drive(0.0, travel=0.0), Drive(2.0, travel=0.0)]
     drives += [Drive(2.0, travel=s) for s in (0.2, 0.24, 0.26, 0.3)]
-    found = march(block(), drives, Cone(0.5, 0.3))
+    found = march(block(), drives, FrictionCoefficients(0.5, 0.3))
     assert [state.tangential[0] for state in found[2:]] == pytest.approx([0.8, 0.96, 0.6, 0.6], rel=1e-12)
 
 
 def test_more_than_friction_holds_is_gross_slip() -> None:
-    before = march(block(), [Drive(0.0, 0.0), Drive(2.0, 0.0), Drive(2.0, 0.99)], Cone(0.5, 0.5))[-1]
+    before = march(
+        block(), [Drive(0.0, 0.0), Drive(2.0, 0.0), Drive(2.0, 0.99)], FrictionCoefficients(0.5, 0.5)
+    )[-1]
     assert before.status[0] == STICK
     with pytest.raises(GrossSlip) as end:
-        grip(block(), before, Drive(2.0, 1.01), Cone(0.5, 0.5))
+        grip(block(), before, Drive(2.0, 1.01), FrictionCoefficients(0.5, 0.5))
     assert end.value.last.slips.all()
     assert end.value.last.tangential[0] == pytest.approx(1.0, rel=1e-12)
 
@@ -108,11 +110,11 @@ def test_cattaneo_and_mindlin(share: float) -> None:
     """
     pad, mu = round_pad(), 0.4
     load = 10.0 * math.pi * 0.8 / (1 - 0.49999**2) * 0.2**2 / (4 * 50.0)  # Hertz's for a half-width of 0.2 mm
-    skin = Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
-    state = grip(skin, at_rest(pad.gap.size), Drive(load, 0.0), Cone(0.0, 0.0))
+    skin = Compliance(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    state = grip(skin, at_rest(pad.gap.size), Drive(load, 0.0), FrictionCoefficients(0.0, 0.0))
     state = replace(state, status=np.where(state.touches, STICK, OPEN).astype(np.int8))
     for i in range(1, 21):
-        state = grip(skin, state, Drive(load, share * mu * load * i / 20), Cone(mu, mu))
+        state = grip(skin, state, Drive(load, share * mu * load * i / 20), FrictionCoefficients(mu, mu))
     normal = closed_forms.hertz(load / 10.0, 50.0, 0.8, 0.49999)
     wanted = closed_forms.cattaneo(normal, mu, share * mu * load / 10.0)
     rest = (mu * state.normal - state.tangential) / (10.0 * pad.weight)
@@ -125,14 +127,14 @@ def test_cattaneo_and_mindlin(share: float) -> None:
 
 
 @cache
-def pulled_sphere() -> tuple[float, list[Grip]]:
+def pulled_sphere() -> tuple[float, list[ContactState]]:
     """A sphere pressed without friction to a contact 0.95 mm wide, its load, and pulled in twenty steps."""
     skin, mu = half_space.sphere(1.05, 0.09), 0.5
     load = 4 * half_space.MODULUS / 0.75 * 0.95**3 / (3 * half_space.RADIUS)
-    state = grip(skin, at_rest(skin.gap.size), Drive(load, 0.0), Cone(0.0, 0.0))
+    state = grip(skin, at_rest(skin.gap.size), Drive(load, 0.0), FrictionCoefficients(0.0, 0.0))
     states = [replace(state, status=np.where(state.touches, STICK, OPEN).astype(np.int8))]
     for i in range(1, 20):
-        states.append(grip(skin, states[-1], Drive(load, 0.05 * i * mu * load), Cone(mu, mu)))
+        states.append(grip(skin, states[-1], Drive(load, 0.05 * i * mu * load), FrictionCoefficients(mu, mu)))
     return load, states
 
 
@@ -150,7 +152,7 @@ def test_cattaneo_and_mindlin_of_a_sphere() -> None:
 
 def test_a_held_load_does_not_creep() -> None:
     """A held step gives back the state it was given, bit for bit: 1e5 of them are as good as one."""
-    here, drive, cone = skin(), Drive(1.2, 0.3), Cone(1.0, 1.0)
+    here, drive, cone = skin(), Drive(1.2, 0.3), FrictionCoefficients(1.0, 1.0)
     first = march(here, press_and_pull(1.2, 0.3), cone)[-1]
     once = grip(here, first, drive, cone)
     assert once.touches.any()
@@ -160,12 +162,12 @@ def test_a_held_load_does_not_creep() -> None:
     assert (first.anchor[stuck] == once.anchor[stuck]).all()
     assert once.travel == pytest.approx(first.travel, rel=1e-12)
     again = grip(here, once, drive, cone)
-    assert all(np.array_equal(getattr(once, f.name), getattr(again, f.name)) for f in fields(Grip))
+    assert all(np.array_equal(getattr(once, f.name), getattr(again, f.name)) for f in fields(ContactState))
 
 
 def test_pulling_back_mirrors_everything() -> None:
-    there = march(skin(), press_and_pull(1.2, 0.8), Cone(1.0, 1.0))[-1]
-    back = march(skin(), press_and_pull(1.2, -0.8), Cone(1.0, 1.0))[-1]
+    there = march(skin(), press_and_pull(1.2, 0.8), FrictionCoefficients(1.0, 1.0))[-1]
+    back = march(skin(), press_and_pull(1.2, -0.8), FrictionCoefficients(1.0, 1.0))[-1]
     # rounding, against the largest
     assert back.normal == pytest.approx(there.normal[::-1], abs=1e-9 * there.normal.max())
     assert back.tangential == pytest.approx(-there.tangential[::-1], abs=1e-9 * there.normal.max())
@@ -176,7 +178,7 @@ def test_every_accepted_step_meets_contact_and_friction() -> None:
     """Checked apart from the solver's own measure, to its 1e-10."""
     here, mu = skin(), 0.7
     m = here.gap.size
-    for state in march(here, press_and_pull(1.2, 0.7), Cone(mu, mu))[1:]:
+    for state in march(here, press_and_pull(1.2, 0.7), FrictionCoefficients(mu, mu))[1:]:
         moved = here.compliance @ np.concatenate([state.tangential, -state.normal])
         gap = here.gap - state.approach - moved[m:]
         length, largest = np.ptp(here.gap), state.normal.max()
@@ -191,24 +193,26 @@ def test_every_accepted_step_meets_contact_and_friction() -> None:
 
 
 def test_same_input_same_bits() -> None:
-    one, other = (march(skin(), press_and_pull(1.2, 0.8), Cone(1.0, 1.0))[-1] for _ in range(2))
+    one, other = (
+        march(skin(), press_and_pull(1.2, 0.8), FrictionCoefficients(1.0, 1.0))[-1] for _ in range(2)
+    )
     assert (one.normal == other.normal).all()
     assert (one.tangential == other.tangential).all()
 
 
 def test_lifting_the_plate_forgets_it() -> None:
     drives = [*press_and_pull(1.2, 0.5), Drive(1.2, 0.0), Drive(0.0, 0.0), Drive(1.2, 0.0)]
-    found = march(skin(), drives, Cone(1.0, 1.0))
+    found = march(skin(), drives, FrictionCoefficients(1.0, 1.0))
     assert not found[-2].touches.any()
     assert not found[-2].normal.any()
-    fresh = march(skin(), [Drive(0.0, 0.0), Drive(1.2, 0.0)], Cone(1.0, 1.0))[-1]
+    fresh = march(skin(), [Drive(0.0, 0.0), Drive(1.2, 0.0)], FrictionCoefficients(1.0, 1.0))[-1]
     # in one step each, from rest
     assert found[-1].normal == pytest.approx(fresh.normal, abs=1e-9 * fresh.normal.max())
 
 
 def test_a_pulling_plate_is_refused() -> None:
     with pytest.raises(ContactError, match="must not pull"):
-        grip(block(), at_rest(1), Drive(-1.0, 0.0), Cone(1.0, 1.0))
+        grip(block(), at_rest(1), Drive(-1.0, 0.0), FrictionCoefficients(1.0, 1.0))
 
 
 def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -217,7 +221,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
 
     tries = []
 
-    def failing(*arguments: object) -> Grip:
+    def failing(*arguments: object) -> ContactState:
         tries.append(arguments)
         if len(tries) == 1:
             raise ContactError("made to fail")
@@ -225,8 +229,8 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr(halving, "grip", failing)
     start, end = Drive(2.0, travel=0.0), Drive(2.0, travel=0.5)
-    before = grip(block(), at_rest(1), start, Cone(0.5, 0.5))
-    found = halved(lambda _: block(), before, start, end, Cone(0.5, 0.5))
+    before = grip(block(), at_rest(1), start, FrictionCoefficients(0.5, 0.5))
+    found = halved(lambda _: block(), before, start, end, FrictionCoefficients(0.5, 0.5))
     assert [a[2].travel for a in tries] == [0.5, 0.25, 0.5]
     assert found.slipped[0] == pytest.approx(-(0.5 - SPRING), rel=1e-12)
     assert found.status[0] == RIGHT
@@ -239,7 +243,7 @@ def thin_layer() -> ContactPad:
     corners = [Point(-half, 0.0), Point(half, 0.0), Point(half, 1.0), Point(-half, 1.0)]
     sides = [Segment(a, b) for a, b in pairwise([*corners, corners[0]])]
     sides[0] = replace(sides[0], kind="back")
-    sides[2] = replace(sides[2], kind="crown", ridge=1)
+    sides[2] = replace(sides[2], kind="crown", feature=1, touches=True)
     piece = piece_of(Pad(Section(tuple(sides)), 5.0, 0.8, 0.3), 0.0)
     return sliding(piece, triangles(piece.pad, Sizes(0.4, 0.4, 0.4, 0.1)), 3, False)
 
@@ -253,8 +257,8 @@ def test_frictional_patch(travel: float, slips: bool) -> None:
     """
     pad, mu, force = thin_layer(), 0.5, 5.0
     drives = [Drive(0.0, travel=0.0), Drive(force, travel=0.0), Drive(force, travel=travel)]
-    layer = Compliant(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
-    state = march(layer, drives, Cone(mu, mu))[-1]
+    layer = Compliance(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size))
+    state = march(layer, drives, FrictionCoefficients(mu, mu))[-1]
     middle = np.abs(pad.x) < 2.0
     pressure, traction = (
         each[middle] / (5.0 * pad.weight[middle]) for each in (state.normal, state.tangential)
@@ -283,7 +287,7 @@ def test_sets_that_do_not_settle_are_told_with_all_the_sweeps_tried(
     monkeypatch.setattr(frictional, "SWEEPS", 3)
     monkeypatch.setattr(frictional, "SINGLE", 2)
     with pytest.raises(ContactError, match=r"do not settle in 20 sweeps"):
-        grip(block(), at_rest(1), Drive(2.0, travel=0.1), Cone(coefficient, coefficient))
+        grip(block(), at_rest(1), Drive(2.0, travel=0.1), FrictionCoefficients(coefficient, coefficient))
     tried = [coefficient * frictional.LESS**i for i in range(weaker + 1)]
     assert swept == pytest.approx(np.repeat(tried, 4 * 5), rel=1e-12)
 
@@ -298,13 +302,15 @@ def test_the_units_of_length_and_force_do_not_matter(longer: float, stronger: fl
     compliance = root @ root.T / (2 * m) + 0.2 * np.eye(2 * m)
     gap = 0.3 * dice.random(m)
     drives = [Drive(0.0, travel=0.0), Drive(2.0, travel=0.0), Drive(2.0, travel=0.7), Drive(1.5, travel=-0.4)]
-    plain = march(Compliant(compliance, gap - gap.min(), np.zeros(2 * m)), drives, Cone(0.25, 0.2))
+    plain = march(
+        Compliance(compliance, gap - gap.min(), np.zeros(2 * m)), drives, FrictionCoefficients(0.25, 0.2)
+    )
     statuses = {int(each) for state in plain for each in state.status}
     assert statuses == {OPEN, STICK, RIGHT, LEFT}  # the march goes through all
     changed = march(
-        Compliant(compliance * longer / stronger, (gap - gap.min()) * longer, np.zeros(2 * m)),
+        Compliance(compliance * longer / stronger, (gap - gap.min()) * longer, np.zeros(2 * m)),
         [Drive(d.normal * stronger, travel=(d.travel or 0.0) * longer) for d in drives],
-        Cone(0.25, 0.2),
+        FrictionCoefficients(0.25, 0.2),
     )
     for one, other in zip(plain, changed, strict=True):
         assert (one.status == other.status).all()
@@ -316,15 +322,15 @@ def test_the_units_of_length_and_force_do_not_matter(longer: float, stronger: fl
 
 def test_at_exactly_what_friction_holds_it_slips() -> None:
     with pytest.raises(GrossSlip, match="1 N is all that friction holds at 2 N"):
-        grip(block(), at_rest(1), Drive(2.0, 1.0), Cone(0.5, 0.5))
+        grip(block(), at_rest(1), Drive(2.0, 1.0), FrictionCoefficients(0.5, 0.5))
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_in_gross_slip_the_plate_is_where_the_last_point_has_just_let_go(way: float) -> None:
     """Two points that bear 1 N each on springs of 0.2 and 0.4 mm/N: held by mu N = 0.5 N they go 0.1 and
     0.2 mm, so the stiffer one has slipped 0.1 mm when the softer one lets go."""
-    pair = Compliant(np.diag([0.2, 0.4, 0.1, 0.1]), np.zeros(2), np.zeros(4))
+    pair = Compliance(np.diag([0.2, 0.4, 0.1, 0.1]), np.zeros(2), np.zeros(4))
     with pytest.raises(GrossSlip) as end:
-        grip(pair, at_rest(2), Drive(2.0, 1.1 * way), Cone(0.5, 0.5))
+        grip(pair, at_rest(2), Drive(2.0, 1.1 * way), FrictionCoefficients(0.5, 0.5))
     assert end.value.last.travel == pytest.approx(0.2 * way, rel=1e-12)
     assert end.value.last.slipped == pytest.approx([-0.1 * way, 0.0], abs=1e-12)

@@ -12,7 +12,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.folding import THROUGH, fault
 from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.bodies.meshed import Meshed, height_of, plane_piece
+from skincad.mechanics.bodies.meshed import PadMesh, height_of, plane_piece
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.mirrored import on_both_sides
 from skincad.mechanics.contact.ridge_model import ridge_model
@@ -53,15 +53,15 @@ def straight(mesh: Any, image: dict[str, str] | None = None) -> Any:
     return made
 
 
-def both(pad: Pad, fineness: float = 0.25) -> tuple[Meshed, Meshed]:
+def both(pad: Pad, fineness: float = 0.25) -> tuple[PadMesh, PadMesh]:
     """The half of a pad, and the whole of it on the same triangles and their images, in the half's unit."""
     half = plane_piece(pad, fineness)
     assert half.mirrored
     numbers = pad.ridges
     image = {f"contact{a}": f"contact{b}" for a, b in zip(numbers, reversed(numbers), strict=True)}
     image |= {name: name for name in ("back", "free", "strip")}
-    whole = Meshed(pad, pad, False, half.unit, height_of(pad), straight(half.mesh, image))
-    return Meshed(pad, half.piece, True, half.unit, half.height, straight(half.mesh)), whole
+    whole = PadMesh(pad, pad, False, half.unit, height_of(pad), straight(half.mesh, image))
+    return PadMesh(pad, half.piece, True, half.unit, half.height, straight(half.mesh)), whole
 
 
 CASES = {

@@ -13,14 +13,14 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact import press_path
 from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.contact.grip import Grip
-from skincad.mechanics.contact.press_path import Gripped, gripped, pressed
+from skincad.mechanics.contact.grip import ContactState
+from skincad.mechanics.contact.press_path import StickingPad, gripped, pressed
 from skincad.mechanics.contact.threshold import Ridges, all_touch_force
 from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import SHORT, reference
 
 
-def springs(gaps: tuple[float, ...], seed: int = 3) -> Gripped:
+def springs(gaps: tuple[float, ...], seed: int = 3) -> StickingPad:
     """Ridges of two points each whose compliance is drawn: symmetric, positive definite, x and z coupled."""
     m = 2 * len(gaps)
     random = np.random.default_rng(seed)
@@ -31,22 +31,22 @@ def springs(gaps: tuple[float, ...], seed: int = 3) -> Gripped:
     ridge, rows = np.repeat(np.arange(len(gaps)) + 1, 2), sparse.identity(m, format="csr")
     lift = compliance[m:, m:]
     ridges = Ridges(lift, gap, ridge, rows, rows, gap, np.arange(m), ridge)
-    return Gripped(ridges, compliance, compliance[m:])
+    return StickingPad(ridges, compliance, compliance[m:])
 
 
 @cache
-def meshed() -> Gripped:
+def meshed() -> StickingPad:
     """Three ridges on a short pad, meshed as coarsely as can be."""
     pad = pad_of(reference().with_(**SHORT))
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
     return gripped(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
 
 
-def first_of(pad: Gripped) -> float:
+def first_of(pad: StickingPad) -> float:
     return all_touch_force(pad.ridges, 1.0) or 0.0
 
 
-def relaxed(pad: Gripped, mu: float, path: list[Grip], sweeps: int) -> tuple[Array, Array]:
+def relaxed(pad: StickingPad, mu: float, path: list[ContactState], sweeps: int) -> tuple[Array, Array]:
     """Forces `(m,)` across and along when the plate is led where it was: point after point is put right by
     itself, over and over (Gauss-Seidel), and no set is ever solved for.
 
@@ -92,14 +92,14 @@ def test_a_meshed_press_is_the_one_that_relaxation_finds(mu: float, monkeypatch:
 
 
 def assert_same(
-    pad: Gripped, mu: float, force: float, steps: int, sweeps: int, monkeypatch: pytest.MonkeyPatch
+    pad: StickingPad, mu: float, force: float, steps: int, sweeps: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The plate is led along the product's path: forces, and with them the force that was asked, are found
     again. Both are to rounding where the sweeps have settled."""
-    path: list[Grip] = []
+    path: list[ContactState] = []
     step = press_path._Path.step
 
-    def watched(*asked: object) -> Grip:
+    def watched(*asked: object) -> ContactState:
         path.append(step(*asked))  # type: ignore[arg-type]
         return path[-1]
 

@@ -13,7 +13,7 @@ from skincad.mechanics.bodies import elements, neo_hooke
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.solid_body import SolidLinearised
 from skincad.mechanics.contact import newton
-from skincad.mechanics.contact.newton import DivergedError, Pressed, PressedState
+from skincad.mechanics.contact.newton import DivergedError, PressedPad, PressedState
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.contact.stability import stable, tipping_ridge
 from skincad.mechanics.problem import pad_of
@@ -31,14 +31,16 @@ def design_of(count: int) -> Design:
 
 
 @cache
-def pad(count: int = 1) -> Pressed:
+def pad(count: int = 1) -> PressedPad:
     whole = pad_of(design_of(count))
     assert unit_of(whole) * whole.young_modulus * whole.length == pytest.approx(SCALE * unit_of(whole))
     mesh = elements.curved(triangles(whole, default_sizes(whole, 0.25)), 2)
-    return Pressed(neo_hooke.body(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}), whole.top / unit_of(whole))
+    return PressedPad(
+        neo_hooke.body(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}), whole.top / unit_of(whole)
+    )
 
 
-def spectra(what: Pressed, state: PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def spectra(what: PressedPad, state: PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues of the tangent, free and as the plate holds it, and the latter's first vector."""
     body = what.body
     matrix = neo_hooke.tangent(body, state.values, body.residual(state.values)).matrix
@@ -57,7 +59,7 @@ def test_what_the_plate_holds_up_is_stable() -> None:
     free, held, _ = spectra(pad(), state)
     assert free[0] < 0 < held[0]
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
-    assert linear.falling == (0, int((free < 0).sum()))
+    assert linear.negative_eigenvalues == (0, int((free < 0).sum()))
     assert stable(pad().body, linear, state.ridges, state.contact)
 
 
@@ -81,7 +83,7 @@ def test_the_ridge_that_tips_over_is_named() -> None:
     what = pad(3)
     state = press_to(what, 4.0 / SCALE)
     _, _, mode = spectra(what, state)
-    nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.widest(mode)).argmin()
+    nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.x_of_largest_displacement(mode)).argmin()
     linear = what.body.linearised(state.values, what.body.residual(state.values))
     found = tipping_ridge(what.body, state.values, linear, state.contact)
     ridge = int(what.body.rest.nodes.ridge[nearest])
@@ -89,18 +91,18 @@ def test_the_ridge_that_tips_over_is_named() -> None:
     assert found in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
 
 
-def sides(count: int) -> tuple[Pressed, Pressed]:
+def sides(count: int) -> tuple[PressedPad, PressedPad]:
     """The half of a pad and, on its triangles and their images, the whole; in the half's unit."""
     design = design_of(count)
     return tuple(
-        Pressed(
+        PressedPad(
             neo_hooke.body(elements.curved(each.mesh, 2), 2, each.whole.materials), each.whole.top / each.unit
         )
         for each in both(pad_of(design))
     )
 
 
-def force_of(what: Pressed, share: float) -> float:
+def force_of(what: PressedPad, share: float) -> float:
     """A force on what is meshed that is as much on a ridge, in units."""
     return share if what.body.odd.size == 0 else share / 2
 
@@ -132,12 +134,12 @@ def test_what_turns_round_is_seen_on_a_solids_half(monkeypatch: pytest.MonkeyPat
         body = body_of(each, Layers(2.0, 2.0, 2), clamped_end=True)
         share = each.whole.length / 2 / each.unit / each.sides
         with pytest.raises(DivergedError, match="ridge 1 tips over") as caught:
-            press_to(Pressed(body, each.whole.top / each.unit), 1.2 * share)
+            press_to(PressedPad(body, each.whole.top / each.unit), 1.2 * share)
         found.append((caught.value.reached / share, body, share, each))
     (half, body, share, each), (whole, *_) = found
     assert half == pytest.approx(whole, rel=1e-6)
     monkeypatch.setattr(SolidLinearised, "odd", lambda _: None)
-    what = Pressed(body, each.whole.top / each.unit)
+    what = PressedPad(body, each.whole.top / each.unit)
     assert press_to(what, 1.5 * half * share).force == 1.5 * half * share
 
 
@@ -156,7 +158,7 @@ def test_both_kinds_of_movements_are_all_there_are(
         kinds = [kind for kind in (linear, linear.odd()) if kind is not None]
         assert len(kinds) == (2 if what.body.odd.size else 1)
         verdict = stable(what.body, linear, state.ridges, state.contact)
-        counted.append((np.sum([kind.falling for kind in kinds], axis=0).tolist(), verdict))
+        counted.append((np.sum([kind.negative_eigenvalues for kind in kinds], axis=0).tolist(), verdict))
         free, held, _ = spectra(what, state)
     assert counted[0] == counted[1]
     assert counted[1][0][1] == (free < 0).sum()

@@ -10,20 +10,20 @@ import pytest
 from skincad.mechanics.bodies.elements import Outline
 from skincad.mechanics.contact import stride
 from skincad.mechanics.contact.creasing import CREASES, WRINKLES, fault, pinch
-from skincad.mechanics.contact.dragged import DraggedState, newton, unloaded
-from skincad.mechanics.contact.grip import Cone, Drive
+from skincad.mechanics.contact.dragged import FrictionalState, newton, unloaded
+from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
 from skincad.mechanics.contact.stride import to
 from skincad.mechanics.problem import ContactError
 from tests.mechanics.contact.test_dragged import march, pulled, three
 
-CONE = Cone(0.5, 0.5)
+CONE = FrictionCoefficients(0.5, 0.5)
 
 
 def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first tries are made to fail: the halves then are what the step took."""
     tries = []
 
-    def failing(pad: Any, before: DraggedState, end: Drive, *more: Any) -> DraggedState:
+    def failing(pad: Any, before: FrictionalState, end: Drive, *more: Any) -> FrictionalState:
         tries.append(end.normal)
         if len(tries) == 1:
             raise ContactError("made to fail")
@@ -60,7 +60,7 @@ def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.M
     what, start = three()[1], pulled()[4]
     wanted = to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
 
-    def failing(pad: Any, before: DraggedState, end: Drive, *more: Any) -> DraggedState:
+    def failing(pad: Any, before: FrictionalState, end: Drive, *more: Any) -> FrictionalState:
         if end.tangential is not None:
             raise ContactError("made to fail")
         return newton(pad, before, end, *more)
@@ -101,7 +101,7 @@ def test_limits_are_biots_and_hongs() -> None:
 
 def test_much_friction_folds_the_surface_and_the_reason_names_the_place() -> None:
     """Pulled by travel at a coefficient of 1: smooth at 0.4 mm, folded by 0.6."""
-    what, cone = three()[1], Cone(1.0, 1.0)
+    what, cone = three()[1], FrictionCoefficients(1.0, 1.0)
     state = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], cone)[-1]
     words = None
     for travel in (0.1, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6):

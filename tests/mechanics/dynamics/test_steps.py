@@ -15,7 +15,15 @@ from scipy.sparse.linalg import eigsh
 
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
 from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import STICK, Compliant, Cone, Drive, Grip, GrossSlip, at_rest
+from skincad.mechanics.contact.grip import (
+    STICK,
+    Compliance,
+    ContactState,
+    Drive,
+    FrictionCoefficients,
+    GrossSlip,
+    at_rest,
+)
 from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.dynamics import steps as dynamics
 from skincad.mechanics.dynamics.moving_body import moving_matrices
@@ -32,8 +40,8 @@ from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.dynamics import closed_forms
 from tests.mechanics.film.test_sliding import meshed
 
-ROUGH, SMOOTH = Cone(0.5, 0.5), Cone(0.0, 0.0)
-GRIPPING = Cone(20.0, 20.0)
+ROUGH, SMOOTH = FrictionCoefficients(0.5, 0.5), FrictionCoefficients(0.0, 0.0)
+GRIPPING = FrictionCoefficients(20.0, 20.0)
 
 
 def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
@@ -57,7 +65,7 @@ def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> DynamicStat
     rest = rest_state(pad.pad)
     down = normal / pad.pad.stiff[1, 1]
     u = np.array([[place], [-down], [place]])
-    force = Grip(*np.zeros((3, 1)), np.zeros(1, dtype=np.int8), np.zeros(1), down, 0.0, 0.0)
+    force = ContactState(*np.zeros((3, 1)), np.zeros(1, dtype=np.int8), np.zeros(1), down, 0.0, 0.0)
     contact = replace(force, normal=np.array([normal]), anchor=np.array([place]))
     plate, drive = np.array([[down, 0.0], [0.0, 0.0], [0.0, 0.0]]), Drive(normal, travel=0.0)
     return replace(rest, u=u, contact=contact, elastic_force=pad.pad.stiff @ u, plate=plate, drive=drive)
@@ -94,7 +102,7 @@ def test_a_driven_oscillator_sticks_and_slips() -> None:
     """A plate drags at 100 mm/s: the point sticks to mu_s N / k, then swings about mu_k N / k until it is as
     fast as the plate again. Exact piece by piece; 1.5 % of the swing, the worst as it sticks again:
     the link of 1000 k gives way and rings."""
-    stiff, mass, normal, speed, cone = 1.0, 1.0, 1.0, 100.0, Cone(0.5, 0.3)
+    stiff, mass, normal, speed, cone = 1.0, 1.0, 1.0, 100.0, FrictionCoefficients(0.5, 0.3)
     pad, dt = springs(stiff, mass, 1000.0), 5e-6
     state, places = replace(begun(pad, 0.0, normal), v=np.array([[speed], [0.0], [speed]])), [0.0]
     for i in range(1, 2000):
@@ -421,7 +429,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
     """The first try is made to fail: two halves, with a factorisation of their own, arrive at the end."""
     tries: list[object] = []
 
-    def failing(*arguments: object) -> Grip:
+    def failing(*arguments: object) -> ContactState:
         tries.append(arguments)
         if len(tries) == 1:
             raise ContactError("made to fail")
@@ -442,7 +450,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
 def test_slow_motion_is_the_quasi_static_one() -> None:
     """Over 10 s, 1e4 swings of the pad, with damping: forces as of the condensed pad, to 1e-4."""
     pad, (_, _, small) = pad_in_motion()[0], meshed()
-    still = Compliant(small.compliance, small.gap, np.zeros(2 * small.gap.size))
+    still = Compliance(small.compliance, small.gap, np.zeros(2 * small.gap.size))
     resting, state = at_rest(small.gap.size), rest_state(pad.pad)
     last = Drive(0.0, travel=0.0)
     for i in range(1, 11):

@@ -11,7 +11,7 @@ import pytest
 
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.contact.grip import Cone, Drive, Grip
+from skincad.mechanics.contact.grip import ContactState, Drive, FrictionCoefficients
 from skincad.mechanics.film.sliding import ContactPad
 from skincad.mechanics.film.turning import in_skin_axes, rotated_pad
 from tests.mechanics.film.test_sliding import meshed
@@ -28,7 +28,7 @@ def stiff_circle() -> CondensedPad:
     return condensed(ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
 
 
-def marched(model: CondensedPad, drives: list[Drive], cone: Cone) -> list[Grip]:
+def marched(model: CondensedPad, drives: list[Drive], cone: FrictionCoefficients) -> list[ContactState]:
     states = [model.start()]
     for before, after in pairwise(drives):
         states.append(model.advanced(states[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
@@ -41,7 +41,7 @@ def test_a_plane_rolls_on_a_circle(way: int) -> None:
     last = math.radians(3.0)
     drives = [Drive(0.0, 0.0), Drive(1.0, 0.0)]
     drives += [Drive(1.0, 0.0, angle=way * last * i / 300) for i in range(1, 301)]
-    states = marched(stiff_circle(), drives, Cone(1.0, 1.0))
+    states = marched(stiff_circle(), drives, FrictionCoefficients(1.0, 1.0))
     rolled = -way * last
     # points on chords of 0.05 mm instead of the circle: (0.05 / 60)^2 / 24 of the way rolled
     assert states[-1].travel == pytest.approx(RADIUS * (math.sin(rolled) - rolled), abs=1e-5)
@@ -89,7 +89,7 @@ def test_a_turned_plate_is_a_turned_pull() -> None:
     )
     angle = math.radians(5.0)
     drives = [Drive(0.0, 0.0), Drive(0.0, 0.0, angle=angle), Drive(2.0, 0.5, angle=angle)]
-    state = marched(condensed(point), drives, Cone(1.0, 1.0))[-1]
+    state = marched(condensed(point), drives, FrictionCoefficients(1.0, 1.0))[-1]
     x = 2.0 * math.sin(angle) + 0.5 * math.cos(angle)
     z = -2.0 * math.cos(angle) + 0.5 * math.sin(angle)
     by_hand = np.array([0.3 * x, 0.1 * z])
@@ -105,7 +105,7 @@ def test_work_is_what_is_stored_and_lost() -> None:
         drives = [Drive(1.2 * i / steps, 0.0) for i in range(steps + 1)]
         drives += [Drive(1.2, 0.0, angle=math.radians(2.0) * i / steps) for i in range(1, steps + 1)]
         model = condensed(pad)
-        states = marched(model, drives, Cone(0.0, 0.0))
+        states = marched(model, drives, FrictionCoefficients(0.0, 0.0))
         readings = [model.reading(a, b) for a, b in pairwise([states[0], *states])]
         press_work = 0.5 * sum(
             (a.normal + b.normal) * (b.approach - a.approach) for a, b in pairwise(readings[: steps + 1])

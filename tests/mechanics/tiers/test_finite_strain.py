@@ -16,7 +16,7 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.meshed import plane_piece
 from skincad.mechanics.contact.newton import (
     RESIDUAL,
-    Pressed,
+    PressedPad,
     newton,
 )
 from skincad.mechanics.contact.pressing import press_to, press_until_all_touch
@@ -57,11 +57,11 @@ def shares(answer: Answer) -> np.ndarray:
     return np.array([value(f) for f in answer.ridge_force])
 
 
-def coarse(design: Any, order: int = 2) -> Pressed:
+def coarse(design: Any, order: int = 2) -> PressedPad:
     pad = pad_of(design)
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.5)), order)
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
-    return Pressed(neo_hooke.body(mesh, order, materials), pad.top / unit_of(pad))
+    return PressedPad(neo_hooke.body(mesh, order, materials), pad.top / unit_of(pad))
 
 
 def stress(gradient: np.ndarray, q: float, shear: float, bulk: float) -> np.ndarray:

@@ -16,7 +16,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies.dissect import dissection, schur
 from skincad.mechanics.bodies.layers import AlongY, graded, line
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.bodies.meshed import Meshed, height_of, meshed_piece
+from skincad.mechanics.bodies.meshed import PadMesh, height_of, meshed_piece
 from skincad.mechanics.bodies.prisms import SectionForms, prisms
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
@@ -54,7 +54,7 @@ def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
     are rational, ngsolve's quadrature of the parts differs from that of the whole (measured 4e-6, 2e-7)."""
     pad = pad_of(sharp())
     mesh = triangles(pad, default_sizes(pad, 0.25))
-    meshed = Meshed(pad, pad, False, unit_of(pad), height_of(pad), mesh)
+    meshed = PadMesh(pad, pad, False, unit_of(pad), height_of(pad), mesh)
     solution = solve_level(meshed, forms_of(meshed, order), None, 4.0, {})
     exact = plane_level.level(meshed, order, 4.0)
     assert solution.approach == pytest.approx(exact.approach, rel=1e-5)
@@ -67,7 +67,7 @@ def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> No
     """Quadrature is exact here: rounding only."""
     pad = block(3.0, 2.0, 0.499)
     mesh = triangles(pad, coarse_sizes(pad, 1.0))
-    meshed = Meshed(pad, pad, False, unit_of(pad), height_of(pad), mesh)
+    meshed = PadMesh(pad, pad, False, unit_of(pad), height_of(pad), mesh)
     solution = solve_level(meshed, forms_of(meshed, order), None, 0.5, {})
     exact = plane_level.level(meshed, order, 0.5)
     assert solution.approach == pytest.approx(exact.approach, rel=1e-10)
@@ -101,7 +101,7 @@ def test_half_is_the_whole() -> None:
     sizes = coarse_sizes(pad, 1.5)
     half = meshed_piece(pad, sizes)
     assert half.mirrored
-    whole = Meshed(pad, pad, False, unit_of(pad), height_of(pad), triangles(pad, sizes))
+    whole = PadMesh(pad, pad, False, unit_of(pad), height_of(pad), triangles(pad, sizes))
     one, other = (solve_level(m, forms_of(m, 2), FEW, 1.0, {}) for m in (half, whole))
     assert one.approach == pytest.approx(other.approach, rel=5e-3)
     assert one.all_touch_force == pytest.approx(other.all_touch_force, abs=5e-3)

@@ -13,10 +13,10 @@ from scipy import optimize
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.mechanics.bodies import elements, layers, neo_hooke, prisms, solid_law
-from skincad.mechanics.bodies.meshed import Meshed, meshed_piece
+from skincad.mechanics.bodies.meshed import PadMesh, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
-from skincad.mechanics.contact.newton import RESIDUAL, Pressed
+from skincad.mechanics.contact.newton import RESIDUAL, PressedPad
 from skincad.mechanics.contact.pressing import press_to
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.tiers import solid_finite_strain
@@ -29,7 +29,7 @@ FEW = Layers(0.6, 2.0, 2)
 SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length": 6.0}}
 
 
-def meshed_of(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> Meshed:
+def meshed_of(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadMesh:
     return meshed_piece(pad, coarse_sizes(pad, fineness), whole=whole)
 
 
@@ -172,9 +172,9 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
     body = body_of(meshed, FEW, clamped_end=True)
     top, half = pad.top / meshed.unit, pad.length / 2 / meshed.unit
     force = 0.05  # per length; strains of 5 %
-    clamped = press_to(Pressed(body, top), force * half)
+    clamped = press_to(PressedPad(body, top), force * half)
     flat = neo_hooke.body(elements.curved(meshed.mesh, 2), 2, pad.materials)
-    plane = press_to(Pressed(flat, top), force)
+    plane = press_to(PressedPad(flat, top), force)
     assert clamped.approach == pytest.approx(plane.approach, rel=1e-4)
     assert np.abs(clamped.values[2 * body.displacements // 3 : body.displacements]).max() <= 1e-9  # u_y
 
@@ -233,7 +233,7 @@ def test_newton_converges_quadratically() -> None:
     pad = pad_of(reference().with_(**SMALL))
     meshed = meshed_of(pad)
     scale = pad.young_modulus * meshed.unit**2 * 4
-    state = press_to(Pressed(body_of(meshed, FEW), pad.top / meshed.unit), 0.6 / scale)
+    state = press_to(PressedPad(body_of(meshed, FEW), pad.top / meshed.unit), 0.6 / scale)
     before, here, after = np.log10(state.history[-3:])
     assert here < -2
     assert after / here > 1.5  # the last one ends in rounding
