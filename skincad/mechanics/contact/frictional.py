@@ -86,9 +86,12 @@ def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactStat
 
 @dataclass(frozen=True, eq=False)
 class _TrialSolution:
-    """The solution for one choice of sets: forces, plate, gaps `w`, slips `moved` and displacements `x` by the
-    forces, all `(m,)`. `rounded` are the gaps of closed points too, 0 but for rounding. `plate_residual` is the
-    relative imbalance of the forces on a plate with mass."""
+    """The solution for one choice of sets; arrays are `(m,)`.
+
+    Forces `p` and `t`, plate `d` and `s`, gaps `w`, slips `moved`, and displacements `x` by the forces. `rounded`
+    are the gaps of closed points too, 0 but for rounding. `plate_residual` is the relative imbalance of the
+    forces on a plate with mass.
+    """
 
     p: Array
     t: Array
