@@ -17,7 +17,7 @@ import cadquery as cq
 
 import skincad
 from skincad.shape.curves import Loop, Point, Segment, loop
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Prism
 from skincad.solids.occ import solid, unchecked_solid
 from skincad.solids.plan import Part
@@ -36,8 +36,8 @@ def pieces(design: skincad.Design) -> list[Part]:
     left, right = corners[2].start, corners[1].end
     top = Segment(right, left, math.tan(math.asin(left.x / -design.skin.curvature_radius) / 2))
     ridges = []
-    for ridge in range(1, design.ridge.count + 1):
-        own = [s for s in outline if s.ridge == ridge]
+    for ridge in range(1, skin_of(design).count + 1):
+        own = [s for s in outline if s.feature == ridge]
         a, b = own[-1].end, own[0].start
         foot = loop([Point(a.x, a.z), Point(a.x, a.z - 0.5), Point(b.x, b.z - 0.5), Point(b.x, b.z)])
         ridges.append(part((*own, *foot[:3])))

@@ -24,7 +24,8 @@ from skincad.mechanics.bodies.mesh import Sizes, default_sizes
 from skincad.mechanics.bodies.meshed import on_whole
 from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.problem import Pad
-from skincad.shape.cross_section import CONTACT_KINDS
+
+# gone
 
 PACKAGES = ("calculix-ccx", "gmsh")
 PROGRAMS = ("ccx", "gmsh")
@@ -104,11 +105,11 @@ def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
     if cut:
         yield f"Physical Curve({CUT}) = {{{_list(cut)}}};"
     for ridge in pad.ridges:
-        own = [i for i, s in enumerate(outline, 1) if s.kind in CONTACT_KINDS and s.ridge == ridge]
+        own = [i for i, s in enumerate(outline, 1) if s.touches and s.feature == ridge]
         yield f"Physical Curve({ridge}) = {{{_list(own)}}};"
     ends = {i for b in back for i in (b, b % len(outline) + 1)}
     corners = ends - {i for c in cut for i in (c, c % len(outline) + 1)}  # no corner of the pad
-    crests = [i for i, s in enumerate(outline, 1) if s.ridge is not None]
+    crests = [i for i, s in enumerate(outline, 1) if s.feature is not None]
     yield f"Field[1] = Distance; Field[1].PointsList = {{{_list(corners)}}};"
     yield f"Field[2] = Distance; Field[2].PointsList = {{{_list(crests)}}};"
     beyond = f"0.5 * (F2 - {RIDGES_REACH} + Fabs(F2 - {RIDGES_REACH}))"

@@ -15,9 +15,10 @@ import numpy as np
 import skincad
 from skincad.inputs.design import Design
 from skincad.pictures.canvas import Axes, save, sheet
-from skincad.shape.cross_section import frame
+
+# gone
 from skincad.shape.curves import polygon
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 
 SKIN, FILM, INK, HELP = "#eebda5", "#b3432b", "#14447a", "#8a8a8a"
 WORDS = {"color": INK, "family": "monospace"}
@@ -97,8 +98,14 @@ def _whole(axes: Axes, design: Design) -> None:
     """The whole section: frame, numbers of the ridges, and the lengths of `[skin]`."""
     _skin(axes, design, slots=True)
     skin, half = design.skin, design.skin.width / 2
-    for ridge in range(1, design.ridge.count + 1):
-        axes.text(*frame(design, ridge).at(0.0, -0.35), str(ridge), ha="center", va="center", fontsize=11)
+    for ridge in range(1, skin_of(design).count + 1):
+        axes.text(
+            *skin_of(design).placed[ridge - 1].frame.at(0.0, -0.35),
+            str(ridge),
+            ha="center",
+            va="center",
+            fontsize=11,
+        )
     _size(axes, (-half, -0.25), (half, -0.25), "skin.width", "below")
     _size(axes, (0.45, 0.0), (0.45, skin.thickness), "skin.thickness", "right")
     _line(axes, (0.0, skin.thickness), (0.6, skin.thickness))
@@ -122,10 +129,10 @@ def _whole(axes: Axes, design: Design) -> None:
 def _ridge(axes: Axes, design: Design) -> None:
     """The middle ridge and its neighbour without slots, and the lengths of `[ridge]`."""
     _skin(axes, design, slots=False)
-    own, ridge = frame(design, MIDDLE), design.ridge
+    own, ridge = skin_of(design).placed[MIDDLE - 1].frame, design.ridge
     at, root, tip = own.at, ridge.root_width / 2, ridge.tip_width / 2
     edge, crest = ridge.height - ridge.crown, ridge.height
-    beside = frame(design, MIDDLE + 1)
+    beside = skin_of(design).placed[MIDDLE].frame
     _line(axes, at(0.0, -0.1), at(0.0, crest + 0.4))
     _line(axes, beside.at(0.0, -0.1), beside.at(0.0, crest + 0.4))
     _size(axes, at(0.0, 0.0), beside.origin, "pitch", "below")
@@ -148,9 +155,9 @@ def _ridge(axes: Axes, design: Design) -> None:
 def _slots(axes: Axes, design: Design) -> None:
     """The middle ridge's slots with their strips, and the lengths of `[slot]` and `[film]`."""
     _skin(axes, design, slots=True)
-    own, slot = frame(design, MIDDLE), design.slot
+    own, slot = skin_of(design).placed[MIDDLE - 1].frame, skin_of(design).slot
     assert slot is not None
-    at, (one, two) = own.at, (s for s in section(design).slots if s.ridge == MIDDLE)
+    at, (one, two) = own.at, (s for s in section(design).slots if s.feature == MIDDLE)
     half, wide = slot.depth / 2, slot.thickness / 2
     for each, aside in ((one, -0.03), (two, 0.03)):
         axes.text(*each.at(aside, half + 0.05), each.side, ha="center", weight="bold", fontsize=12)

@@ -18,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.dynamics.reference import shear_frequency
 from skincad.scenes.scene import Scene, load_scene
-from skincad.shape.crests import full_height
+from skincad.shape.skin import skin_of
 
 SHIPPED = 0.25  # share of scenes on a template's skin
 TILTED, LARGEST_TILT = 0.3, 45.0  # share of skins whose slots lean, and how far, deg
@@ -107,7 +107,7 @@ def random_scene(rng: np.random.Generator) -> Scene:
         f"history.{across}={_listed([0, 0, 0, pull, pull, last * pull, last * pull])}",
         f"history.{other}=none",
         f"effects.friction.coefficient={friction}",
-        f"readout.ridges={list(range(1, design.ridge.count + 1))}",
+        f"readout.ridges={list(range(1, skin_of(design).count + 1))}",
         *([] if rng.random() < 0.5 else ["effects.film=none"]),
     ]
     return load_scene("yamada-2002-slip", changes, skin=design)
@@ -123,7 +123,7 @@ def slowest(design: Design) -> float:
     """Return the frequency of a skin's slowest mode, Hz, as of a bonded layer."""
     stuff = silicone(design)
     shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
-    return shear_frequency(shear, stuff.density, full_height(design))
+    return shear_frequency(shear, stuff.density, skin_of(design).height)
 
 
 def _listed(values: Any) -> list[float]:

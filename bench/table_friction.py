@@ -20,6 +20,7 @@ from skincad.mechanics.left_out import friction
 from skincad.mechanics.problem import NEGLIGIBLE, ContactError
 from skincad.mechanics.tiers.corrected import plain_pad
 from skincad.mechanics.tiers.friction import solve
+from skincad.shape.skin import skin_of
 
 COEFFICIENTS = 0.2, 0.5, 1.0
 MOST_RIDGES = 60  # more take minutes
@@ -35,7 +36,7 @@ def changes(design: Design, force: float, coefficient: float) -> Iterator[tuple[
     if first and last and first > NEGLIGIBLE * force:
         yield NAMES[0], abs(last / first - 1), bound.threshold
     yield NAMES[1], abs(after.approach / before.approach - 1), bound.approach
-    if design.ridge.count > 1:
+    if skin_of(design).count > 1:
         share = np.abs(after.ridge_force - before.ridge_force).max() / before.ridge_force.mean()
         yield NAMES[2], float(share), bound.share
 
@@ -46,7 +47,7 @@ def main() -> None:
     parts: dict[str, list[float]] = {name: [] for name in NAMES}
     for seed in range(int(low), int(high)):
         design = drawn(seed).design.with_(skin={"curvature_radius_y": None})
-        if design.ridge.count > MOST_RIDGES:
+        if skin_of(design).count > MOST_RIDGES:
             continue
         largest: dict[str, float] = {}
         for coefficient in map(float, coefficients or COEFFICIENTS):

@@ -31,6 +31,7 @@ from skincad.scenes.march import March, march
 from skincad.scenes.omitted import omitted, path_of
 from skincad.scenes.on_mesh import Marching, march_on, piece_for
 from skincad.scenes.scene import Scene
+from skincad.shape.skin import skin_of
 
 EFFECTS = ("film", "free_ends", "inertia")
 QUASI_STATIC = 60  # steps of a march without masses, which does not see time
@@ -132,7 +133,7 @@ def main() -> None:
     with threadpool_limits(limits=1, user_api="blas"):
         for number, scene in enumerate(scenes(seed, count), 1):
             design, history = scene.design, scene.history
-            told = [f"{number:3} {design.ridge.count} ridges, {history.time_s[-1]:7.2g} s"]
+            told = [f"{number:3} {skin_of(design).count} ridges, {history.time_s[-1]:7.2g} s"]
             told += ["driven"] * (history.tangential_force_N is None)
             for effect in effects:
                 row = compared(scene, effect)

@@ -18,6 +18,7 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import SOFTEST, STIFFEST
 from skincad.mechanics.validity import LARGEST_STRAIN
+from skincad.shape.skin import skin_of
 
 Fault = tuple[str, str]
 NEXT = {"winkler": "linear", "linear": "corrected", "corrected": "solid"}
@@ -224,16 +225,16 @@ def _range(case: Case, found: Figures) -> Iterator[Fault]:
     """No accepted state is beyond the range that `check` has: by hand, not by the program's own limits."""
     design = case.design
     stuff = silicone(design)
-    height = design.skin.thickness + max(design.heights)
+    height = design.skin.thickness + max(skin_of(design).heights)
     if not max(found["approach"]) < height:
         yield "pressed flat", f"{max(found['approach']):.3g} of {height:.3g} mm"
     if "finite_strain" in case.tables["effects"]:
         return
-    area = (design.ridge.root_width + design.ridge.tip_width) / 2 * design.skin.length
+    area = (skin_of(design).profile.root_width + skin_of(design).profile.tip_width) / 2 * design.skin.length
     modulus, ratio = stuff.young_modulus.value, stuff.poisson_ratio
     # shared evenly at least: what a ridge bears more, the march itself looks after
-    mean = max(found["normal"]) / design.ridge.count / area
-    across = max(map(abs, found["tangential"])) / design.ridge.count / area
+    mean = max(found["normal"]) / skin_of(design).count / area
+    across = max(map(abs, found["tangential"])) / skin_of(design).count / area
     strain = max(mean * (1 - ratio**2) / modulus, across * (1 + ratio) / modulus)
     if not strain <= LARGEST_STRAIN * (1 + 1e-9):
         yield "strained beyond the range", f"{strain:.3g} in the mean"

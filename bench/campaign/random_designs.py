@@ -19,6 +19,7 @@ from skincad.inputs.process import PROCESSES
 from skincad.inputs.silicone import silicones
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.tiers.winkler import crest_gaps, ridge_stiffness
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 
 MOST_DRAWS = 200  # of one seed; every second draw or so is a design
@@ -206,7 +207,12 @@ def _plate(dice: Dice, skin: dict[str, Any]) -> dict[str, Any]:
 
 def _any_force(design: Design, dice: Dice) -> float:
     stiffness, gaps = ridge_stiffness(design), crest_gaps(design)
-    area = design.ridge.count * (design.ridge.root_width + design.ridge.tip_width) / 2 * design.skin.length
+    area = (
+        skin_of(design).count
+        * (skin_of(design).profile.root_width + skin_of(design).profile.tip_width)
+        / 2
+        * design.skin.length
+    )
     most = 0.1 * silicone(design).young_modulus.value * area
     touching = stiffness * float((gaps.max() - gaps).sum())
     return dice.scale(1e-4, 10.0) * (min(touching, most) if touching > 1e-9 * most else most)

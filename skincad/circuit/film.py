@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.constants import epsilon_0
 
 from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
 
 MM, MM2 = 1e-3, 1e-6  # m, m2
 PICO = 1e-12
@@ -28,10 +29,11 @@ def electrode(design: Design) -> float:
     Bhartia, Microstrip Lines and Slotlines, 2nd ed. 1996, chapter 7) it lies between that in air and that on
     a half space of film: 0.02 to 0.12 pF a millimetre of lead in `yamada-2002`, about that of a cable.
     """
+    slot = skin_of(design).slot
     assert design.film is not None
-    assert design.slot is not None
+    assert slot is not None
     margin = design.film.margin
-    return (design.skin.length - 2 * margin) * (design.slot.depth - 2 * margin)
+    return (design.skin.length - 2 * margin) * (slot.depth - 2 * margin)
 
 
 def capacitance(area: float, thickness: float, permittivity: float) -> float:

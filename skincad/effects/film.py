@@ -23,6 +23,7 @@ from skincad.effects.omitted import LeftOutEffect, SceneOutline
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import mean_width
+from skincad.shape.skin import skin_of
 
 OF_SHEAR, OF_PRESSURE = 0.133, 0.033  # fitted to 30 random scenes
 WITHIN, PRESSED = 3.0, 4.0  # the second where nothing is pulled
@@ -69,15 +70,16 @@ class FilmStrips(PadChange):
         itself hangs on the tilt, and is small at some 15 deg. None without a film or a normal force.
         """
         design, path = outline.design, outline.path
-        if design.film is None or design.slot is None or outline.ridge_normal <= 0:
+        slot = skin_of(design).slot
+        if design.film is None or slot is None or outline.ridge_normal <= 0:
             return None
         area = mean_width(design) * design.skin.length
         shear, pressure = (float(np.abs(part).max()) / area for part in (path.pulled, path.pressed))
         borne = OF_SHEAR * shear + OF_PRESSURE * pressure
-        blunt = math.sqrt(design.film.thickness / design.slot.depth)
+        blunt = math.sqrt(design.film.thickness / slot.depth)
         largest = float(np.abs(path.felt).max(initial=0.0)) or shear + pressure
         text = (
-            f"films of {design.film.thickness:g} mm, {design.slot.depth:g} mm deep, in ridges that bear "
+            f"films of {design.film.thickness:g} mm, {slot.depth:g} mm deep, in ridges that bear "
             f"{shear:.2g} MPa of shear stress and {pressure:.2g} MPa of pressure"
         )
         return LeftOutEffect(

@@ -32,6 +32,7 @@ from skincad.circuit.state import Stepper, run, stepper
 from skincad.effects.kinds import Reader, ReaderContext, Reading
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip
+from skincad.shape.skin import skin_of
 
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12
 MOST_STEPS = 200  # of the network in one of the march
@@ -85,7 +86,7 @@ class Piezo(Reader):
 
     def check(self, design: Design) -> None:
         """Raise InputError for a skin without films or with dead ones, or an unusable circuit."""
-        if design.film is None or design.slot is None:
+        if design.film is None or skin_of(design).slot is None:
             raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
         if not any((design.film.d31, design.film.d32, design.film.d33)):
             raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")

@@ -19,6 +19,7 @@ from skincad.ladders.scenes import apart, marched, of_size, scene_on
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import LAW
 from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
 
 STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is dear, fewer
 SLIPPERY = {"finite_strain": 0.3}  # coefficient of friction, both with and without: at 1 the surface folds
@@ -64,7 +65,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         "the same scene, mesh and steps with the effect",
         "both are computed; for the mesh's error see ladder slip",
     )
-    what = "S1 - S2 at the ridge read out" if design.slot else "the plate's travel"
+    what = "S1 - S2 at the ridge read out" if skin_of(design).slot else "the plate's travel"
     measures = (
         ErrorMeasure(
             "peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *reference

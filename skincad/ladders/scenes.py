@@ -13,6 +13,7 @@ from skincad.mechanics.tiers.prices import plane_unknowns
 from skincad.scenes.levels import Level
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
+from skincad.shape.skin import skin_of
 
 SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
 TOLD = 3  # paper: the third ridge from an end
@@ -29,6 +30,7 @@ def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
     With another coefficient of friction the pull is that many times as large. A skin without slots has no
     films to tell of. Raises InputError for what scene and skin do not allow.
     """
+    skin = skin_of(design)
     plain = load_scene(SCENE).history
     scale = design.contact.force / FORCE
     pulls = plain.tangential_force_N or []
@@ -36,7 +38,7 @@ def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
         f"history.normal_force_N={[scale * f for f in plain.normal_force_N]}",
         f"history.tangential_force_N={[friction * scale * f for f in pulls]}",
         *([] if friction == 1.0 else [f"effects.friction.coefficient={friction}"]),
-        f"readout.ridges={[min(TOLD, design.ridge.count)] if design.slot else []}",
+        f"readout.ridges={[min(TOLD, skin.count)] if skin.slot else []}",
         *([] if design.film else ["effects.film=none"]),
     ]
     return load_scene(SCENE, [*changes, *more], skin=design)

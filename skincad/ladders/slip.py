@@ -13,6 +13,7 @@ from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, repeated, 
 from skincad.ladders.scenes import apart, marched, of_size, scene_on
 from skincad.scenes.levels import LEVELS, Level, expected
 from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
 
 MESHES = (*((level.fineness, level.order) for level in LEVELS), (1.0, 5))  # the last is the reference
 STEPS = (55, 110, 275, 550, 2200)  # of one history, 550 the paper's; the last is the reference
@@ -43,7 +44,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
         ]
         differs = trials[-1].errors["signal"]
         known.append(f"{model}: {setting}; {trials[-1].setting} differs by {differs:.0e} of the signal")
-    what = "S1 - S2 at the ridge read out" if design.slot else "the plate's travel"
+    what = "S1 - S2 at the ridge read out" if skin_of(design).slot else "the plate's travel"
     words = ("each way's own finest setting", "; ".join(known))
     measures = (
         ErrorMeasure(

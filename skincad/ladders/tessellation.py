@@ -17,6 +17,7 @@ from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import FINER, mesh
 from skincad.inputs.design import Design
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement, timed
+from skincad.shape.skin import skin_of
 from skincad.solids.occ import solid, tessellate, triangles
 from skincad.solids.plan import Part
 from skincad.solids.skin import skin_part
@@ -61,12 +62,12 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
 def prices(design: Design, repeats: int) -> dict[str, float]:  # noqa: ARG001
     """Return the stages and their expected seconds, mostly those of measuring the deviation."""
-    of_size = design.ridge.count / RIDGES
+    of_size = skin_of(design).count / RIDGES
     return {_stage(c): of_size * s for c, s in zip(_chords(design), CHORDS.values(), strict=True)}
 
 
 def _chords(design: Design) -> list[float]:
-    return [share * min(design.heights) for share in CHORDS]
+    return [share * min(skin_of(design).heights) for share in CHORDS]
 
 
 def _stage(chord: float) -> str:

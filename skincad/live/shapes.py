@@ -13,7 +13,7 @@ from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
 from skincad.pictures.exploded import explosion_offset
 from skincad.shape.curves import Loop, polygon
-from skincad.shape.skin import Section, section
+from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Part
 from skincad.solids.skin import skin_part
@@ -84,15 +84,16 @@ def pieces(closed: ClosedMold, chord: float) -> tuple[Piece, ...]:
 
 def section_svg(design: Design) -> str:
     """Return the section as HTML with SVG in it: the whole of it, and its middle ridges large."""
-    shape, ridge, skin = section(design), design.ridge, design.skin
-    reach = min(1.6 * ridge.spacing, 0.5 * skin.width)
-    height = design.heights[(ridge.count - 1) // 2]
+    shape, skin = section(design), skin_of(design)
+    base, count = skin.base, skin.count
+    reach = min(1.6 * skin.pitch, 0.5 * base.width)
+    height = skin.heights[(count - 1) // 2]
     wide = max(abs(s.start.x) for s in shape.outline)
-    low = max(skin.thickness - 0.35 * reach, 0.0)
+    low = max(base.thickness - 0.35 * reach, 0.0)
     whole = _frame(shape, design, (-wide, 0.0, wide, shape.top))
-    near = _frame(shape, design, (-reach, low, reach, skin.thickness + height))
-    size = f"{skin.width:g} x {skin.length:g} x {shape.top:.4g} mm"
-    summary = f"{ridge.count} ridge{'s' * (ridge.count > 1)}, {size}; below the middle ones"
+    near = _frame(shape, design, (-reach, low, reach, base.thickness + height))
+    size = f"{base.width:g} x {base.length:g} x {shape.top:.4g} mm"
+    summary = f"{count} ridge{'s' * (count > 1)}, {size}; below the middle ones"
     return f"<div>Section: {summary}</div>{whole}{near}"
 
 
@@ -102,7 +103,7 @@ def _frame(shape: Section, design: Design, box: tuple[float, float, float, float
     margin = 0.03 * (right - left)
     frame = f"{left - margin:.5g} {-high - margin:.5g} {right - left + 2 * margin:.5g}"
     frame += f" {high - low + 2 * margin:.5g}"
-    fine = min(FINE * design.ridge.spacing, 1e-3 * (right - left))
+    fine = min(FINE * skin_of(design).pitch, 1e-3 * (right - left))
     line = f'stroke="{INK}" stroke-width="1" vector-effect="non-scaling-stroke"'
     drawn = [f'<path d="{_path(shape.outline, fine)}" fill="{SILICONE}" {line}/>']
     for slot in shape.slots:

@@ -57,6 +57,7 @@ from skincad.mechanics.verdict import (
     with_shortfall,
     without_mesh_tolerance,
 )
+from skincad.shape.skin import skin_of
 
 MAX_BUDGET_RATIO = 1.5  # predicted time over budget up to which the linear tier is still tried
 MIN_BUDGET = 1e-3  # s; stands for a used-up budget: only the coarsest mesh is solved
@@ -301,7 +302,7 @@ class Climb:
         return ContactCheck(
             design.name,
             force,
-            design.ridge.count,
+            skin_of(design).count,
             answer.touching,
             answer.all_touch_force,
             answer.approach,

@@ -19,6 +19,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.tiers.winkler import ridge_stiffness
+from skincad.shape.skin import skin_of
 
 BONDED_STRIPS, NO_BONDED_STRIPS = (1.36, 1.2), (3.2, 1.5)  # (reach, fall)
 
@@ -26,7 +27,7 @@ BONDED_STRIPS, NO_BONDED_STRIPS = (1.36, 1.2), (3.2, 1.5)  # (reach, fall)
 def end_compliance(design: Design) -> Array:
     """Return the extra sinking of ridge i, mm, per N on ridge j `(ridges, ridges)`."""
     material, skin = silicone(design), design.skin
-    at = np.arange(design.ridge.count) * design.ridge.spacing
+    at = np.arange(skin_of(design).count) * skin_of(design).pitch
     distance = np.abs(at[:, None] - at) / skin.thickness
     reach, fall = BONDED_STRIPS if design.film_state == "bonded" else NO_BONDED_STRIPS
     ends = (

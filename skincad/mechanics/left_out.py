@@ -32,6 +32,7 @@ from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
 from skincad.mechanics.tiers.winkler_error import confinement
 from skincad.mechanics.validity import ridge_strain
+from skincad.shape.skin import skin_of
 
 FREE_ENDS, FINITE_STRAIN = "free ends", "finite strain"
 FRICTION, ALONG = "friction", "friction along y"
@@ -75,9 +76,9 @@ def friction(design: Design, carrying: int) -> LeftOut:
     pads the all-touch force follows. On thick ones the last ridge's remaining gap falls with the approach.
     Leaning ridges also bend, and compressible silicone draws in.
     """
-    skin, ridges = design.skin, design.ridge.count
+    skin, ridges = design.skin, skin_of(design).count
     thick = skin.thickness / _spanned(design, ridges)
-    slope = abs(design.lean(ridges)) + steepest(design.contact.plate, skin.width / 2)
+    slope = abs(skin_of(design).lean(ridges)) + steepest(design.contact.plate, skin.width / 2)
     stiffer = tip_constraint(design, ridges) - 1
     drawn_in = (1 - 2 * silicone(design).poisson_ratio) ** 2
     threshold = 0.015 + 0.41 * stiffer / (1 + (3 * thick) ** 4) + 0.3 * slope + 0.06 * drawn_in
@@ -100,10 +101,10 @@ def tip_constraint(design: Design, ridges: int) -> float:
     per strain: between two walls of which one slips so much, 4 (T + give) / (T + 4 give) times the resistance
     to being squeezed out (Poiseuille's flow, the silicone being nearly incompressible).
     """
-    skin, ridge, nu = design.skin, design.ridge, silicone(design).poisson_ratio
-    column = 2 * median(design.heights) / (ridge.root_width + ridge.tip_width)
-    give = ridge.spacing * (1.2 * column + column**3 / 4)
-    thickness, base = skin.thickness, skin.thickness / ridge.spacing
+    skin, nu = skin_of(design), silicone(design).poisson_ratio
+    column = median(skin.heights) / skin.profile.mean_width
+    give = skin.pitch * (1.2 * column + column**3 / 4)
+    thickness, base = skin.base.thickness, skin.base.thickness / skin.pitch
     thick = thickness / _spanned(design, ridges)
     more = 4 * (thickness + give) / (thickness + 4 * give)
     free = base / confinement(thick, nu) + column / confinement(column, nu)
@@ -113,9 +114,8 @@ def tip_constraint(design: Design, ridges: int) -> float:
 
 def _spanned(design: Design, ridges: int) -> float:
     """Width of the base under so many ridges, mm."""
-    ridge = design.ridge
-    mean = (ridge.root_width + ridge.tip_width) / 2
-    return min(design.skin.width, (ridges - 1) * ridge.spacing + mean)
+    skin = skin_of(design)
+    return min(skin.base.width, (ridges - 1) * skin.pitch + skin.profile.mean_width)
 
 
 def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: float) -> tuple[LeftOut, ...]:

@@ -13,7 +13,8 @@ from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
-from skincad.shape.cross_section import CONTACT_KINDS
+
+# gone
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section, section
 
@@ -81,13 +82,13 @@ class Pad:
     @property
     def ridges(self) -> tuple[int, ...]:
         """Numbers of the ridges that can touch, ascending."""
-        numbers = {s.ridge for s in self.section.outline if s.kind in CONTACT_KINDS}
+        numbers = {s.feature for s in self.section.outline if s.touches}
         return tuple(sorted(r for r in numbers if r is not None))
 
     @property
     def top(self) -> float:
         """Largest z of the contact segments, mm, exact."""
-        return max(s.top for s in self.section.outline if s.kind in CONTACT_KINDS)
+        return max(s.top for s in self.section.outline if s.touches)
 
 
 @dataclass(frozen=True)
@@ -257,7 +258,7 @@ def one_ridge(pad: Pad) -> Pad:
     """Return the pad's middle ridge on a straight-sided piece of its base, without slots: to see its mesh."""
     outline = pad.section.outline
     ridge = pad.ridges[len(pad.ridges) // 2]
-    crest = [s for s in outline if s.ridge == ridge]
+    crest = [s for s in outline if s.feature == ridge]
     first, last, low = crest[0].start, crest[-1].end, min(s.start.z for s in outline)
     below_last, below_first = Point(last.x, low), Point(first.x, low)
     back = Segment(below_last, below_first, kind="back")

@@ -19,6 +19,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import NEGLIGIBLE
 from skincad.mechanics.tiers.winkler import all_touch_force
+from skincad.shape.skin import skin_of
 
 STEP = 1e-3  # relative, of each key, one way
 KEYS = (
@@ -65,7 +66,7 @@ def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
     Empty for a single ridge, and for a negligible all-touch force. A key that guards hold fixed is left out.
     """
     closed_force = all_touch_force(design)
-    if design.ridge.count == 1 or closed_force <= NEGLIGIBLE * design.contact.force:
+    if skin_of(design).count == 1 or closed_force <= NEGLIGIBLE * design.contact.force:
         return ()
     ends = intervals(design, closed_force)
     now = {key: _value(design, key) for key in ends if key != MODULUS}
@@ -80,7 +81,7 @@ def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
 def intervals(design: Design, closed_force: float) -> dict[str, tuple[float, float]]:
     """Return the interval of each key's exponent; `closed_force` N is the closed form's."""
     closed = {key: exponent for key in KEYS if (exponent := _exponent(design, closed_force, key)) is not None}
-    edge = EDGE_MARGIN * design.ridge.count**2
+    edge = EDGE_MARGIN * skin_of(design).count ** 2
     result = {
         key: (closed[key] - off, closed[key] + off) for key, off in EXPONENT_MARGINS.items() if key in closed
     }

@@ -16,6 +16,7 @@ import math
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.validity import SHEAR_FACTOR, mean_width, plane_modulus
+from skincad.shape.skin import skin_of
 
 BISECTIONS = 60  # of an angle below pi, to rounding
 LARGEST_SQUEEZE = 0.9  # of the height pressed away, where nothing is left to sway
@@ -30,15 +31,16 @@ def sway_force(design: Design, normal: float) -> float:
     in bending (`_sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
     Res. Rep. 3 (1948) 401.
     """
+    skin = skin_of(design)
     modulus, length, material = plane_modulus(design), design.skin.length, silicone(design)
     squeeze = min(normal / (modulus * length * mean_width(design)), LARGEST_SQUEEZE)
-    height = max(design.heights) * (1 - squeeze)
+    height = max(skin.heights) * (1 - squeeze)
     width, tip = (
-        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), design.ridge.tip_width)
+        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), skin.profile.tip_width)
     )
     bending = modulus * length * width**3 / 12
     root, top = (
-        math.pi * modulus * length * b**2 / 16 * height / bending for b in (design.ridge.root_width, tip)
+        math.pi * modulus * length * b**2 / 16 * height / bending for b in (skin.profile.root_width, tip)
     )
     straight = _sway_angle(root, top) ** 2 * bending / height**2
     shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width

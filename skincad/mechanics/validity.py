@@ -12,7 +12,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import foreign_modulus, silicone
 from skincad.mechanics.plate import steepest
 from skincad.mechanics.problem import Answer
-from skincad.shape.crests import full_height
+from skincad.shape.skin import skin_of
 
 LARGEST_SLOPE = 0.35  # slope of the plate; vertical contact neglects half its square, 6 %
 LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
@@ -77,7 +77,7 @@ def limits(design: Design) -> Limits:
 
 def height(design: Design) -> float:
     """Return how high skin and ridges are, mm: the plate cannot come further."""
-    return full_height(design)
+    return skin_of(design).height
 
 
 def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> None:
@@ -91,7 +91,8 @@ def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> 
 
 def mean_width(design: Design) -> float:
     """Return a ridge's width halfway up, mm."""
-    return (design.ridge.root_width + design.ridge.tip_width) / 2
+    skin = skin_of(design)
+    return (skin.profile.root_width + skin.profile.tip_width) / 2
 
 
 def plane_modulus(design: Design) -> float:
@@ -130,7 +131,7 @@ def buckling_force(design: Design) -> float:
     """
     material, width = silicone(design), mean_width(design)
     inertia = design.skin.length * width**3 / 12
-    bending = math.pi**2 * plane_modulus(design) * inertia / max(design.heights) ** 2
+    bending = math.pi**2 * plane_modulus(design) * inertia / max(skin_of(design).heights) ** 2
     shear_modulus = material.young_modulus.value / (2 * (1 + material.poisson_ratio))
     shear = SHEAR_FACTOR * shear_modulus * design.skin.length * width
     return shear / 2 * (math.sqrt(1 + 4 * bending / shear) - 1)

@@ -101,7 +101,7 @@ class _StoppedError(RefusedError):
 
 def differential(piece: PadPiece, scene: Scene, march: March) -> dict[int, Array]:
     """Return S1 - S2 across the films `(steps + 1,)` MPa by told ridge."""
-    place = {(s.ridge, s.side): i for i, s in enumerate(piece.whole.section.slots)}
+    place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     films = march.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
 

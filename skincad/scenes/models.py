@@ -52,7 +52,7 @@ def drifted(on: Marching, march: March) -> dict[int, float]:
     """Return the largest drift of each told ridge's difference, MPa; nothing without chosen steps."""
     if march.readings[-1].drift is None:
         return {}
-    place = {(s.ridge, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
+    place = {(s.feature, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
     films = np.array([reading.drift.films for reading in march.readings if reading.drift])
     both = {r: [films[:, place[r, side], 0] for side in ("S1", "S2")] for r in on.scene.readout.ridges}
     return {r: float((one + other).max()) for r, (one, other) in both.items()}

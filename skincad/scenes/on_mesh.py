@@ -20,6 +20,7 @@ from skincad.scenes.march import March, march
 from skincad.scenes.moments import kept_steps
 from skincad.scenes.refined import LONGER, thinned
 from skincad.scenes.scene import Scene
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
@@ -54,8 +55,12 @@ def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
     from skincad.mechanics.problem import check_pad, pad_of
 
     design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
-    plain = design.with_(contact={"film": "ignored"}) if design.slot else design.with_(contact={"film": None})
-    pad, thickness = filled_pad(plain) if design.slot else (pad_of(plain), 0.0)
+    plain = (
+        design.with_(contact={"film": "ignored"})
+        if skin_of(design).slot
+        else design.with_(contact={"film": None})
+    )
+    pad, thickness = filled_pad(plain) if skin_of(design).slot else (pad_of(plain), 0.0)
     for name, effect in scene.parts.items():
         if isinstance(effect, PadChange):
             with spent(seconds, name):

@@ -19,6 +19,7 @@ from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
 from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
 from skincad.scenes.scene_tables import History, Readout, ScenePlate
+from skincad.shape.skin import skin_of
 
 LAW = "small_strain"  # of a scene that names none
 LONGEST = 4096  # letters of a path
@@ -172,6 +173,7 @@ def _parsed(name: str, table: dict[str, Any]) -> Effect:
 def _check(scene: Scene) -> None:
     """Raise InputError for what scene and skin together do not allow."""
     design = scene.design
+    skin = skin_of(design)
     _ = scene.law
     _check_law(scene)
     _check_terms(scene)
@@ -185,12 +187,12 @@ def _check(scene: Scene) -> None:
             if needed not in scene.effects:
                 rule = f"needs the effect {needed}"
                 raise InputError(f"effects.{name}", rule, remedy=f"add [effects.{needed}]")
-    if scene.readout.ridges and design.slot is None:
+    if scene.readout.ridges and skin.slot is None:
         rule = f"needs films' stresses, but {design.name} has no slots"
         raise InputError("readout.ridges", rule, scene.readout.ridges, "take a skin with slots")
     for ridge in scene.readout.ridges:
-        if not 1 <= ridge <= design.ridge.count:
-            raise InputError("readout.ridges", f"must be from 1 to {design.ridge.count}", ridge)
+        if not 1 <= ridge <= skin.count:
+            raise InputError("readout.ridges", f"must be from 1 to {skin.count}", ridge)
     too_late = [step for step in scene.readout.steps if step > scene.history.step_count]
     if too_late:
         raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", too_late[0])

@@ -107,7 +107,7 @@ class Feature:
 
 
 @dataclass(frozen=True)
-class ViewPlacement:
+class Placed:
     """A feature on the skin: `number` counts from 1 at the smallest x; `lean` rad is from z to its axis,
     towards +x; `neighbours` are the numbers of those beside it."""
 

@@ -20,7 +20,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Base, Slot
 from skincad.shape.curves import Loop, Point, Segment, area, moments, polygon
 from skincad.shape.families import place
-from skincad.shape.feature import Feature, SensorPlace, ViewPlacement
+from skincad.shape.feature import Feature, Placed, SensorPlace
 
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
@@ -77,7 +77,7 @@ class Skin:
 
     name: str
     base: Base
-    placed: tuple[ViewPlacement, ...]
+    placed: tuple[Placed, ...]
     pitch: float
 
     @property

@@ -19,7 +19,7 @@ from skincad.inputs.silicone import silicones
 from skincad.mechanics.climb import exceeds_model, mesh_tolerance
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import Change, ContactCheck
-from skincad.shape.crests import summits
+from skincad.shape.skin import skin_of
 from skincad.studies.question import first_able
 from skincad.studies.solving import TIERS
 from skincad.studies.subject import changed, value_of
@@ -82,7 +82,7 @@ def advising(
 ) -> Iterator[ContactCheck]:
     """Yield the check with what `advise` adds to it, as far as it is known: first the cause, which takes no
     time, then each change, at last the notes."""
-    if verdict.name != design.name or verdict.ridges != design.ridge.count:
+    if verdict.name != design.name or verdict.ridges != skin_of(design).count:
         raise InputError("verdict", f"is the verdict on {verdict.name}, not on {design.name}")
     if verdict.passed or verdict.out_of_range:
         yield verdict
@@ -124,8 +124,9 @@ def seconds_for_advice(
 
 def cause(design: Design, verdict: ContactCheck) -> str:
     """Return why ridges stay clear, in mm: the crests against the plate's approach."""
-    heights, approach = summits(design), verdict.approach.value or 0.0
-    drop, high = max(heights) - min(heights), max(design.heights)
+    skin = skin_of(design)
+    heights, approach = skin.crests, verdict.approach.value or 0.0
+    drop, high = max(heights) - min(heights), max(skin.heights)
     return (
         f"the lowest crest lies {drop:.2g} mm below the highest, of ridges {high:g} mm high; at "
         f"{verdict.force:g} N the plate comes {approach:.2g} mm down"

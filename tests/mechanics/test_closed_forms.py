@@ -181,7 +181,10 @@ INNER, OUTER = 1.0, 2.0
 def circle(radius: float, kind: str, ridge: int | None = None) -> Loop:
     ends = [Point(radius, 0.0), Point(0.0, radius), Point(-radius, 0.0), Point(0.0, -radius)]
     quarter = math.tan(math.pi / 8)
-    return tuple(Segment(a, b, quarter, kind, ridge) for a, b in zip(ends, ends[1:] + ends[:1], strict=True))
+    return tuple(
+        Segment(a, b, quarter, kind, ridge, kind == "crown")
+        for a, b in zip(ends, ends[1:] + ends[:1], strict=True)
+    )
 
 
 @cache

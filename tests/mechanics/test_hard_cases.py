@@ -53,7 +53,12 @@ def narrowed(pad: Pad, reach: float) -> Pad:
             touches = i == 1
             outline.append(
                 Segment(
-                    points[i], points[i + 1], bulge, "crown" if touches else "flank", 1 if touches else None
+                    points[i],
+                    points[i + 1],
+                    bulge,
+                    "crown" if touches else "flank",
+                    1 if touches else None,
+                    touches,
                 )
             )
     return replace(pad, section=Section(tuple(outline)))

@@ -18,7 +18,7 @@ from skincad.mechanics.problem import Request, pad_of
 from skincad.mechanics.tiers import finite_strain, linear, prices, winkler, winkler_error
 from skincad.mechanics.touching import check
 from skincad.mechanics.validity import buckling_force, ridge_strain
-from skincad.shape.crests import summits
+from skincad.shape.skin import skin_of
 from tests.mechanics.designs import BARE, THREE, plane, yamada
 
 UNLIKE = (0.49, 0.5, 0.504)  # mm; no two alike, none symmetric, and all touch
@@ -65,7 +65,9 @@ def test_lower_ridges_are_as_a_measured_part_with_lower_crests(tmp_path: Path) -
     """A measured part is the designed section, whole, with gaps: another mesh and another way to the gap. The
     ridges' stiffness changes with their height, by 2 % of a part of the whole."""
     even, drops = three(), [0.5 - height for height in UNLIKE]
-    rows = [f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(summits(even), drops, strict=True), 1)]
+    rows = [
+        f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(skin_of(even).crests, drops, strict=True), 1)
+    ]
     (tmp_path / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join(rows))
     part = check(even, tier="linear", force=FORCE, measured=tmp_path / "crests.csv")
     designed = plane(three(UNLIKE), force=FORCE)
@@ -79,7 +81,7 @@ def test_lower_ridges_are_as_a_measured_part_with_lower_crests(tmp_path: Path) -
 def test_springs_of_unlike_ridges_by_hand() -> None:
     """k = L E' / (n T / W + 2 h / (root + tip)), each pressed by the plate less its own gap."""
     design = yamada().with_(**BARE, ridge={"heights": [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]})
-    crests = np.array(summits(design))
+    crests = np.array(skin_of(design).crests)
     gaps = crests.max() - crests
     assert winkler.crest_gaps(design) == pytest.approx(gaps, abs=1e-12)  # rounding of 4.5 mm
     stiffness = 12.0 * 0.8 / (1 - 0.499**2) / (9 * 4.0 / 11.0 + 2 * np.array(design.heights) / 1.25)
@@ -96,7 +98,7 @@ def test_rows_of_springs_along_unlike_ridges_by_hand() -> None:
     """A second curvature: along y a crest falls away on its own arm about the axis."""
     heights = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]
     design = yamada().with_(**BARE, skin={"curvature_radius_y": 20.0}, ridge={"heights": heights})
-    crests, angle = np.array(summits(design)), (np.arange(200_000) + 0.5) * 0.3 / 200_000
+    crests, angle = np.array(skin_of(design).crests), (np.arange(200_000) + 0.5) * 0.3 / 200_000
     approach, per_mm = 0.05, 0.8 / (1 - 0.499**2) / (9 * 4.0 / 11.0 + 2 * np.array(heights) / 1.25)
     arm = 20.0 - 4.0 + crests
     depth = approach - (crests.max() - crests)

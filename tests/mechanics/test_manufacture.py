@@ -18,6 +18,7 @@ from skincad.mechanics.problem import Request, RidgeModel, Spread, pad_of
 from skincad.mechanics.tiers import corrected
 from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of
+from skincad.shape.skin import skin_of
 from tests.mechanics.designs import linear_check, reference
 
 
@@ -131,11 +132,14 @@ def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
 
 @pytest.mark.slow
 def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> None:
-    from skincad.shape.cross_section import frame
+    # gone
 
     design = load("yamada-2002")
     base = linear_check(design)
-    rows = [f"{r},{frame(design, r).at(0.0, 0.5).z - (0.004 if r == 1 else 0.0)}" for r in range(1, 10)]
+    rows = [
+        f"{r},{skin_of(design).placed[r - 1].frame.at(0.0, 0.5).z - (0.004 if r == 1 else 0.0)}"
+        for r in range(1, 10)
+    ]
     (tmp_path / "crests.csv").write_text("\n".join(["ridge,crest_mm", *rows]))
     part = linear_check(design, measured=tmp_path / "crests.csv")
     slope = (part.all_touch_force.value - base.all_touch_force.value) / 0.004
@@ -145,10 +149,10 @@ def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> Non
 
 @pytest.mark.slow
 def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
-    from skincad.shape.cross_section import frame
+    # gone
 
     design = load("yamada-2002")
-    rows = [f"{r},{frame(design, r).at(0.0, 0.5).z!r}" for r in range(9, 0, -1)]
+    rows = [f"{r},{skin_of(design).placed[r - 1].frame.at(0.0, 0.5).z!r}" for r in range(9, 0, -1)]
     (tmp_path / "crests.csv").write_text("# a comment\n\nridge,crest_mm\n" + "\n".join(rows))
     part, base = linear_check(design, measured=tmp_path / "crests.csv"), linear_check(design)
     assert part.all_touch_force.value == pytest.approx(base.all_touch_force.value, rel=1e-9)

@@ -12,7 +12,9 @@ from skincad import load
 from skincad.inputs.design import Design
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
-from skincad.shape.cross_section import frame
+from skincad.shape.skin import skin_of
+
+# gone
 from tests.mechanics.designs import THREE
 
 ERRORS = (0.006, 0.0, -0.008)  # mm, of the crests: no two alike, none symmetric
@@ -30,7 +32,10 @@ def judged(
     design: Design, folder: Path, tier: str, errors: Sequence[float], order: Sequence[int] = (1, 2, 3)
 ) -> ContactCheck:
     """The verdict on a part whose crests are off by `errors` mm, its rows in this order of ridges."""
-    crests = [frame(design, r).at(0.0, design.ridge.height).z + errors[r - 1] for r in range(1, 4)]
+    crests = [
+        skin_of(design).placed[r - 1].frame.at(0.0, design.ridge.height).z + errors[r - 1]
+        for r in range(1, 4)
+    ]
     rows = [f"{r},{crests[r - 1]!r}" for r in order]
     (folder / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join(rows))
     return check(design, tier=tier, force=FORCE, measured=folder / "crests.csv")

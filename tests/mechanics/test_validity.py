@@ -33,7 +33,9 @@ def design() -> Design:
     """Ridges 0.8 mm wide in the mean and 12 mm long, of 0.8 MPa and nu 0.4."""
     ridge = {"root_width": 0.9, "tip_width": 0.7, "height": 0.6}
     material = {"name": None, "young_modulus": 0.8, "poisson_ratio": 0.4}
-    return load("plain-ridges").with_(ridge=ridge, skin={"length": 12.0, "thickness": 4.0}, material=material)
+    return load("plain-ridges").with_(
+        ridge={**ridge, "root_fillet": 0.0}, skin={"length": 12.0, "thickness": 4.0}, material=material
+    )
 
 
 def answer(threshold: float | None, *forces: float) -> Answer:

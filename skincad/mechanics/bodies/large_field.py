@@ -20,7 +20,7 @@ from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.law_energy import NO_LAWS, excess
 from skincad.mechanics.bodies.neo_hooke import NeoHookeBody, dilatation
 from skincad.mechanics.bodies.strip_field import strips_of
-from skincad.shape.cross_section import SlotPlace
+from skincad.shape.feature import SensorPlace
 
 EXTRA = 2  # of the integration's order beyond twice the displacements': the integrand is no polynomial
 
@@ -88,7 +88,7 @@ def strip_stress(
     body: NeoHookeBody,
     order: int,
     materials: Mapping[str, tuple[float, float]],
-    slots: Sequence[SlotPlace],
+    slots: Sequence[SensorPlace],
     thickness: float,
     unit: float,
     laws: Mapping[str, Rubber] = NO_LAWS,

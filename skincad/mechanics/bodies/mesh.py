@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -17,7 +17,8 @@ from netgen.meshing import NgException
 
 from skincad.base.errors import InputError, exhausted
 from skincad.mechanics.problem import Pad
-from skincad.shape.cross_section import CONTACT_KINDS
+
+# gone
 from skincad.shape.curves import Loop, Point, Segment
 
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
@@ -48,7 +49,7 @@ class Sizes:
 
 def unit_of(pad: Pad) -> float:
     """Return the pad's own unit of length, mm: the mean length of a ridge's contact segments."""
-    total = math.fsum(s.length for s in pad.section.outline if s.kind in CONTACT_KINDS)
+    total = math.fsum(s.length for s in pad.section.outline if s.touches)
     return total / len(pad.ridges)
 
 
@@ -132,7 +133,7 @@ def _pieces(loop: Loop, shortest: float) -> Iterator[Segment]:
         cuts = _cuts(s)
         points = [s.start, *(s.point(f) for f in cuts[1:-1]), end]
         for a, b, share in zip(points, points[1:], np.diff(cuts), strict=False):
-            yield Segment(a, b, math.tan(s.sweep * share / 4) if s.bulge else 0.0, s.kind, s.ridge)
+            yield replace(s, start=a, end=b, bulge=math.tan(s.sweep * share / 4) if s.bulge else 0.0)
 
 
 def _cuts(segment: Segment) -> list[float]:
@@ -140,7 +141,7 @@ def _cuts(segment: Segment) -> list[float]:
 
     With a vertex on every summit the first touch is exact, however light the load and flat the skin.
     """
-    highest = segment.summit if segment.kind in CONTACT_KINDS else None
+    highest = segment.summit if segment.touches else None
     ends = [0.0, 1.0]
     if highest is not None and SUMMIT_MARGIN < highest < 1 - SUMMIT_MARGIN:
         ends.insert(1, highest)
@@ -174,7 +175,7 @@ def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:
     """
     if segment.kind == "slot":
         return max(2 * shortest, segment.length / 8, sizes.slot)
-    if segment.kind in CONTACT_KINDS:
+    if segment.touches:
         return min(sizes.contact, segment.length / 2)
     if segment.kind in ("flank", "root_fillet"):
         return sizes.ridge
@@ -186,4 +187,4 @@ def _name(segment: Segment, domains: tuple[int, int]) -> str:
         return "strip"
     if segment.kind in ("back", "cut"):
         return segment.kind
-    return f"contact{segment.ridge}" if segment.kind in CONTACT_KINDS and domains[0] == SKIN else "free"
+    return f"contact{segment.feature}" if segment.touches and domains[0] == SKIN else "free"

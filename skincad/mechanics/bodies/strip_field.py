@@ -18,7 +18,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.problem import ContactError
-from skincad.shape.cross_section import SlotPlace
+from skincad.shape.feature import SensorPlace
 
 PIECES = 2  # a triangle's edge is drawn in so many
 AREA = 1e-9  # relative; the triangles of a strip make up its area
@@ -75,7 +75,7 @@ def set_state(body: StripBody, condensed: Array) -> None:
     whole.data += body.form.harmonic_extension * whole
 
 
-def averages(body: StripBody, slots: Sequence[SlotPlace], thickness: float, unit: float) -> Array:
+def averages(body: StripBody, slots: Sequence[SensorPlace], thickness: float, unit: float) -> Array:
     """Return `(strips, 4)`: the state's stresses xx, xz, zz, yy averaged over each strip of domain `film`.
 
     `slots` are the strips' places, `thickness` theirs, both mm. Integrated exactly. Because a Galerkin
@@ -101,7 +101,7 @@ def averages(body: StripBody, slots: Sequence[SlotPlace], thickness: float, unit
 def average_rows(
     body: StripBody,
     materials: Mapping[str, tuple[float, float]],
-    slots: Sequence[SlotPlace],
+    slots: Sequence[SensorPlace],
     thickness: float,
     unit: float,
 ) -> Array:
@@ -131,14 +131,14 @@ def average_rows(
     return rows
 
 
-def strips_of(mesh: Any, slots: Sequence[SlotPlace], thickness: float, unit: float) -> tuple[Index, Index]:
+def strips_of(mesh: Any, slots: Sequence[SensorPlace], thickness: float, unit: float) -> tuple[Index, Index]:
     """Return the elements of domain `film` and the number of the strip that each lies in, both `(e,)`."""
     inside = list(mesh.Materials("film").Elements())
     numbers = np.array([e.nr for e in inside], dtype=np.int64)
     return numbers, nearest(fe.centres(mesh, inside) * unit, slots, thickness)
 
 
-def nearest(points: Array, slots: Sequence[SlotPlace], thickness: float) -> Index:
+def nearest(points: Array, slots: Sequence[SensorPlace], thickness: float) -> Index:
     """Number of the strip that each point, mm, lies in."""
     centre = np.array([s.centre for s in slots])
     along, normal = np.array([s.direction for s in slots]), np.array([s.across for s in slots])

@@ -88,7 +88,7 @@ def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactStat
 class _TrialSolution:
     """The solution for one choice of sets; arrays are `(m,)`.
 
-    Forces `p` and `t`, plate `d` and `s`, gaps `w`, slips `moved`, and displacements `x` by the forces. `rounded`
+    Forces `p` and `t`, plate `d` and `s`, gaps `w`, slips `moved`, displacements `x` by the forces. `rounded`
     are the gaps of closed points too, 0 but for rounding. `plate_residual` is the relative imbalance of the
     forces on a plate with mass.
     """

@@ -23,6 +23,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.dynamics.ringing import SAMPLES_PER_CORNER, Ringer, ringer
 from skincad.mechanics.validity import mean_width
+from skincad.shape.skin import skin_of
 
 TONNE = 1e-6  # of a gram
 FREE_TOP = 4 / math.pi**2  # of a layer's mass, at its top, gives its quarter wave: sqrt(G / rho) / (4 h)
@@ -127,5 +128,5 @@ def plate_ringing(
 def skin_mass(design: Design) -> float:
     """Return the mass of a skin, g, taken as a flat block with straight-flanked ridges."""
     skin = design.skin
-    area = skin.width * skin.thickness + sum(design.heights) * mean_width(design)
+    area = skin.width * skin.thickness + sum(skin_of(design).heights) * mean_width(design)
     return 1e-6 * silicone(design).density * area * skin.length

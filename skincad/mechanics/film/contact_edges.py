@@ -11,7 +11,8 @@ import numpy as np
 from scipy import optimize
 
 from skincad.mechanics.film.stick import PadPiece, StickSolution
-from skincad.shape.cross_section import CONTACT_KINDS
+
+# gone
 from skincad.shape.curves import Segment
 
 
@@ -35,7 +36,7 @@ def with_fine_edges(piece: PadPiece, solution: StickSolution) -> PadPiece:
     outline = tuple(
         piece
         for s in piece.pad.section.outline
-        for piece in (_cut(s, cuts.get(s.ridge or 0, [])) if s.kind in CONTACT_KINDS else (s,))
+        for piece in (_cut(s, cuts.get(s.feature or 0, [])) if s.touches else (s,))
     )
     return replace(piece, pad=replace(piece.pad, section=replace(piece.pad.section, outline=outline)))
 

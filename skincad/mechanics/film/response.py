@@ -142,7 +142,7 @@ def _of_state(piece: PadPiece, loads: Sequence[_ContactLoad], unknowns: int) -> 
     none = np.zeros((2, len(contact), 3))
     return FilmResponse(
         alone.force,
-        tuple((s.ridge, s.side) for s in piece.whole.section.slots),
+        tuple((s.feature, s.side) for s in piece.whole.section.slots),
         np.array(normal),
         np.array(tangential),
         none,

@@ -52,7 +52,7 @@ def ridge_field(piece: PadPiece, solution: StickSolution, ridge: int, tangential
 
 
 def _middles(piece: PadPiece, ridge: int) -> Array:
-    return np.array([slot.centre for slot in piece.whole.section.slots if slot.ridge == ridge])
+    return np.array([slot.centre for slot in piece.whole.section.slots if slot.feature == ridge])
 
 
 def _across(piece: PadPiece, ridge: int) -> Array:

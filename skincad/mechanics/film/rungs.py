@@ -142,7 +142,7 @@ def _values(piece: PadPiece, solution: StickSolution, tangential: float) -> dict
         strips = strips + tangential * solution.pull_state.strips
         push = push + tangential * solution.pull_state.normal
         pull = pull + tangential * solution.pull_state.tangential
-    place = {(s.ridge, s.side): i for i, s in enumerate(piece.whole.section.slots)}
+    place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     one, other = (strips[[place[r, side] for r in numbers]] for side in ("S1", "S2"))
     return {
         "s1": one[:, 0],

@@ -27,7 +27,7 @@ from skincad.mechanics.bodies.symmetry import half_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import ContactError, Pad
-from skincad.shape.cross_section import SlotPlace
+from skincad.shape.feature import SensorPlace
 
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
 CENTRE_TOLERANCE = 1e-9  # of the pad's width; centres of mirrored strips agree to that
@@ -40,7 +40,7 @@ class PadPiece:
     whole: Pad
     pad: Pad
     mirrored: bool
-    slots: tuple[SlotPlace, ...]
+    slots: tuple[SensorPlace, ...]
     thickness: float
     unit: float
 
@@ -239,7 +239,7 @@ def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, pari
     return LoadState(strips, push, pull, -load[m:] * scale * share, moved)
 
 
-def in_strip_axes(stress: Array, slots: Sequence[SlotPlace]) -> Array:
+def in_strip_axes(stress: Array, slots: Sequence[SensorPlace]) -> Array:
     """Stresses xx, xz, zz, yy `(strips, 4, ...)` as across, along the strip in the section, along y."""
     turn = np.zeros((len(slots), 3, 4))
     for i, axes in enumerate((np.array([s.across for s in slots]), np.array([s.direction for s in slots]))):

@@ -19,6 +19,7 @@ from skincad.mechanics.film.rungs import solve
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.touching import LARGEST_FORCE, require_force
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
+from skincad.shape.skin import skin_of
 
 DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/facts.md)
 LEFT_OUT_NOTE = "the pad is taken as long and strains as small: free ends and finite strain are left out"
@@ -38,7 +39,7 @@ def film_stress(
     The stress field of the third ridge and of the middle one can be drawn. Raises as `film_stresses`.
     """
     normal = design.contact.force if force is None else force
-    middle = (design.ridge.count + 1) // 2
+    middle = (skin_of(design).count + 1) // 2
     pulls = (0.0, normal / 4 if tangential is None else tangential)
     alone, both = film_stresses(
         design, normal, pulls, tol=tol, show=sorted({min(3, middle), middle}), progress=progress
@@ -104,6 +105,7 @@ def check_request(
     show: Sequence[int] = (),
 ) -> None:
     """Raise InputError for a request that `film_stresses` refuses before any work."""
+    skin = skin_of(design)
     _filled_slot(design)
     require_force(force)
     rule = f"must be from -{LARGEST_FORCE:g} to {LARGEST_FORCE:g} N"
@@ -111,13 +113,14 @@ def check_request(
         require_number("tangential", pull, lambda value: abs(value) <= LARGEST_FORCE, rule)
     require_goals(tol, None, "0.02")
     for ridge in show:
-        if not 1 <= ridge <= design.ridge.count:
-            raise InputError("show", f"must be a ridge from 1 to {design.ridge.count}", ridge)
+        if not 1 <= ridge <= skin.count:
+            raise InputError("show", f"must be a ridge from 1 to {skin.count}", ridge)
 
 
 def _filled_slot(design: Design) -> Slot:
     """The slot of each film, if stress crosses it."""
-    if design.slot is None:
+    slot = skin_of(design).slot
+    if slot is None:
         raise InputError(
             "slot", "is missing: a film's stress needs its place", remedy="add [slot] and [film]"
         )
@@ -128,7 +131,7 @@ def _filled_slot(design: Design) -> Slot:
             design.film_state,
             "add a [film] and say 'bonded', or say 'ignored'",
         )
-    return design.slot
+    return slot
 
 
 def _in_range(design: Design, state: FilmStress) -> FilmStress:

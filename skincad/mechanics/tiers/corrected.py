@@ -28,6 +28,8 @@ from skincad.mechanics.tiers.solid_level import (
     solve_level,
     timed,
 )
+from skincad.shape.families import without_fillets
+from skincad.shape.skin import skin_of
 
 ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)
@@ -75,11 +77,11 @@ def answer(
 
 def plain_pad(design: Design) -> Pad:
     """Return the pad without small fillets, which take most of the triangles and leave the change alone."""
-    ridge = design.ridge
+    ridge = skin_of(design).profile
     if ridge.tip_fillet > MOST_FILLET * ridge.tip_width:
         return pad_of(design)
     try:
-        return pad_of(design.with_(ridge={"tip_fillet": 0.0, "root_fillet": 0.0}))
+        return pad_of(without_fillets(design))
     except InputError:  # a slot that clears the fillet but not the sharp corner
         return pad_of(design)
 

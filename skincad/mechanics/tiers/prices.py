@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad, pad_of
+from skincad.shape.skin import skin_of
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,11 @@ def plane_unknowns(design: Design) -> float:
 
     Of a mirror-symmetric pad half is solved.
     """
-    slots = design.slot is not None and design.film_state != "ignored"
-    mirrored = design.contact.plate.shape == "flat" and design.heights == design.heights[::-1]
+    skin = skin_of(design)
+    slots = skin.slot is not None and design.film_state != "ignored"
+    mirrored = design.contact.plate.shape == "flat" and skin.heights == skin.heights[::-1]
     half = 0.5 if mirrored else 1.0
-    return half * (3000 + design.ridge.count * (3000 if slots else 1900))
+    return half * (3000 + skin.count * (3000 if slots else 1900))
 
 
 def coarse_solid_unknowns(design: Design) -> float:

@@ -23,6 +23,7 @@ from skincad.mechanics.tiers.prices import (
     plane_unknowns,
     solid_unknowns,
 )
+from skincad.shape.skin import skin_of
 
 
 @dataclass(frozen=True)
@@ -159,7 +160,7 @@ def expected_seconds(name: str, design: Design, solved: set[str]) -> float:
 
 def overhead_seconds(what: str, design: Design) -> float:
     """Return the predicted seconds of a check's `yield`, or of its plate's `friction`."""
-    return OVERHEAD[what].at(design.ridge.count) * machine_factor()
+    return OVERHEAD[what].at(skin_of(design).count) * machine_factor()
 
 
 def run(

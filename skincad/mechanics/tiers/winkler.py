@@ -26,6 +26,7 @@ from skincad.mechanics.plate import rise
 from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.tiers.winkler_error import compliances, crown_height_spread, half_widths, share_error
 from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, plane_modulus
+from skincad.shape.skin import skin_of
 
 NODES = 10  # Gauss points along half a ridge; exact to rounding below 90 degrees
 TINY = 1e-300  # mm; the root's relative tolerance counts
@@ -43,7 +44,7 @@ def ridge_stiffness(design: Design) -> float:
 def relative_stiffness(design: Design) -> Array:
     """Return each ridge's stiffness over the median ridge's `(ridges,)`: higher ones are softer."""
     usual = math.fsum(compliances(design))
-    return np.array([usual / math.fsum(compliances(design, height)) for height in design.heights])
+    return np.array([usual / math.fsum(compliances(design, height)) for height in skin_of(design).heights])
 
 
 def crest_gaps(design: Design) -> Array:
@@ -55,16 +56,18 @@ def crest_gaps(design: Design) -> Array:
 def crest_depths(design: Design) -> Array:
     """Return how far each crest is from a plate that touches the highest ridge on the axis, were there one:
     fall of the base circle, rise of the plate, lack of height, `(ridges,)` mm."""
-    heights = np.array(design.heights)
+    skin = skin_of(design)
+    heights = np.array(skin.heights)
     radius = design.skin.curvature_radius + heights
-    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    lean = np.array([skin.lean(i + 1) for i in range(skin.count)])
     return np.asarray(2 * radius * np.sin(lean / 2) ** 2 + plate_rises(design) + heights.max() - heights)
 
 
 def plate_rises(design: Design) -> Array:
     """Return the plate's height over a flat plate at each crest, `(ridges,)` mm."""
-    radius = design.skin.curvature_radius + np.array(design.heights)
-    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    skin = skin_of(design)
+    radius = design.skin.curvature_radius + np.array(skin.heights)
+    lean = np.array([skin.lean(i + 1) for i in range(skin.count)])
     return np.asarray(rise(design.contact.plate, radius * np.sin(lean)))
 
 
@@ -95,8 +98,8 @@ def stiffnesses(design: Design, factor: float = 1.0) -> Array:
 
 def _crest_arms(design: Design) -> Array:
     """Distance of each crest from the axis of the second curvature, `(ridges,)` mm."""
-    skin, height = design.skin, np.array(design.heights)
-    lean = np.array([design.lean(i + 1) for i in range(design.ridge.count)])
+    skin, height = design.skin, np.array(skin_of(design).heights)
+    lean = np.array([skin_of(design).lean(i + 1) for i in range(skin_of(design).count)])
     fall = 2 * (skin.curvature_radius + height) * np.sin(lean / 2) ** 2
     return np.asarray((skin.curvature_radius_y or math.inf) + height - fall)
 
@@ -174,9 +177,10 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 def _step_moved(design: Design) -> Iterator[Design]:
     """Yield the design with a plate's step moved by half a tip either way: a tip that the edge meets touches
     with its lower part alone then, or with its higher part alone. A spring knows only one of them."""
+    skin = skin_of(design)
     plate = design.contact.plate
     if plate.shape == "step":
-        for shift in (-design.ridge.tip_width / 2, design.ridge.tip_width / 2):
+        for shift in (-skin.profile.tip_width / 2, skin.profile.tip_width / 2):
             moved = plate.model_copy(update={"position": plate.position + shift})
             yield design.model_copy(update={"contact": design.contact.model_copy(update={"plate": moved})})
 
@@ -194,8 +198,7 @@ def _left_out(design: Design, approach: float) -> Iterator[str]:
 def _out_of_range(design: Design, approach: float) -> str:
     """Say that at this approach a ridge's middle is crushed, by its force per length over E' and its width,
     or that the contact's end slopes too much."""
-    ridge = design.ridge
-    width = (ridge.root_width + ridge.tip_width) / 2
+    width = skin_of(design).profile.mean_width
     deepest = float(((approach - crest_gaps(design)) * relative_stiffness(design)).max())
     strain = deepest / math.fsum(compliances(design)) / width
     if strain > LARGEST_STRAIN:

@@ -25,6 +25,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.plate import rise
+from skincad.shape.skin import skin_of
 
 # Half-widths against the linear tier at usual sizes, set on the variants of test_winkler.py
 # and 40 random designs (bench/error_bars.py); with the indicators below they hold on all of 36
@@ -67,10 +68,10 @@ def compliances(design: Design, height: float | None = None) -> tuple[float, flo
     Each is a layer's thickness over its width; the ridge is `height` mm high, or as the median one. Johnson,
     Contact Mechanics, 1985, sec. 4.3.
     """
-    skin, ridge = design.skin, design.ridge
-    base = ridge.count * skin.thickness / skin.width
-    high = median(design.heights) if height is None else height
-    return base, 2 * high / (ridge.root_width + ridge.tip_width)
+    skin = skin_of(design)
+    base = skin.count * skin.base.thickness / skin.base.width
+    high = median(skin.heights) if height is None else height
+    return base, high / skin.profile.mean_width
 
 
 def confinement(slender: float, nu: float) -> float:
@@ -111,9 +112,10 @@ def tip_approach(design: Design, ridge: int, line: float) -> float:
     an edge EDGE times that, and the ridge bends: 3 (tip / width)^2 of a column's own give.
     At most what the plate must sink for the whole tip to touch. `ridge` counts from 0.
     """
-    shape, tip = design.ridge, design.ridge.tip_width
-    lean = design.lean(ridge + 1)
-    middle = (design.skin.curvature_radius + design.heights[ridge]) * math.sin(lean)
+    skin = skin_of(design)
+    shape, tip = skin.profile, skin.profile.tip_width
+    lean = skin.lean(ridge + 1)
+    middle = (design.skin.curvature_radius + skin.heights[ridge]) * math.sin(lean)
     low, high = rise(design.contact.plate, np.array([middle - tip / 2, middle + tip / 2]))
     tilt = abs(math.sin(lean) + float(high - low) / tip)
     most = shape.crown + tilt * tip / 2 + FILLET_ROUNDING * min(shape.tip_fillet, tip / 2)
@@ -122,7 +124,7 @@ def tip_approach(design: Design, ridge: int, line: float) -> float:
     edge = max(0.0, 1 - 4 * shape.crown / tip / tilt) if tilt > 0 else 0.0  # beyond the crown's own slope
     on_crown = math.log1p(math.sqrt(math.pi * most / 2) / math.sqrt(line))
     on_edge = EDGE_COMPLIANCE * max(on_crown, math.log(line + tilt * tip / 2) - math.log(line))
-    bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * compliances(design, design.heights[ridge])[1]
+    bent = 3 * (2 * tip / (shape.root_width + tip)) ** 2 * compliances(design, skin.heights[ridge])[1]
     return min(most, line * ((1 - edge) * on_crown + edge * (on_edge + bent)))
 
 
@@ -134,10 +136,11 @@ def crown_height_spread(design: Design) -> float:
     alike that is a part of their crest differences that THRESHOLD_ERROR holds; levelled crests have little
     else.
     """
-    if not design.uneven:
+    skin = skin_of(design)
+    if not skin.uneven:
         return 0.0
-    tip, crown = design.ridge.tip_width, design.ridge.crown
-    leans = [abs(design.lean(ridge)) for ridge in range(1, design.ridge.count + 1)]
+    tip, crown = skin.profile.tip_width, skin.profile.crown
+    leans = [abs(skin.lean(ridge)) for ridge in range(1, skin.count + 1)]
     radius = tip**2 / (8 * crown) + crown / 2 if crown else math.inf
     rises = [
         2 * radius * math.sin(lean / 2) ** 2
@@ -154,16 +157,17 @@ def half_widths(design: Design, line: Array, approach: float, carrying: float, l
     `line` `(ridges,)` mm is each ridge's largest force per length over E', `approach` mm, `carrying` how many
     ridges carry, each by the share of its length, `last` mm the depth of the first when the last one touches.
     """
+    skin = skin_of(design)
     doubly = design.skin.curvature_radius_y is not None
     base, column = compliances(design)
     most, give = int(np.argmax(line)), base + column
     # a force of the smallest number there is moves nothing
     tips = tip_approach(design, most, float(line[most])) / approach if approach > 0 else 0.0
     at_last = tip_approach(design, most, last / give) / last if last > 0 else 0.0
-    stiffer = stiffening(design, at_last * give, design.ridge.count)
+    stiffer = stiffening(design, at_last * give, skin.count)
     usual = DOUBLY_THRESHOLD_ERROR if doubly else THRESHOLD_ERROR
     threshold = max(usual, STIFFENING_MARGIN * (stiffer - 1), at_last / (1 + at_last))
-    few = APPROACH_ERROR + PER_RIDGE / design.ridge.count
+    few = APPROACH_ERROR + PER_RIDGE / skin.count
     usual = max(DOUBLY_APPROACH_ERROR, few) if doubly else few
     base_factor = stiffening(design, tips * give, carrying)
     reached = max(usual, APPROACH_MARGIN + tips, 1 - 1 / base_factor)

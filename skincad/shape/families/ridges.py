@@ -16,10 +16,10 @@ import numpy as np
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, Segment, concentric_hit, rise
-from skincad.shape.feature import Feature, Frame, SensorPlace, ViewPlacement
+from skincad.shape.feature import Feature, Frame, Placed, SensorPlace
 
 
-def place(design: Design) -> tuple[ViewPlacement, ...]:
+def place(design: Design) -> tuple[Placed, ...]:
     """Return the design's ridges on its skin, ridge 1 at the smallest x.
 
     Raises InputError where a ridge has no shape, or neighbours no room.
@@ -38,7 +38,7 @@ def place(design: Design) -> tuple[ViewPlacement, ...]:
     _check_roots(design, features)
     count = len(features)
     return tuple(
-        ViewPlacement(
+        Placed(
             feature,
             _frame(design, number),
             number,

@@ -27,7 +27,7 @@ def block(width: float, height: float, ratio: float) -> Pad:
     corners = [Point(-x, 0.0), Point(x, 0.0), Point(x, height), Point(-x, height)]
     kinds = ("back", "side", "crown", "side")
     outline = tuple(
-        Segment(a, b, kind=kind, feature=1 if kind == "crown" else None)
+        Segment(a, b, kind=kind, feature=1 if kind == "crown" else None, touches=kind == "crown")
         for a, b, kind in zip(corners, [*corners[1:], corners[0]], kinds, strict=True)
     )
     return Pad(Section(outline), 2.0, 0.7, ratio)
@@ -47,7 +47,7 @@ def cylinder(radius: float, ratio: float) -> Pad:
         Segment(Point(-half, 0.0), Point(half, 0.0), kind="back"),
         Segment(Point(half, 0.0), at(half), kind="side"),
         Segment(at(half), at(reach), arc(half, reach), "base"),
-        Segment(at(reach), at(-reach), arc(reach, -reach), "crown", 1),
+        Segment(at(reach), at(-reach), arc(reach, -reach), "crown", 1, True),
         Segment(at(-reach), at(-half), arc(-reach, -half), "base"),
         Segment(at(-half), Point(-half, 0.0), kind="side"),
     )

@@ -21,7 +21,7 @@ from tests.mechanics.bodies.test_elements import block
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("degrees", [-150.0, -10.0, 0.0, 1e-6, 30.0, 175.0])
 def test_a_cut_curve_is_the_curve(degrees: float, backwards: bool) -> None:
-    whole = Segment(Point(1.0, 2.0), Point(-2.0, 2.3), math.tan(math.radians(degrees) / 4), "crown", 3)
+    whole = Segment(Point(1.0, 2.0), Point(-2.0, 2.3), math.tan(math.radians(degrees) / 4), "crown", 3, True)
     if backwards:
         whole = whole.reversed()
     at = [0.5, -1.9, 7.0, 0.999, -2.0, 1.0]  # in any order; what lies outside or on its ends cuts nothing
@@ -59,7 +59,7 @@ def test_the_top_is_cut_a_step_either_side_of_where_contact_ends(unit: float) ->
 
 def test_each_ridge_is_cut_by_its_own_points() -> None:
     def crown(ridge: int, middle: float) -> Segment:
-        return Segment(Point(middle + 1, 1.0), Point(middle - 1, 1.0), 0.0, "crown", ridge)
+        return Segment(Point(middle + 1, 1.0), Point(middle - 1, 1.0), 0.0, "crown", ridge, True)
 
     pad: Any = Pad(Section((crown(2, 3.0), crown(1, 0.0))), 2.0, 0.7, 0.3)
     x = np.array([-0.4, 0.4, 2.6, 3.4])
@@ -68,4 +68,10 @@ def test_each_ridge_is_cut_by_its_own_points() -> None:
         body=SimpleNamespace(system=SimpleNamespace(nodes=nodes)), bonded=np.array([True, True, True, False])
     )
     cut = with_fine_edges(PadPiece(pad, pad, False, (), 0.0, 1.0), solution).pad.section.outline
-    assert [(s.ridge, round(s.start.x, 9)) for s in cut] == [(2, 4.0), (2, 3.8), (2, 3.0), (2, 2.2), (1, 1.0)]
+    assert [(s.feature, round(s.start.x, 9)) for s in cut] == [
+        (2, 4.0),
+        (2, 3.8),
+        (2, 3.0),
+        (2, 2.2),
+        (1, 1.0),
+    ]

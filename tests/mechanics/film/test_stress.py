@@ -436,7 +436,7 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
 ) -> None:
     """Rows of strips are ridge 1's S1 and S2, then ridge 2's; all of a kind share the largest error."""
     piece = two_ridges(False)
-    sides = [(slot.ridge, slot.side) for slot in piece.whole.section.slots]
+    sides = [(slot.feature, slot.side) for slot in piece.whole.section.slots]
     order = [sides.index(estimate) for estimate in ((1, "S1"), (1, "S2"), (2, "S1"), (2, "S2"))]
     rows = 0.01 * np.arange(12.0).reshape(4, 3)
     push = np.empty((4, 3))
